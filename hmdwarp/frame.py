@@ -1,0 +1,39 @@
+"""What was drawn, and the exact views it was drawn for: they travel together, always."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from .geometry import View
+from .scenes.effects import SceneEffect
+
+if TYPE_CHECKING:
+    import moderngl
+
+
+@attrs.frozen(eq=False)
+class EyeImage:
+    """One eye's picture: `colour` rgba16f linear with coverage in alpha, `inverse_depth` r32f in 1/m, and its view.
+
+    Rows run bottom to top, as GL has them. Where colour's alpha is 0 nothing was drawn and inverse_depth is 0.
+    """
+
+    view: View
+    colour: moderngl.Texture
+    inverse_depth: moderngl.Texture
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) in pixels."""
+        return self.colour.size
+
+
+@attrs.frozen(eq=False)
+class Frame:
+    """Both eyes as the server drew them at `drawn_ns`; `effects` is what the scene called for."""
+
+    eyes: tuple[EyeImage, ...]
+    drawn_ns: int
+    effects: SceneEffect = SceneEffect.NONE

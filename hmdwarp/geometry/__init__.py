@@ -1,0 +1,11 @@
+"""Float64 geometry without a GPU: poses, views, the warp map between two views, depth conventions.
+
+This package knows nothing of the rest of the program. Conventions: docs/conventions.md.
+"""
+
+from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres
+from .pose import Pose
+from .view import Fov, View
+from .warp_map import WarpMap
+
+__all__ = ["DepthLayer", "Fov", "Pose", "View", "WarpMap", "inverse_depth_from_clip", "inverse_depth_from_metres"]

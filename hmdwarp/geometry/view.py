@@ -1,0 +1,95 @@
+"""Fields of view and views: one eye at one instant."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from .pose import Pose
+
+_MAX_ANGLE = math.radians(89.5)  # tan = 114.6: past this a plane at z = -1 is no longer a picture
+
+
+@attrs.frozen
+class Fov:
+    """Four half angles in radians as in XrFovf: left and down negative for a symmetric view, any of them may be asymmetric.
+
+    Errors: InputError unless left < right, down < up and each within +-89.5 degrees.
+    """
+
+    left: float = attrs.field(converter=float)
+    right: float = attrs.field(converter=float)
+    down: float = attrs.field(converter=float)
+    up: float = attrs.field(converter=float)
+
+    def __attrs_post_init__(self) -> None:
+        angles = (self.left, self.right, self.down, self.up)
+        if not all(abs(a) <= _MAX_ANGLE for a in angles) or self.left >= self.right or self.down >= self.up:
+            shown = ", ".join(f"{a:.6g}" for a in angles)
+            raise InputError(f"no field of view: left, right, down, up = {shown} rad; wanted left < right, down < up, within +-1.562")
+
+    @classmethod
+    def symmetric(cls, horizontal_rad: float, vertical_rad: float) -> Fov:
+        """From two full angles in radians."""
+        return cls(-horizontal_rad / 2, horizontal_rad / 2, -vertical_rad / 2, vertical_rad / 2)
+
+    @classmethod
+    def from_tangents(cls, tangents: ArrayLike) -> Fov:
+        """From the four tangents left, right, down, up."""
+        return cls(*np.arctan(np.asarray(tangents, dtype=np.float64)))
+
+    @property
+    def tangents(self) -> NDArray[np.float64]:
+        """(4,) left, right, down, up on the plane z = -1."""
+        return np.tan([self.left, self.right, self.down, self.up])
+
+    def pixel_from_tangent(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        """3x3: tangent point (x, y, 1) to pixel (px, py, 1) of a (w, h) picture; origin bottom left, centres at i + 0.5."""
+        left, right, down, up = self.tangents
+        width, height = size
+        sx, sy = width / (right - left), height / (up - down)
+        return np.array([[sx, 0, -left * sx], [0, sy, -down * sy], [0, 0, 1.0]])
+
+    def pixels_per_degree(self, size: tuple[int, int]) -> float:
+        """Mean of both axes at the view's centre direction (tangent 0, or the nearest one inside)."""
+        left, right, down, up = self.tangents
+        x, y = np.clip(0, left, right), np.clip(0, down, up)
+        per_rad = [size[0] / (right - left) * (1 + x * x), size[1] / (up - down) * (1 + y * y)]
+        return float(np.mean(per_rad) * math.pi / 180)
+
+    def guarded(self, factor: float, size: tuple[int, int]) -> tuple[Fov, tuple[int, int]]:
+        """A field of view `factor` times as large in tangents, at the same pixels per tangent, and its size in pixels.
+
+        Whole pixels are added on each side (rounded up), so the pixel centres of the unguarded view are pixel centres of
+        the guarded one too and an unmoved head loses nothing. Errors: InputError if factor < 1 or the view leaves 89.5 degrees.
+        """
+        if not factor >= 1 or not math.isfinite(factor):
+            raise InputError(f"guard {factor} is no enlargement: wanted a factor of 1 or more")
+        left, right, down, up = self.tangents
+        per_x, per_y = size[0] / (right - left), size[1] / (up - down)
+        # 1e-9: a guard that means a whole number of pixels must not gain one by rounding.
+        pad = [math.ceil(abs(t) * per * (factor - 1) - 1e-9) for t, per in ((left, per_x), (right, per_x), (down, per_y), (up, per_y))]
+        grown = (left - pad[0] / per_x, right + pad[1] / per_x, down - pad[2] / per_y, up + pad[3] / per_y)
+        if factor == 1:
+            return self, size
+        return Fov.from_tangents(grown), (size[0] + pad[0] + pad[1], size[1] + pad[2] + pad[3])
+
+
+@attrs.frozen(eq=False)
+class View:
+    """One eye at one instant: `pose` is world_from_eye, `fov` its field of view."""
+
+    pose: Pose
+    fov: Fov
+
+    def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        """(h, w, 3) directions in eye space through the pixel centres, z = -1, bottom row first."""
+        left, right, down, up = self.fov.tangents
+        x = left + (np.arange(size[0]) + 0.5) * (right - left) / size[0]
+        y = down + (np.arange(size[1]) + 0.5) * (up - down) / size[1]
+        xx, yy = np.meshgrid(x, y)
+        return np.stack([xx, yy, -np.ones_like(xx)], axis=-1)

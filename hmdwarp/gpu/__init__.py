@@ -1,0 +1,1 @@
+"""OpenGL without any knowledge of headsets: context, shader loader, textures, timers."""

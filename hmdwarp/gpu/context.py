@@ -1,0 +1,82 @@
+"""One OpenGL 4.3 core context with compute shaders, without a window."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+
+import moderngl
+
+from ..errors import MachineError
+
+WANTED = 430
+HOW_TO_GET_GL = (
+    "install Mesa's software OpenGL (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri) "
+    "or a GPU driver with EGL; 'hmdwarp doctor' shows what is there"
+)
+
+
+def _failures_of(backends: list[dict[str, str]]) -> tuple[moderngl.Context | None, list[str]]:
+    failures = []
+    for settings in backends:
+        try:
+            return moderngl.create_context(standalone=True, require=WANTED, **settings), failures
+        except Exception as error:  # moderngl raises bare Exception here
+            failures.append(f"{settings.get('backend', 'window system')}: {error}")
+    return None, failures
+
+
+def create_context() -> moderngl.Context:
+    """A standalone context: through EGL without any display, else through the window system.
+
+    Errors: MachineError that says what was tried and what to install.
+    """
+    backends = [{"backend": "egl"}] if os.name == "posix" else []
+    context, failures = _failures_of([*backends, {}] if os.name != "posix" or os.environ.get("DISPLAY") else backends)
+    if context is None:
+        raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
+    context.gc_mode = "context_gc"
+    return context
+
+
+def can_load_egl() -> bool:
+    """Whether the EGL library itself is there, without making a context."""
+    try:
+        ctypes.CDLL("libEGL.so.1")
+    except OSError:
+        return False
+    return True
+
+
+class Gpu:
+    """A context, its limits and its caches; the one object that every pass is given.
+
+    Use as a context manager, or call close(). gl: the moderngl context. info: renderer, version, limits.
+    """
+
+    def __init__(self, gl: moderngl.Context | None = None) -> None:
+        from .shaders import ShaderLibrary
+        from .timers import StageTimer
+
+        self.gl = gl if gl is not None else create_context()
+        self.renderer: str = self.gl.info["GL_RENDERER"]
+        self.version: str = self.gl.info["GL_VERSION"]
+        self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
+        self.shaders = ShaderLibrary(self.gl)
+        self.timer = StageTimer(self.gl)
+
+    @property
+    def is_software(self) -> bool:
+        """Whether the pictures come from a CPU (llvmpipe, softpipe, SwiftShader)."""
+        return any(name in self.renderer.lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
+
+    def close(self) -> None:
+        """Free what the context holds."""
+        self.gl.gc()
+        self.gl.release()
+
+    def __enter__(self) -> Gpu:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

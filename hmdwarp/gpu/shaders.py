@@ -1,0 +1,173 @@
+"""Shader files to programs: includes flattened, defines put in, compiler messages turned back into file and line.
+
+moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on Mesa; so the text is
+flattened here, every file at most once, and the line map is kept on the side.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import moderngl
+import numpy as np
+
+from ..errors import ShaderError
+from ..resources import folder
+
+VERSION = "#version 430"
+_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+# Mesa: "0:14(3): error", NVIDIA: "0(14) : error", Apple/Intel: "ERROR: 0:14:"
+_MESSAGE_LINE = re.compile(r"\b0[:(](\d+)\)?")
+
+
+@dataclass
+class Flattened:
+    """A shader's whole text and where each of its lines came from."""
+
+    lines: list[str] = field(default_factory=list)
+    origins: list[tuple[str, int]] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.lines) + "\n"
+
+    def translate(self, message: str) -> str:
+        """A compiler message with `0:14` replaced by `warps/forward.comp:9`."""
+
+        def origin(match: re.Match[str]) -> str:
+            number = int(match.group(1)) - 1
+            return "{}:{}".format(*self.origins[number]) if 0 <= number < len(self.origins) else match.group(0)
+
+        return _MESSAGE_LINE.sub(origin, message)
+
+
+def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
+    """The text of shader `path` (relative to shaders/) with its includes, each file once, and `defines` on top.
+
+    Errors: ShaderError for a missing file or include, naming the including line.
+    """
+    root = root or folder("shaders")
+    out, seen = Flattened(), set()
+
+    def add(line: str, origin: tuple[str, int]) -> None:
+        out.lines.append(line)
+        out.origins.append(origin)
+
+    def visit(name: str, wanted_by: str) -> None:
+        if name in seen:
+            return
+        seen.add(name)
+        try:
+            text = (root / name).read_text(encoding="utf-8")
+        except OSError as error:
+            raise ShaderError(f"shader file '{name}' wanted by {wanted_by}: {error.strerror}") from error
+        for number, line in enumerate(text.splitlines(), start=1):
+            include = _INCLUDE.match(line)
+            if include:
+                visit(include.group(1), f"{name}:{number}")
+            elif not line.startswith("#version"):
+                add(line, (name, number))
+
+    add(VERSION, ("(version)", 1))
+    for key, value in (defines or {}).items():
+        add(f"#define {key} {value}", ("(defines)", 1))
+    visit(path, "the program")
+    return out
+
+
+class Uniforms:
+    """Sets uniforms by name, strictly: a name the shader text does not declare is an error, one optimised away is fine."""
+
+    _DECLARED = re.compile(r"uniform\s+\w+\s+([^;]+);")
+
+    def __init__(self, program: moderngl.Program | moderngl.ComputeShader, texts: list[str], name: str) -> None:
+        self._program, self._name = program, name
+        declared = " ".join(texts)
+        self._names = {
+            re.sub(r"[\[=].*", "", part).strip() for match in self._DECLARED.finditer(declared) for part in match.group(1).split(",")
+        }
+        self._last: dict[str, bytes] = {}
+
+    def set(self, **values: object) -> None:
+        """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once."""
+        for name, value in values.items():
+            if name not in self._names:
+                raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(self._names))}")
+            member = self._program.get(name, None)
+            if member is not None:
+                self._write(name, member, value)
+
+    def _write(self, name: str, member: moderngl.Uniform, value: object) -> None:
+        if isinstance(value, np.ndarray):
+            data = np.ascontiguousarray(value.T, dtype=np.float32).tobytes()  # GLSL matrices are column-major
+            if self._last.get(name) != data:
+                member.write(data)
+                self._last[name] = data
+        else:
+            member.value = value
+
+
+class Compute:
+    """A compute shader with strict uniforms; run() covers a grid of pixels, rounding the work groups up."""
+
+    def __init__(self, gl: moderngl.Context, path: str, defines: Mapping[str, object]) -> None:
+        flat = flatten(path, defines)
+        self.path = path
+        try:
+            self.program = gl.compute_shader(flat.text)
+        except moderngl.Error as error:
+            raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
+        self.uniforms = Uniforms(self.program, flat.lines, path)
+        self.group = _group_size(flat.text)
+
+    def run(self, width: int, height: int = 1) -> None:
+        """Dispatch enough work groups for width x height invocations."""
+        self.program.run(-(-width // self.group[0]), -(-height // self.group[1]), 1)
+
+
+class Draw:
+    """A vertex and fragment shader pair with strict uniforms."""
+
+    def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Mapping[str, object]) -> None:
+        flats = {"vertex": flatten(vertex, defines), "fragment": flatten(fragment, defines)}
+        try:
+            self.program = gl.program(vertex_shader=flats["vertex"].text, fragment_shader=flats["fragment"].text)
+        except moderngl.Error as error:
+            message = str(error)
+            guilty = "vertex" if "vertex_shader" in message else "fragment"
+            raise ShaderError(f"{vertex if guilty == 'vertex' else fragment}: {flats[guilty].translate(message)}") from error
+        self.uniforms = Uniforms(self.program, [*flats["vertex"].lines, *flats["fragment"].lines], fragment)
+
+
+def _group_size(text: str) -> tuple[int, int]:
+    sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", text))
+    defines = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", text))
+    return tuple(int(defines.get(sizes.get(axis, "1"), sizes.get(axis, "1"))) for axis in "xy")  # type: ignore[return-value]
+
+
+class ShaderLibrary:
+    """Compiled programs of one context, each (path, defines) compiled once. `compiled` counts them for the tests."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl, self._cache = gl, {}
+
+    @property
+    def compiled(self) -> int:
+        return len(self._cache)
+
+    def compute(self, path: str, **defines: object) -> Compute:
+        """The compute shader `path`, relative to shaders/."""
+        return self._get((path,), defines, lambda: Compute(self._gl, path, defines))
+
+    def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
+        """The vertex + fragment program of the two paths."""
+        return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
+
+    def _get(self, paths, defines, make):
+        key = (*paths, *sorted(defines.items()))
+        if key not in self._cache:
+            self._cache[key] = make()
+        return self._cache[key]

@@ -1,0 +1,56 @@
+"""Textures of the few kinds this program uses, and the one place where picture rows flip.
+
+Inside, row 0 is the bottom row, as GL has it; in files and in the Python interface row 0 is the top row.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+
+COLOUR = (4, "f2")  # rgba16f: linear light, coverage in alpha
+SCALAR = (1, "f4")  # r32f: inverse depth
+
+
+def allocate(gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False) -> moderngl.Texture:
+    """An empty (w, h) texture, clamped at its edges. Errors: InputError for a size of 0 or beyond the GL limit."""
+    check_size(gl, size)
+    components, dtype = kind
+    texture = gl.texture(size, components, dtype=dtype)
+    texture.repeat_x = texture.repeat_y = False
+    chosen = moderngl.LINEAR if linear else moderngl.NEAREST
+    texture.filter = (chosen, chosen)
+    return texture
+
+
+def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
+    """Errors: InputError for a side below 1 or beyond the GL limit."""
+    limit = gl.info["GL_MAX_TEXTURE_SIZE"]
+    if min(size) < 1 or max(size) > limit:
+        raise InputError(f"picture size {size[0]}x{size[1]}: wanted 1 to {limit} on each side (this GPU's limit)")
+
+
+def upload(texture: moderngl.Texture, image: NDArray) -> None:
+    """Write a top-row-first (h, w[, c]) array into a texture of the same size; c = 3 gets alpha 1."""
+    height, width = image.shape[:2]
+    if (width, height) != texture.size:
+        raise InputError(f"picture is {width}x{height}, texture {texture.width}x{texture.height}")
+    if image.ndim == 3 and image.shape[2] == 3 and texture.components == 4:
+        image = np.concatenate([image, np.ones((height, width, 1), image.dtype)], axis=2)
+    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
+    texture.write(np.ascontiguousarray(flip_rows(image), dtype=dtype).tobytes(), alignment=1)
+
+
+def download(texture: moderngl.Texture) -> NDArray:
+    """The texture as a top-row-first (h, w, c) or (h, w) array of its own type."""
+    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
+    array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, texture.components)
+    return flip_rows(array[..., 0] if texture.components == 1 else array)
+
+
+def flip_rows(image: NDArray) -> NDArray:
+    """Top row first to bottom row first, or back. No other module flips rows."""
+    return image[::-1]

@@ -1,0 +1,65 @@
+"""How long a stage took: GPU timer queries where they are real, else wall clock after finish()."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import moderngl
+
+
+def has_real_gpu_timer(gl: moderngl.Context) -> bool:
+    """Whether GL_TIME_ELAPSED measures anything: llvmpipe answers about 1 ns for any work."""
+    texture = gl.texture((512, 512), 4, dtype="f4")
+    framebuffer = gl.framebuffer([texture])
+    query = gl.query(time=True)
+    started = time.perf_counter_ns()
+    with query:
+        for _ in range(4):
+            framebuffer.clear(0.5, 0.5, 0.5, 0.5)
+    gl.finish()
+    wall_ns = time.perf_counter_ns() - started
+    elapsed_ns = query.elapsed
+    framebuffer.release()
+    texture.release()
+    # A real timer sees at least a thousandth of what the wall clock saw, and no more than it saw.
+    return wall_ns * 1e-3 < elapsed_ns <= wall_ns * 1.5
+
+
+class StageTimer:
+    """Times the stages of one frame; `clock` says "gpu" or "wall".
+
+    GPU queries are read one frame later (collect), so that measuring never stalls the pipeline.
+    """
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self.clock = "gpu" if has_real_gpu_timer(gl) else "wall"
+        self._free: list[moderngl.Query] = []
+        self._pending: list[tuple[str, moderngl.Query]] = []
+        self._done: list[tuple[str, float]] = []
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time what is issued inside under `name`, in milliseconds."""
+        if self.clock == "gpu":
+            query = self._free.pop() if self._free else self._gl.query(time=True)
+            with query:
+                yield
+            self._pending.append((name, query))
+            return
+        self._gl.finish()
+        started = time.perf_counter_ns()
+        yield
+        self._gl.finish()
+        self._done.append((name, (time.perf_counter_ns() - started) * 1e-6))
+
+    def collect(self) -> list[tuple[str, float]]:
+        """(stage, ms) of every stage since the last collect, in order; waits for the GPU if it has not finished."""
+        for name, query in self._pending:
+            self._done.append((name, query.elapsed * 1e-6))
+            self._free.append(query)
+        self._pending.clear()
+        done, self._done = self._done, []
+        return done

@@ -1,0 +1,31 @@
+"""Fixtures that every test may use: one GPU context for the session, the development head traces, the order of tests."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
+
+
+@pytest.fixture(scope="session")
+def gpu():
+    """One OpenGL context for the whole session (llvmpipe where there is no GPU)."""
+    from hmdwarp.gpu.context import Gpu
+
+    with Gpu() as made:
+        yield made
+
+
+@pytest.fixture(scope="session")
+def real_traces() -> Path:
+    """The folder of real recorded head motion used in development; it is not part of the project."""
+    if not DEVELOPMENT_TRACES.is_dir():
+        pytest.skip(f"no real head traces at {DEVELOPMENT_TRACES} (they lie beside the development checkout only)")
+    return DEVELOPMENT_TRACES
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Slow tests last, so that a mistake shows early."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
