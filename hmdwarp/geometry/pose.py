@@ -58,17 +58,16 @@ class Pose:
     def transform(self, points: ArrayLike) -> Vector:
         """Points (..., 3) in b, in metres, to the same points in a."""
         points = np.asarray(points, dtype=np.float64)
-        return self.rotation.apply(points.reshape(-1, 3)).reshape(points.shape) + self.position_m
+        return points @ self.rotation.as_matrix().T + self.position_m
 
     def __matmul__(self, other: Pose) -> Pose:
         """a_from_b @ b_from_c = a_from_c."""
-        rotation = self.rotation
-        return Pose(rotation.apply(other.position_m) + self.position_m, (rotation * other.rotation).as_quat())
+        return Pose(self.transform(other.position_m), (self.rotation * other.rotation).as_quat())
 
     def inverse(self) -> Pose:
         """b_from_a for a_from_b."""
         back = self.rotation.inv()
-        return Pose(-back.apply(self.position_m), back.as_quat())
+        return Pose(-back.as_matrix() @ self.position_m, back.as_quat())
 
     def relative_to(self, other: Pose) -> Pose:
         """other_from_self, for two poses in the same frame, without passing through that frame's origin.
@@ -77,7 +76,7 @@ class Pose:
         1e6 m from the origin (the difference of neighbouring floats is exact, Sterbenz 1974).
         """
         back = other.rotation.inv()
-        return Pose(back.apply(self.position_m - other.position_m), (back * self.rotation).as_quat())
+        return Pose(back.as_matrix() @ (self.position_m - other.position_m), (back * self.rotation).as_quat())
 
     def matrix(self) -> NDArray[np.float64]:
         """The 4x4 homogeneous matrix."""
