@@ -1,0 +1,10 @@
+"""Scenes: triangles, textures and baked light in plain arrays, and what each scene calls for. No GPU here.
+
+Every public module of `library` is one scene; a new one is one new file there.
+"""
+
+from ._load import load_scene
+from ._model import Background, Mesh, Scene, SceneSource, Texture, scenes
+from .effects import SceneEffect
+
+__all__ = ["Background", "Mesh", "Scene", "SceneEffect", "SceneSource", "Texture", "load_scene", "scenes"]

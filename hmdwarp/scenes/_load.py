@@ -1,0 +1,26 @@
+"""One way in for every scene: a registered name, or somebody's file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..registry import unknown_name
+from ._model import Scene, scenes
+
+FILE_ENDINGS = (".glb", ".obj", ".ply")
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """The scene of that registered name, else the GLB, OBJ or PLY file at that path.
+
+    Errors: UnknownNameError (with the nearest known name) for what is neither; SceneError for a file that cannot be used.
+    """
+    text = str(name_or_path)
+    if text in scenes.names():
+        return scenes.get(text).build()
+    path = Path(name_or_path)
+    if path.suffix.lower() in FILE_ENDINGS or path.is_file():
+        from ._files import scene_from_file
+
+        return scene_from_file(path)
+    raise unknown_name("scene", text, [*scenes.names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])

@@ -1,0 +1,53 @@
+"""Clip space of a view, in float64 relative to the eye, and which boxes it can see."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Fov, View
+
+NEAR_M = 0.02  # closer than an eye can come to anything but its own lens
+
+Array = NDArray[np.float64]
+
+
+def eye_from_scene(view: View, origin_m: Array) -> Array:
+    """4x4: metres relative to `origin_m` to eye space. The two positions are subtracted before anything is rotated."""
+    out = np.eye(4)
+    out[:3, :3] = view.pose.rotation.as_matrix().T
+    out[:3, 3] = out[:3, :3] @ (origin_m - view.pose.position_m)
+    return out
+
+
+def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
+    """4x4 asymmetric projection with an infinite far plane; w is metres along -z, window depth is 1 - near/w.
+
+    Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2.
+    """
+    left, right, down, up = fov.tangents
+    return np.array(
+        [
+            [2 / (right - left), 0, (right + left) / (right - left), 0],
+            [0, 2 / (up - down), (up + down) / (up - down), 0],
+            [0, 0, -1, -2 * near_m],
+            [0, 0, -1, 0],
+        ]
+    )
+
+
+def world_from_ndc(view: View) -> Array:
+    """3x3: (x, y, 1) in normalised device coordinates to the direction in the world, of length 1 along the eye's -z."""
+    left, right, down, up = view.fov.tangents
+    eye_from_ndc = np.array([[(right - left) / 2, 0, (right + left) / 2], [0, (up - down) / 2, (up + down) / 2], [0, 0, -1]])
+    return view.pose.rotation.as_matrix() @ eye_from_ndc
+
+
+def visible(centres: Array, half_sizes: Array, clip: Array) -> NDArray[np.bool_]:
+    """Which boxes (n, 3) centre and half size, axis-aligned in the scene, may reach into `clip` (4x4 clip_from_scene).
+
+    A box is out only if it lies wholly behind one of the four sides or the near plane; some near the corners pass in vain.
+    """
+    planes = np.concatenate([clip[3] + clip[:3], clip[3] - clip[:2]])  # Gribb and Hartmann 2001; the far plane is not there
+    reach = centres @ planes[:, :3].T + planes[:, 3] + half_sizes @ np.abs(planes[:, :3]).T
+    return (reach >= 0).all(axis=1)

@@ -1,0 +1,99 @@
+"""Texture pairs to draw into: made when needed, handed back and used again, counted."""
+
+from __future__ import annotations
+
+import attrs
+import moderngl
+
+from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, SCALAR, allocate
+
+
+@attrs.frozen(eq=False)
+class Target:
+    """What one eye is drawn into: `colour` rgba16f and `inverse_depth` r32f of the same size."""
+
+    colour: moderngl.Texture
+    inverse_depth: moderngl.Texture
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) in pixels."""
+        return self.inverse_depth.size
+
+
+class TargetPool:
+    """Targets of one size; `live` counts those that are out, `made` all that were ever allocated.
+
+    Errors: InputError for a size of 0 or beyond the GL limit.
+    """
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self._gl, self.size = gpu.gl, size
+        self._free: list[Target] = []
+        self._out: dict[moderngl.Texture, Target] = {}
+
+    @property
+    def live(self) -> int:
+        """Targets that are out."""
+        return len(self._out)
+
+    @property
+    def made(self) -> int:
+        """Targets that exist, out or free: the most that were out at the same time."""
+        return len(self._out) + len(self._free)
+
+    def acquire(self) -> Target:
+        """A target nobody else has; its contents are whatever was drawn last."""
+        target = self._free.pop() if self._free else self._make()
+        self._out[target.colour] = target
+        return target
+
+    def _make(self) -> Target:
+        return Target(allocate(self._gl, self.size, COLOUR), allocate(self._gl, self.size, SCALAR))
+
+    def release(self, colour: moderngl.Texture | Target) -> None:
+        """Take a target back, named by itself or by its colour texture. Errors: ValueError if it is not out."""
+        key = colour.colour if isinstance(colour, Target) else colour
+        if key not in self._out:
+            raise ValueError("this target is not out: it was released before, or comes from another pool")
+        self._free.append(self._out.pop(key))
+
+    def close(self) -> None:
+        """Free the textures, those that are out included."""
+        for target in [*self._free, *self._out.values()]:
+            target.colour.release()
+            target.inverse_depth.release()
+        self._free.clear()
+        self._out.clear()
+
+
+class Framebuffers:
+    """Framebuffers over other people's textures, one per texture, with one depth buffer per size shared by them all."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self._depth: dict[tuple[int, int], moderngl.Renderbuffer] = {}
+        self._made: dict[tuple[int, ...], tuple[tuple[moderngl.Texture, ...], moderngl.Framebuffer]] = {}
+
+    def over(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
+        """The framebuffer that draws into `textures`, which must have one size; made at the first call."""
+        # A GL name is used again after its texture is gone, so the entry holds the textures and is checked against them.
+        key = tuple(texture.glo for texture in textures)
+        held, framebuffer = self._made.get(key, ((), None))
+        if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
+            size = textures[0].size
+            if size not in self._depth:
+                self._depth[size] = self._gl.depth_renderbuffer(size)
+            framebuffer = self._gl.framebuffer(list(textures), self._depth[size])
+            self._made[key] = (textures, framebuffer)
+        return framebuffer
+
+    def close(self) -> None:
+        """Free the framebuffers and depth buffers, not the textures."""
+        for _, framebuffer in self._made.values():
+            framebuffer.release()
+        for depth in self._depth.values():
+            depth.release()
+        self._made.clear()
+        self._depth.clear()

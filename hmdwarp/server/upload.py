@@ -1,0 +1,118 @@
+"""A scene's arrays to GPU buffers: cut into chunks small enough to be left out when out of sight."""
+
+from __future__ import annotations
+
+import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.context import Gpu
+from ..gpu.textures import check_size, flip_rows
+from ..scenes import Mesh, Scene, Texture
+
+SRGB8_ALPHA8 = 0x8C43
+CHUNK_TRIANGLES = 1024
+
+
+@attrs.frozen(eq=False)
+class Batch:
+    """Chunks that share texture and culling; they lie one after the other in the index buffer.
+
+    first, count: (n,) index ranges. centres, half_sizes: (n, 3) boxes relative to the scene's origin.
+    """
+
+    texture: moderngl.Texture
+    double_sided: bool
+    first: NDArray[np.int64]
+    count: NDArray[np.int64]
+    centres: NDArray[np.float64]
+    half_sizes: NDArray[np.float64]
+
+
+def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
+    """The mesh's triangles in pieces of at most CHUNK_TRIANGLES that keep together in space."""
+    triangles = mesh.triangles
+    if len(triangles) <= CHUNK_TRIANGLES:
+        return [triangles] if len(triangles) else []
+    order = np.argsort(_morton(mesh.positions[triangles].mean(axis=1)), kind="stable")
+    return np.array_split(triangles[order], -(-len(triangles) // CHUNK_TRIANGLES))
+
+
+def _morton(points: NDArray) -> NDArray[np.uint64]:
+    """Z-order of points, 10 bits per axis: neighbours in the order are neighbours in space."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    cell = ((points - low) / max(float((high - low).max()), 1e-30) * 1023).astype(np.uint64)
+    code = np.zeros(len(points), np.uint64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cell[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
+    return code
+
+
+def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
+    """With mipmaps; sRGB pictures are decoded by the sampler, before it filters."""
+    height, width = texture.image.shape[:2]
+    check_size(gpu.gl, (width, height))
+    image = texture.image
+    if image.shape[2] == 3:
+        image = np.concatenate([image, np.full((height, width, 1), 255, np.uint8)], axis=2)
+    data = np.ascontiguousarray(flip_rows(image)).tobytes()
+    made = gpu.gl.texture((width, height), 4, data, internal_format=SRGB8_ALPHA8 if texture.srgb else None)
+    made.build_mipmaps()
+    made.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    made.repeat_x = made.repeat_y = texture.repeat
+    return made
+
+
+class SceneBuffers:
+    """The scene on the GPU: one vertex buffer, one index buffer, its textures, and the batches to draw."""
+
+    def __init__(self, gpu: Gpu, scene: Scene) -> None:
+        white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
+        self.textures = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+        indices: list[NDArray] = []
+        self.batches = self._batches(scene, indices)
+        self._vertices = gpu.gl.buffer(_vertex_bytes(scene) or b"\0" * 32)
+        self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
+
+    def _batches(self, scene: Scene, indices: list[NDArray]) -> list[Batch]:
+        starts = np.cumsum([0, *(len(mesh.positions) for mesh in scene.meshes)])
+        groups: dict[tuple[bool, int], list[tuple[Mesh, int]]] = {}
+        for mesh, start in zip(scene.meshes, starts, strict=False):
+            groups.setdefault((mesh.double_sided, mesh.texture), []).append((mesh, int(start)))
+        done, batches = 0, []
+        for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
+            first, boxes = [done], []
+            for mesh, start in members:
+                for chunk in chunks_of(mesh):
+                    corners = mesh.positions[chunk.ravel()].astype(np.float64)
+                    boxes.append((corners.min(axis=0), corners.max(axis=0)))
+                    indices.append(chunk.ravel() + np.uint32(start))
+                    done += chunk.size
+                    first.append(done)
+            if boxes:
+                low, high = np.array(boxes).transpose(1, 0, 2)
+                counts = np.diff(first)
+                batches.append(
+                    Batch(self.textures[texture], double_sided, np.array(first[:-1]), counts, (low + high) / 2, (high - low) / 2)
+                )
+        return batches
+
+    def vertex_array(self, gl: moderngl.Context, program: moderngl.Program, *, colour: bool) -> moderngl.VertexArray:
+        """The buffers as inputs of `program`."""
+        names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
+        layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
+        return gl.vertex_array(program, [(self._vertices, layout, *names)], self._indices, index_element_size=4)
+
+    def close(self) -> None:
+        """Free the buffers and textures."""
+        for texture in self.textures:
+            texture.release()
+        self._vertices.release()
+        self._indices.release()
+
+
+def _vertex_bytes(scene: Scene) -> bytes:
+    rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in scene.meshes]
+    return np.concatenate(rows).astype(np.float32).tobytes() if rows else b""

@@ -1,0 +1,22 @@
+// What lies infinitely far: a sky that fades from zenith to horizon, and ground below it.
+// In: direction in world axes, any length. Out: linear RGBA with coverage 1; inverse depth 0.
+#ifdef COLOUR
+uniform vec3 zenith;
+uniform vec3 horizon;
+uniform vec3 ground;
+
+in vec3 direction;
+
+layout(location = 0) out vec4 colour;
+layout(location = 1) out float inverse_depth;
+#else
+layout(location = 0) out float inverse_depth;
+#endif
+
+void main() {
+#ifdef COLOUR
+    float up = normalize(direction).y;
+    colour = vec4(mix(horizon, up > 0.0 ? zenith : ground, sqrt(abs(up))), 1.0);
+#endif
+    inverse_depth = 0.0;
+}

@@ -1,0 +1,21 @@
+// Linear colour (texture times baked light) with coverage 1, and inverse depth.
+// In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
+// gl_FragCoord.w is 1 / w_clip, so it is the inverse depth itself, and exactly linear across a triangle.
+#ifdef COLOUR
+uniform sampler2D surface;
+
+in vec2 uv;
+in vec3 light;
+
+layout(location = 0) out vec4 colour;
+layout(location = 1) out float inverse_depth;
+#else
+layout(location = 0) out float inverse_depth;
+#endif
+
+void main() {
+#ifdef COLOUR
+    colour = vec4(texture(surface, uv).rgb * light, 1.0);
+#endif
+    inverse_depth = gl_FragCoord.w;
+}

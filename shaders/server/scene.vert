@@ -1,0 +1,21 @@
+// Puts the scene's vertices where the eye sees them, and hands uv and baked light on.
+// In: metres relative to the scene's origin. Out: clip space, w = metres along -z; near plane only, no far plane.
+// Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far plane).
+uniform mat4 clip_from_scene;
+
+in vec3 in_position;
+#ifdef COLOUR
+in vec2 in_uv;
+in vec3 in_light;
+
+out vec2 uv;
+out vec3 light;
+#endif
+
+void main() {
+#ifdef COLOUR
+    uv = in_uv;
+    light = in_light;
+#endif
+    gl_Position = clip_from_scene * vec4(in_position, 1.0);
+}
