@@ -1,0 +1,35 @@
+# Every target does the set-up it needs first: a virtual environment in .venv, and Mesa where OpenGL is missing (.ci/setup.py).
+# Settings below are changed on the command line: make replay SCENE=planes LATENCY=400
+
+TRACE = recordings/look-around.csv
+SCENE = room
+LATENCY = 200
+WARP = forward
+FILL = interpolate
+LENS = radial
+HEADSET = rift-dk1
+OUT = out/replay
+# How much of the trace; empty means all of it.
+SECONDS =
+# Anything else that 'hmdwarp replay' takes, for instance OPTIONS="--seconds 2 --video".
+OPTIONS =
+# llvmpipe keeps both cores of a small machine busy by itself; a second worker fills the gaps in between.
+PYTEST_OPTIONS = -n 2 --dist loadfile
+
+HMDWARP = .venv/bin/hmdwarp
+
+.PHONY: help setup replay test bench-quick
+.DEFAULT_GOAL = help
+
+help:  ## show this list
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1 | /p' Makefile | awk -F'|' '{ printf "%-20s%s\n", $$1, $$2 }'
+
+setup:  ## make .venv ready (PYTHON=python3.12 chooses a Python)
+	@.ci/setup
+
+replay: setup  ## the main job: replay a recorded head trace 200 ms late and report on it
+	$(HMDWARP) replay $(TRACE) --scene $(SCENE) --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
+	  --lens $(LENS) --headset $(HEADSET) --out $(OUT) $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
+
+test: setup  ## all tests, as CI runs them
+	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)
