@@ -50,7 +50,9 @@ def environment() -> dict[str, str]:
 
 def run(command: list[str | Path]) -> subprocess.CompletedProcess[str]:
     try:
-        return subprocess.run(command, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
+        return subprocess.run(
+            command, check=False, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
+        )
     except OSError as error:  # a dead link or a foreign machine's binary
         return subprocess.CompletedProcess(command, 127, "", str(error))
 
@@ -116,7 +118,7 @@ def install_system_packages() -> None:
     packages, reasons = [], []
     if importlib.util.find_spec("ensurepip") is None and not works(PYTHON, "-m", "pip", "--version") and not any_pip():
         if not sys._base_executable.startswith("/usr/bin/"):
-            raise Lacking(f"{sys._base_executable} has neither ensurepip nor pip: choose another Python with make PYTHON=/path/to/python3.12 setup")
+            raise Lacking(f"{sys._base_executable} has neither ensurepip nor pip: choose another, make PYTHON=/path/to/python3.12 setup")
         packages.append(f"python{VERSION}-venv")
         reasons.append(f"Python {VERSION} here has no pip")
     if not (can_load("libEGL.so.1") and can_load("libGL.so.1")):
