@@ -72,6 +72,10 @@ class Gpu:
 
     def close(self) -> None:
         """Free what the context holds."""
+        # What was released by hand is queued once more when it dies, as a husk without release(), and gc() trips over it.
+        living = [thing for thing in self.gl.objects if hasattr(thing, "release")]
+        self.gl.objects.clear()
+        self.gl.objects.extend(living)
         self.gl.gc()
         self.gl.release()
 
