@@ -185,11 +185,12 @@ def get_pip() -> None:
 
 
 def pip_trouble(output: str) -> str:
-    errors = [line for line in output.splitlines() if line.startswith("ERROR")] or output.splitlines()[-1:] or ["no message"]
+    lines = output.splitlines()
+    errors = [line for line in lines if line.startswith("ERROR")] or [line.strip() for line in lines[::-1] if "Error: " in line] or lines[-1:]
     network = NETWORK_TROUBLE.search(output)
     if network:
         return f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again"
-    return f"pip failed: {errors[0]} (all it said: {LOG.relative_to(ROOT)})"
+    return f"pip failed: {errors[0] if errors else 'no message'} (all it said: {LOG.relative_to(ROOT)})"
 
 
 def pip_install(*arguments: str | Path) -> None:
