@@ -186,7 +186,7 @@ def get_pip() -> None:
 
 def pip_trouble(output: str) -> str:
     lines = output.splitlines()
-    errors = [line for line in lines if line.startswith("ERROR")] or [line.strip() for line in lines[::-1] if "Error: " in line] or lines[-1:]
+    errors = [x for x in lines if x.startswith("ERROR")] or [x.strip() for x in lines[::-1] if "Error: " in x] or lines[-1:]
     network = NETWORK_TROUBLE.search(output)
     if network:
         return f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again"
