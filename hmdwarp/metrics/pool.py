@@ -1,0 +1,253 @@
+"""Measuring pictures in other processes, so that SSIM and FLIP (a second a frame) do not hold up the loop."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Hashable
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ..errors import HmdwarpError, MachineError
+from .job import QualityJob, QualityResult, measure
+from .worst import Kept, WorstKeeper
+
+_BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"
+# More than one thread in a worker's BLAS would fight the other workers for the cores.
+_ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+
+
+class QualityPool:
+    """Measures QualityJobs in `workers` processes; with 0 workers inside submit(). The figures are the same bits either way.
+
+        with QualityPool(2, pixels_per_degree, worst=6) as pool:
+            pool.submit((frame, eye), job)            # waits while all workers are behind
+        pool.results[frame, eye]["flip"]              # complete, in the order of the keys
+
+    Leaving the block normally waits for what was submitted; leaving it by an exception (Ctrl-C too) drops the rest at
+    once. No process outlives the block.
+
+    keep=True in submit keeps that job's pictures in `kept`; `worst` is how many of the worst pictures (by FLIP) are kept
+    in `worst`, at most one from each `bucket(key)`. Anything else is forgotten as soon as it is measured, so memory does not
+    grow with the length of the run. What is kept comes with its FLIP map.
+
+    Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a worker died.
+    """
+
+    def __init__(
+        self,
+        workers: int,
+        pixels_per_degree: float,
+        *,
+        worst: int = 0,
+        bucket: Callable[[Any], Hashable] = lambda key: key,
+    ) -> None:
+        self._pixels_per_degree = pixels_per_degree
+        self._keeper = WorstKeeper(worst, bucket)
+        self._results: dict[Any, dict[str, float | None]] = {}
+        self._kept: dict[Any, Kept] = {}
+        self._lock = threading.Lock()
+        self._failure: HmdwarpError | None = None
+        self._stopping = threading.Event()
+        # One waiting job per worker keeps them busy; more would only hold pictures in memory.
+        self._queue: queue.Queue[tuple[Any, QualityJob, bool] | None] = queue.Queue(maxsize=max(workers, 1))
+        self._workers: list[_Worker] = []
+        self._threads: list[threading.Thread] = []
+        try:
+            for _ in range(workers):
+                self._workers.append(_Worker(pixels_per_degree))
+        except BaseException:
+            self._stop_workers(kill=True)
+            raise
+        for worker in self._workers:
+            thread = threading.Thread(target=self._serve, args=(worker,), name="hmdwarp-metrics", daemon=True)
+            thread.start()
+            self._threads.append(thread)
+
+    def submit(self, key: Any, job: QualityJob, *, keep: bool = False) -> None:
+        """Hand in a job under a key that sorts among the others; blocks while every worker is busy and one job each waits."""
+        if keep or self._keeper.count:
+            job = attrs.evolve(job, error_map=True)
+        if not self._workers and not self._stopping.is_set():
+            self._measure_here(key, job, keep)
+            return
+        if not self._put((key, job, keep)):
+            self._raise_failure()
+            raise HmdwarpError("this pool of measuring processes is closed: submit inside its with block")
+
+    def finish(self) -> dict[Any, dict[str, float | None]]:
+        """Wait for everything submitted, end the workers, and give all results in the order of their keys."""
+        try:
+            for _ in self._threads:
+                self._put(None)
+            for thread in self._threads:
+                thread.join()
+        except BaseException:
+            self.abort()
+            raise
+        self._stopping.set()
+        self._stop_workers(kill=self._failure is not None)
+        self._raise_failure()
+        return self.results
+
+    def abort(self) -> None:
+        """Drop what is not measured yet and end the workers at once."""
+        self._stopping.set()
+        self._stop_workers(kill=True)
+
+    @property
+    def results(self) -> dict[Any, dict[str, float | None]]:
+        """The figures measured so far, QUALITY names to numbers or None, in the order of the keys."""
+        with self._lock:
+            return {key: self._results[key] for key in sorted(self._results)}
+
+    @property
+    def kept(self) -> list[Kept]:
+        """The jobs submitted with keep=True that have been measured, with their results, in the order of the keys."""
+        with self._lock:
+            return [self._kept[key] for key in sorted(self._kept)]
+
+    @property
+    def worst(self) -> list[Kept]:
+        """The worst pictures measured so far, the worst first."""
+        with self._lock:
+            return self._keeper.kept()
+
+    def __enter__(self) -> QualityPool:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.finish()
+        else:
+            self.abort()
+
+    def _put(self, item: tuple[Any, QualityJob, bool] | None) -> bool:
+        """Whether the item could be handed to a worker before the pool stopped."""
+        while not self._stopping.is_set():
+            try:
+                self._queue.put(item, timeout=0.1)
+                return True
+            except queue.Full:
+                continue
+        return False
+
+    def _measure_here(self, key: Any, job: QualityJob, keep: bool) -> None:
+        try:
+            self._store(key, job, keep, measure(job, self._pixels_per_degree))
+        except Exception as error:
+            self._fail(key, error)
+            raise self._failure from error
+
+    def _serve(self, worker: _Worker) -> None:
+        while not self._stopping.is_set():
+            try:
+                item = self._queue.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            if item is None:
+                return
+            key, job, keep = item
+            try:
+                self._store(key, job, keep, worker.measure(job))
+            except Exception as error:
+                self._fail(key, error)
+                return
+
+    def _store(self, key: Any, job: QualityJob, keep: bool, result: QualityResult) -> None:
+        with self._lock:
+            self._results[key] = result.values
+            kept = Kept(key, job, result)
+            if keep:
+                self._kept[key] = kept
+            self._keeper.offer(kept)
+
+    def _fail(self, key: Any, error: Exception) -> None:
+        with self._lock:
+            if self._failure is None and not self._stopping.is_set():
+                told = error if isinstance(error, HmdwarpError) else HmdwarpError(f"{type(error).__name__}: {error}")
+                self._failure = type(told)(f"measuring picture {key} failed: {told}")
+        self._stopping.set()
+
+    def _raise_failure(self) -> None:
+        if self._failure is not None:
+            raise self._failure
+
+    def _stop_workers(self, *, kill: bool) -> None:
+        if kill:
+            for worker in self._workers:
+                worker.kill()
+        for thread in self._threads:
+            thread.join()
+        for worker in self._workers:
+            worker.close()
+
+
+class _Worker:
+    """One measuring process and the pipes to it."""
+
+    def __init__(self, pixels_per_degree: float) -> None:
+        path = [str(Path(entry).resolve()) for entry in sys.path if isinstance(entry, str)]
+        self._complaints = tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", _BOOT, json.dumps(path)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._complaints,
+                env={**os.environ, **_ONE_THREAD},
+                process_group=0,  # so that the terminal's Ctrl-C reaches the loop alone, which then ends the workers
+            )
+        except OSError as error:
+            self._complaints.close()
+            raise MachineError(f"cannot start a measuring process ({error.strerror or error}): use 0 metric workers") from error
+        self._first = pickle.dumps(pixels_per_degree)
+
+    def measure(self, job: QualityJob) -> QualityResult:
+        """Have it measured there. Errors: what measuring raised, or HmdwarpError if the process is gone."""
+        assert self._process.stdin is not None and self._process.stdout is not None
+        try:
+            if self._first:
+                self._process.stdin.write(self._first)
+                self._first = b""
+            # The late picture is for reports alone and need not travel.
+            pickle.dump(attrs.evolve(job, late=None), self._process.stdin, protocol=5)
+            self._process.stdin.flush()
+            answer = pickle.load(self._process.stdout)
+        except (OSError, EOFError, pickle.UnpicklingError, ValueError) as error:
+            raise HmdwarpError(self._obituary()) from error
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def kill(self) -> None:
+        """End the process at once; whoever waits for its answer gets an error."""
+        self._process.kill()
+
+    def close(self) -> None:
+        """Let the process end by itself and free its pipes; may be called again."""
+        with contextlib.suppress(OSError):  # what was still buffered has nowhere to go any more
+            self._process.stdin.close()
+        self._process.wait()
+        self._process.stdout.close()
+        self._complaints.close()
+
+    def _obituary(self) -> str:
+        # Its pipes closed before it did; one that only closed them would never end by itself.
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout=5)
+        self._process.kill()
+        status = self._process.wait()
+        why = "killed, perhaps for memory" if status == -9 else f"exit status {status}"
+        self._complaints.seek(0)
+        lines = self._complaints.read().decode(errors="replace").strip().splitlines()
+        return f"a measuring process ended ({why}){': ' + lines[-1] if lines else ''}; use fewer metric workers, or 0"

@@ -1,0 +1,39 @@
+"""Small pictures and views for the tests of this folder."""
+
+import math
+
+import numpy as np
+
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.metrics.job import Compared, QualityJob
+
+FOV = Fov(-0.7, 0.6, -0.5, 0.55)
+
+
+def noise(seed: int, size=(40, 30)) -> np.ndarray:
+    """A random uint8 picture of (w, h)."""
+    return np.random.default_rng(seed).integers(0, 256, (size[1], size[0], 3), dtype=np.uint8)
+
+
+def smooth(size=(96, 64), phase=0.0) -> np.ndarray:
+    """A soft uint8 picture of (w, h), different in each channel."""
+    y, x = np.mgrid[: size[1], : size[0]] / max(size)
+    waves = [np.sin(9 * x + phase), np.cos(7 * y + 2 * phase), np.sin(5 * (x + y) - phase)]
+    return np.rint(np.stack([127 + 100 * w for w in waves], axis=-1)).astype(np.uint8)
+
+
+def turned(yaw_rad: float, pitch_rad: float = 0.0, roll_rad: float = 0.0, position_m=(0, 0, 0)) -> View:
+    """A view turned about up, right and forward."""
+    from scipy.spatial.transform import Rotation
+
+    return View(Pose(position_m, Rotation.from_euler("YXZ", [yaw_rad, pitch_rad, roll_rad]).as_quat()), FOV)
+
+
+def job(seed: int, size=(40, 30)) -> QualityJob:
+    """A job in which every figure has something to measure."""
+    rng = np.random.default_rng(seed)
+    now = Compared(noise(seed, size), noise(seed + 1000, size), turned(0.01 * seed))
+    previous = Compared(noise(seed + 2000, size), noise(seed + 3000, size), turned(0.01 * seed + math.radians(1)))
+    covered = rng.random((size[1], size[0])) > 0.2
+    inverse_depth = rng.random((size[1], size[0])).astype(np.float32)
+    return QualityJob(now, previous, covered, inverse_depth, turned(0.2, position_m=(0.05, 0, 0)), size, late=noise(seed + 4000, size))

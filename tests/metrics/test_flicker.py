@@ -1,0 +1,113 @@
+"""Flicker: none for steady error, none for error fixed in the world, and all of what changes."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import View
+from hmdwarp.metrics.flicker import error_image, flicker
+
+from .pictures import FOV, noise, turned
+
+SIZE = (80, 64)
+angle = st.floats(-0.25, 0.25)
+
+
+def world_pattern(view: View, frequency: float) -> np.ndarray:
+    """(h, w, 3) top row first: an error painted on the sphere of world directions, of amplitude 0.5 and `frequency` per radian."""
+    rays = view.rays(SIZE)
+    x, y, z = np.moveaxis(view.pose.rotation.apply((rays / np.linalg.norm(rays, axis=-1, keepdims=True)).reshape(-1, 3)), -1, 0)
+    waves = [0.5 * np.sin(frequency * (x + 0.5 * y)), 0.5 * np.cos(frequency * y), 0.5 * np.sin(frequency * (z - y))]
+    return np.stack(waves, axis=-1).reshape(SIZE[1], SIZE[0], 3)[::-1]
+
+
+@settings(deadline=None, max_examples=20)
+@given(angle, angle, angle, st.integers(0, 999))
+def test_constant_error_does_not_flicker_whatever_the_head_does(yaw, pitch, roll, seed):
+    constant = np.broadcast_to(np.random.default_rng(seed).uniform(-1, 1, 3), (SIZE[1], SIZE[0], 3))
+    assert flicker(constant, turned(yaw, pitch, roll), constant, turned(0)) == pytest.approx(0, abs=1e-12)
+
+
+def test_the_same_error_at_the_same_view_is_exactly_zero():
+    error = error_image(noise(1), noise(2))
+    assert flicker(error, turned(0.3, 0.2, 0.1), error, turned(0.3, 0.2, 0.1)) == 0
+
+
+@settings(deadline=None, max_examples=25)
+@given(angle, angle, angle)
+def test_error_fixed_in_the_world_does_not_flicker(yaw, pitch, roll):
+    """Bilinear sampling is off by at most (fxx + fyy) step^2 / 8 for second derivatives f per pixel step.
+
+    A pixel is at most 1.46/80 of a tangent, so of a radian, wide; the pattern's phase moves by at most 1.5 * 4 per radian,
+    so |f''| <= 0.5 * 6^2 and its curvature over the tangent plane adds at most as much again: the bound is doubled.
+    """
+    now, before = turned(yaw, pitch, roll), turned(0)
+    steady = flicker(world_pattern(now, 4), now, world_pattern(before, 4), before)
+    step = max(np.diff(FOV.tangents[:2])[0] / SIZE[0], np.diff(FOV.tangents[2:])[0] / SIZE[1])
+    assert steady <= 2 * (2 * 0.5 * 6**2) * step**2 / 8
+    # Unturned, the same two images differ: it is the rotation that makes them agree.
+    moved = math.hypot(yaw, pitch, roll)
+    if moved > 0.05:
+        assert flicker(world_pattern(now, 4), now, world_pattern(before, 4), now) > 5 * steady
+
+
+@settings(deadline=None, max_examples=20)
+@given(angle, st.floats(0.01, 1), st.integers(0, 999))
+def test_scales_with_the_error(yaw, scale, seed):
+    rng = np.random.default_rng(seed)
+    a, b = rng.normal(size=(2, 20, 25, 3))
+    whole = flicker(a, turned(yaw), b, turned(0))
+    assert flicker(scale * a, turned(yaw), scale * b, turned(0)) == pytest.approx(scale * whole, rel=1e-9)
+    assert whole > 0.1
+
+
+def test_random_error_flickers_by_the_mean_difference():
+    a, b = np.random.default_rng(0).uniform(-1, 1, (2, 200, 200, 3))
+    # |a - b| of two uniform variables on -1..1 has mean 2/3; 120000 samples of deviation 0.47 give it within 4 * 0.0014.
+    assert flicker(a, turned(0), b, turned(0)) == pytest.approx(2 / 3, abs=0.006)
+
+
+def test_translation_alone_turns_nothing():
+    error = error_image(noise(1), noise(2))
+    assert flicker(error, turned(0, position_m=(5, 1, 2)), error, turned(0)) == 0
+
+
+def test_far_from_the_origin_is_as_exact():
+    error = error_image(noise(1), noise(2))
+    views = [turned(0.4, position_m=(1e6 + x, 1e6, -1e6)) for x in (0.0, 0.01)]
+    assert flicker(error, views[0], error, views[1]) == 0
+
+
+def test_only_where_both_exist():
+    """Turned by 45 of its 74 degrees, the present picture shares just one half of the previous one (0.1 rad short of it)."""
+    a, b = np.zeros((30, 40, 3)), np.zeros((30, 40, 3))
+    b[:, :20] = 1
+    assert flicker(a, turned(0), b, turned(0)) == 0.5
+    assert flicker(a, turned(math.radians(45)), b, turned(0)) == pytest.approx(1)
+    assert flicker(a, turned(-math.radians(45)), b, turned(0)) == pytest.approx(0)
+
+
+def test_nothing_in_common_is_nothing_measured():
+    error = np.ones((30, 40, 3))
+    assert flicker(error, turned(math.pi), error, turned(0)) is None
+    assert flicker(error, turned(1.8), error, turned(0)) is None
+
+
+def test_sizes_may_differ_between_frames():
+    """The same field of view in twice the pixels: a constant stays a constant."""
+    assert flicker(np.full((60, 80, 3), 0.25), turned(0.1), np.full((30, 40, 3), 0.25), turned(0)) == pytest.approx(0, abs=1e-12)
+
+
+def test_signed_error():
+    shown, truth = np.zeros((1, 1, 3), np.uint8), np.full((1, 1, 3), 255, np.uint8)
+    assert (error_image(shown, truth) == -1).all() and (error_image(truth, shown) == 1).all()
+    assert np.allclose(error_image(noise(1) / 255, noise(2) / 255), error_image(noise(1), noise(2)), atol=1e-7)
+
+
+def test_shapes_must_be_pictures():
+    with pytest.raises(InputError, match="wanted"):
+        flicker(np.zeros((3, 4)), turned(0), np.zeros((3, 4)), turned(0))

@@ -1,0 +1,100 @@
+"""Holes, and which of them no late frame could have filled."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose, View
+from hmdwarp.metrics.holes import border_share, hole_share
+
+from .pictures import FOV, turned
+
+SIZE = (41, 33)
+EMPTY = np.zeros((33, 41), np.float32)
+small = st.floats(-0.3, 0.3)
+poses = st.builds(lambda yaw, pitch, roll, x, y, z: turned(yaw, pitch, roll, (x, y, z)), small, small, small, small, small, small)
+
+
+def outside_by_rays(depth_m: np.ndarray, shown: View, rendered: View) -> np.ndarray:
+    """(h, w) top row first: whether each pixel's surface point lies outside `rendered`, through points in the world."""
+    points = shown.rays(SIZE) * depth_m[::-1][..., None]
+    x, y, z = np.moveaxis(rendered.pose.inverse().transform(shown.pose.transform(points)), -1, 0)
+    left, right, down, up = rendered.fov.tangents
+    inside = (z < 0) & (x >= -left * z) & (x <= -right * z) & (y >= -down * z) & (y <= -up * z)
+    return ~inside[::-1]
+
+
+def test_share_counts_zeros_only():
+    coverage = np.array([[0, 0.25], [1, 1e-6]])
+    assert hole_share(coverage) == 0.25
+    assert hole_share(coverage > 0) == 0.25
+
+
+@settings(deadline=None, max_examples=60)
+@given(poses, st.integers(0, 2**32 - 1))
+def test_border_against_rays(shown, seed):
+    """The other route: points in the world and four planes. A point within 1e-9 of a plane may fall either way; none does."""
+    rng = np.random.default_rng(seed)
+    depth_m = rng.uniform(0.4, 20, (33, 41))
+    coverage = rng.random((33, 41)) > 0.5
+    rendered = View(Pose(), FOV)
+    expected = (outside_by_rays(depth_m, shown, rendered) & ~coverage).sum() / coverage.size
+    assert border_share(coverage, 1 / depth_m, shown, rendered, (64, 50)) == pytest.approx(expected, abs=1e-12)
+
+
+@settings(deadline=None, max_examples=40)
+@given(poses, poses, st.integers(0, 2**32 - 1))
+def test_border_is_part_of_the_holes(shown, rendered, seed):
+    rng = np.random.default_rng(seed)
+    coverage, inverse_depth = rng.integers(0, 2, (33, 41)), rng.random((33, 41))
+    assert 0 <= border_share(coverage, inverse_depth, shown, rendered, SIZE) <= hole_share(coverage)
+
+
+def test_same_view_leaves_nothing_outside():
+    assert border_share(EMPTY, EMPTY, turned(0.3), turned(0.3), SIZE) == 0
+
+
+def test_turned_right_the_border_is_on_the_right():
+    """Looking 10 degrees further right: only columns whose ray is beyond the old right edge are border, at any depth."""
+    step = math.radians(10)
+    left, right = FOV.left, FOV.right
+    x = np.tan(left) + (np.arange(41) + 0.5) * (np.tan(right) - np.tan(left)) / 41
+    beyond = np.arctan(x) + step > right  # at eye level; the middle row of this field of view is within 2 degrees of it
+    middle = np.ones_like(EMPTY)
+    row = 33 - 1 - int(33 * 0.5463 / (0.5463 + 0.6131))  # the row that holds tangent 0, counted from the top
+    middle[row] = 0
+    share = border_share(middle, EMPTY, turned(-step), turned(0), SIZE)
+    assert share * middle.size == pytest.approx(beyond.sum(), abs=0.5)
+
+
+def test_rows_are_top_first():
+    """Looking up, the rows at the top are new."""
+    top, bottom = np.ones_like(EMPTY), np.ones_like(EMPTY)
+    top[:3], bottom[-3:] = 0, 0
+    shown = turned(0, pitch_rad=0.3)
+    assert border_share(top, EMPTY, shown, turned(0), SIZE) == hole_share(top)
+    assert border_share(bottom, EMPTY, shown, turned(0), SIZE) == 0
+
+
+def test_behind_the_late_eye_is_outside():
+    about = turned(math.pi)
+    assert border_share(EMPTY, EMPTY, about, turned(0), SIZE) == 1
+    # A step back of 2 m: what is 1 m before the present eye lay 1 m behind the late one.
+    back = turned(0, position_m=(0, 0, 2))
+    assert border_share(EMPTY, EMPTY + 1, back, turned(0), SIZE) == 1
+    assert border_share(EMPTY, EMPTY, back, turned(0), SIZE) == 0
+
+
+def test_nothing_there_counts_as_infinitely_far():
+    shown = turned(-0.3)
+    nothing = np.full_like(EMPTY, np.nan)
+    assert border_share(EMPTY, nothing, shown, turned(0), SIZE) == border_share(EMPTY, EMPTY, shown, turned(0), SIZE) > 0
+
+
+def test_sizes_must_agree():
+    with pytest.raises(InputError, match="same"):
+        border_share(EMPTY, EMPTY[:-1], turned(0), turned(0), SIZE)
