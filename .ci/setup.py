@@ -207,7 +207,7 @@ def install_packages() -> None:
     wanted = [*project["dependencies"], *extras["test"], *extras["bench"]]
     STATE.write_text(HALF_MADE, encoding="utf-8")
     LOG.unlink(missing_ok=True)
-    say("installing the pinned packages into .venv (some 250 MB; a few minutes the first time)")
+    say("installing the pinned packages into .venv (about 1 GB on disk; a few minutes the first time)")
     pip_install("--constraint", CONSTRAINTS, *wanted)
     # Editable: a changed shader or module is used at once. No isolation: the pinned hatchling builds, offline too.
     pip_install("--no-deps", "--no-build-isolation", "--editable", ROOT)

@@ -1,0 +1,220 @@
+"""What this machine has of what the program needs, what is missing, and how to get it.
+
+Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window for `live`, an
+encoder for `--video`. Drivers and runtimes are asked in processes of their own (see _probes), because they may crash or hang.
+"""
+
+from __future__ import annotations
+
+import enum
+import importlib.metadata
+import json
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import attrs
+
+from .gpu.context import HOW_TO_GET_GL
+from .version import __version__
+
+PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
+
+APT = "Debian, Ubuntu: sudo apt-get install"
+A_RUNTIME = "start the runtime that came with the headset and make it the active one there, or name its .json file in XR_RUNTIME_JSON"
+GRAPHICS_EXTENSIONS = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
+CLOCK_EXTENSION = "XR_KHR_convert_timespec_time"
+
+
+class State(enum.StrEnum):
+    """OK: there. MISSING: replay cannot run without it. OPTIONAL: not there, and only some commands want it."""
+
+    OK = "ok"
+    MISSING = "missing"
+    OPTIONAL = "optional"
+
+
+@attrs.frozen
+class Finding:
+    """One line of the examination. remedy: what to do, empty where nothing is to be done. facts: numbers for --json."""
+
+    name: str
+    state: State
+    detail: str
+    remedy: str = ""
+    facts: Mapping[str, object] = attrs.field(factory=dict)
+
+
+def examine() -> list[Finding]:
+    """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
+    return [python(), packages(), *opengl(), *openxr(), window(), video()]
+
+
+def replay_can_run(findings: list[Finding]) -> bool:
+    """Whether nothing that replay needs is missing."""
+    return all(finding.state is not State.MISSING for finding in findings)
+
+
+def ask(question: str, seconds: float = PROBE_SECONDS) -> dict[str, object]:
+    """The last thing the probe `question` (gl, openxr, window) said, with `error` where it crashed, hung or said nothing."""
+    # -P: a numpy.py in the user's folder must not be taken for the real one.
+    command = [sys.executable, "-P", "-m", "hmdwarp._probes", question]
+    try:
+        done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
+        stdout, stderr, trouble = done.stdout, done.stderr, f"ended with status {done.returncode}" if done.returncode else ""
+    except subprocess.TimeoutExpired as expired:
+        stdout, stderr, trouble = expired.stdout or b"", expired.stderr or b"", f"gave no answer within {seconds:g} s"
+    known = _last_object(stdout.decode(errors="replace"))
+    if trouble or not known:
+        said = stderr.decode(errors="replace").strip().splitlines()
+        return {"stage": "start", **known, "error": "died", "message": f"{trouble or 'said nothing'}{f' ({said[-1]})' if said else ''}"}
+    return known
+
+
+def _last_object(text: str) -> dict[str, object]:
+    for line in reversed(text.splitlines()):
+        try:
+            value = json.loads(line)
+        except ValueError:  # the line that a crash cut off, or a driver's own chatter
+            continue
+        if isinstance(value, dict):
+            return value
+    return {}
+
+
+def python() -> Finding:
+    """The interpreter and the machine it runs on."""
+    detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
+    return Finding("Python", State.OK, detail, facts={"version": platform.python_version(), "cpu_count": os.cpu_count()})
+
+
+def packages() -> Finding:
+    """The packages that the installed hmdwarp declares, with their versions."""
+    try:
+        declared = importlib.metadata.requires("hmdwarp") or []
+    except importlib.metadata.PackageNotFoundError:
+        return Finding("packages", State.OPTIONAL, "hmdwarp runs from a folder, not installed: its packages were not checked", "make setup")
+    found, absent = {}, []
+    for name in sorted(re.match(r"[\w.-]+", line)[0] for line in declared if "extra ==" not in line):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            absent.append(name)
+    if absent:
+        return Finding("packages", State.MISSING, f"not installed: {', '.join(absent)}", f"pip install {' '.join(absent)}", found)
+    detail = f"hmdwarp {__version__}; " + ", ".join(f"{name} {version}" for name, version in found.items())
+    return Finding("packages", State.OK, detail, facts=found)
+
+
+def opengl() -> list[Finding]:
+    """Whether a context with compute shaders starts, who draws, its limits, and which clock will time the stages."""
+    known = ask("gl")
+    if "error" in known:
+        trouble = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
+        return [Finding("OpenGL", State.MISSING, trouble, HOW_TO_GET_GL.split(";")[0], known)]
+    detail = (
+        f"{known['renderer']}, {known['version']} ({'software, on the processor' if known['software'] else 'hardware'}); "
+        f"pictures up to {known['max_texture_size']} px a side, work groups up to {known['max_work_group_invocations']}, "
+        f"storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, 64-bit atomics {'yes' if known['atomic_int64'] else 'no'}"
+    )
+    timers = "GPU timer queries" if known["clock"] == "gpu" else "wall clock around finished work: this driver's own timers measure nothing"
+    return [Finding("OpenGL", State.OK, detail, facts=known), Finding("timers", State.OK, timers, facts={"clock": known["clock"]})]
+
+
+def openxr() -> list[Finding]:
+    """The loader and the runtime, up to the headset; optional, as only `live --source openxr` and `record` want them."""
+    known = ask("openxr")
+    if known["stage"] in ("start", "binding"):
+        trouble = _one_line(known.get("message", known.get("error")))
+        return [Finding("OpenXR loader", State.OPTIONAL, trouble, f"{APT} libgl1, and pip install pyopenxr", known)]
+    loader = Finding("OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}")
+    return [loader, _runtime(known)]
+
+
+def _runtime(known: dict[str, object]) -> Finding:
+    name = f"{known['runtime']} {known['runtime_version']}" if "runtime" in known else "the runtime"
+    detail, remedy = _runtime_trouble(name, known) if "error" in known else _lacks(name, known)
+    if detail:
+        return Finding("OpenXR runtime", State.OPTIONAL, detail, remedy, known)
+    return Finding("OpenXR runtime", State.OK, f"{name}, headset '{known['headset']}'", facts=known)
+
+
+def _runtime_trouble(name: str, known: dict[str, object]) -> tuple[str, str]:
+    error, stage, restart = known["error"], known["stage"], "start, or restart, the runtime's service"
+    step = {"runtime": "when it was loaded", "instance": "when an instance was made", "headset": "when asked for a headset"}[stage]
+    if error == "died":
+        return f"{name} {known['message']} {step}", restart
+    if error in ("RuntimeUnavailableError", "FileAccessErrorError", "FileContentsInvalidError"):
+        return f"none: {manifest_in_words(os.environ)}", A_RUNTIME
+    if error in ("FormFactorUnavailableError", "FormFactorUnsupportedError"):
+        return f"{name} sees no headset ({error})", "connect the headset, switch it on and wake it"
+    if error == "RuntimeFailureError" and stage == "instance":
+        return f"its service does not answer ({manifest_in_words(os.environ)})", restart
+    return f"{name} failed {step}: {error}: {_one_line(known.get('message'))}", restart
+
+
+def _lacks(name: str, known: dict[str, object]) -> tuple[str, str]:
+    extensions = known["extensions"]
+    lacks = [] if set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
+    lacks += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
+    return (f"{name} lacks {' and '.join(lacks)}", "use a runtime that has it (Monado has)") if lacks else ("", "")
+
+
+def manifest(environ: Mapping[str, str]) -> Path | None:
+    """The runtime manifest that the OpenXR loader would take, existing or not; None where it finds none to try.
+
+    Source: OpenXR loader design, "Runtime discovery" on Linux.
+    """
+    if environ.get("XR_RUNTIME_JSON"):
+        return Path(environ["XR_RUNTIME_JSON"])
+    home = environ.get("XDG_CONFIG_HOME") or str(Path(environ.get("HOME", "/")) / ".config")
+    folders = [home, *(environ.get("XDG_CONFIG_DIRS") or "/etc/xdg").split(":"), "/etc"]
+    names = (f"active_runtime.{platform.machine()}.json", "active_runtime.json")
+    candidates = (Path(folder) / "openxr" / "1" / name for folder in folders for name in names)
+    return next((path for path in candidates if path.is_file()), None)
+
+
+def manifest_in_words(environ: Mapping[str, str]) -> str:
+    """Which manifest is active and what is wrong with it, in a few words."""
+    path = manifest(environ)
+    if path is None:
+        return "XR_RUNTIME_JSON is not set and there is no active_runtime.json"
+    source = "XR_RUNTIME_JSON names" if environ.get("XR_RUNTIME_JSON") else "active is"
+    try:
+        library = json.loads(path.read_text(encoding="utf-8"))["runtime"]["library_path"]
+    except OSError as error:
+        return f"{source} {path}: {error.strerror}"
+    except (ValueError, KeyError, TypeError):
+        return f"{source} {path}, which is no runtime manifest"
+    return f"{source} {path}, library {library}"
+
+
+def window() -> Finding:
+    """Whether a desktop window can be opened; optional, as only `live` without a headset wants one."""
+    remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then xvfb-run -a hmdwarp live ..."
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return Finding("desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy)
+    known = ask("window")
+    if "error" in known:
+        return Finding("desktop window", State.OPTIONAL, _one_line(known.get("message", known["error"])), remedy, known)
+    size = "{}x{} at {} Hz".format(*known["size"], known["refresh_hz"] or "?") if known["size"] else "no monitor"
+    return Finding("desktop window", State.OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
+
+
+def video() -> Finding:
+    """The H.264 encoder behind `replay --video`."""
+    try:
+        import av
+
+        encoder = av.codec.Codec("h264", "w")
+    except Exception as error:  # av's own errors, and loader errors of its libraries
+        return Finding("H.264 encoder", State.OPTIONAL, f"none in PyAV ({type(error).__name__})", "pip install --force-reinstall av")
+    return Finding("H.264 encoder", State.OK, f"{encoder.name} in PyAV {av.__version__}", facts={"encoder": encoder.name})
+
+
+def _one_line(text: object) -> str:
+    return " ".join(str(text or "no reason given").split())
