@@ -1,0 +1,297 @@
+"""The rules of the house that a machine can check: who may import whom, where shader text, clocks and row flips live.
+
+A new module at the top of hmdwarp/ gets its place in FLOORS; a test here says so if it has none.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import importlib
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "hmdwarp"
+
+# From the ground up; a module imports from floors below its own, or from its own unit.
+FLOORS = [
+    {"errors", "version"},
+    {"registry", "resources", "colour", "geometry"},
+    {"gpu", "poses", "headsets"},
+    {"scenes"},
+    {"frame"},
+    {"server", "reference"},
+    {"link"},
+    {"client"},
+    {"metrics"},
+    {"report"},
+    {"loop"},
+    {"replay", "live", "bench", "warp", "doctor", "_probes"},
+    {"study"},
+    {"cli"},
+]
+# What the order of the floors alone would allow, and the house does not.
+APART = {
+    "geometry": {"registry", "resources", "colour", "version"},
+    "gpu": {"geometry", "colour"},
+    "scenes": {"poses", "headsets"},
+    "server": {"poses", "headsets"},
+    "frame": {"gpu", "poses"},
+    "link": {"gpu", "server", "reference", "headsets"},
+    "reference": {"gpu"},
+    "client": {"server", "link", "reference", "poses"},
+    "metrics": {"client", "server", "link"},
+    "report": {"client", "server", "link", "gpu"},
+    "doctor": {"client", "server", "scenes", "poses"},
+    "_probes": {"client", "server", "scenes", "poses"},
+}
+CLOCK_READERS = {"gpu/timers.py", "loop.py", "replay.py", "live.py", "bench.py", "doctor.py"}
+CLOCK_FOLDERS = ("cli/", "loop/", "replay/", "live/", "bench/")
+HEAVY = ("scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL", "jinja2", "rich")
+
+
+def modules() -> list[Path]:
+    return sorted(p for p in PACKAGE.rglob("*.py") if "_data" not in p.parts)
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).as_posix()
+
+
+@functools.cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"), str(path))
+
+
+def unit_of(path: Path) -> str:
+    """The part of the house a file belongs to: its top folder, or its own stem at the top; "" for hmdwarp/__init__.py."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return "" if parts == ("__init__",) else parts[0]
+
+
+def units_in(source: str, package: tuple[str, ...]) -> set[str]:
+    """The parts of hmdwarp that `source`, lying in `package` (e.g. ("hmdwarp", "gpu")), imports anywhere, functions included.
+
+    "" is the top package itself, unless what is taken from it is a part of the house.
+    """
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            dotted = [alias.name.split(".") for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = list(package[: len(package) - node.level + 1]) if node.level else []
+            base += node.module.split(".") if node.module else []
+            dotted = [base] if len(base) > 1 else [[*base, alias.name] for alias in node.names]
+        else:
+            continue
+        for parts in dotted:
+            if parts[0] == "hmdwarp":
+                known = len(parts) > 1 and ((PACKAGE / parts[1]).is_dir() or (PACKAGE / f"{parts[1]}.py").is_file())
+                found.add(parts[1] if known else "")
+    return found
+
+
+def imports_of(path: Path) -> set[str]:
+    return units_in(path.read_text(encoding="utf-8"), ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)) - {unit_of(path)}
+
+
+def floor_of(unit: str) -> int | None:
+    return next((number for number, units in enumerate(FLOORS) if unit in units), None)
+
+
+def forbidden(unit: str, imported: set[str]) -> set[str]:
+    """Those of `imported` that a module of `unit` may not use."""
+    level = floor_of(unit)
+    return {other for other in imported if other == "" or floor_of(other) >= level or other in APART.get(unit, set())}
+
+
+def test_every_part_has_its_place():
+    homeless = {unit_of(path) for path in modules()} - {""} - set().union(*FLOORS)
+    assert not homeless, f"say in FLOORS of this file where {sorted(homeless)} stands"
+
+
+@pytest.mark.parametrize("path", modules(), ids=name_of)
+def test_imports_point_one_way(path):
+    unit = unit_of(path)
+    if unit == "":
+        assert "cli" not in imports_of(path)  # the public names come from below the command line
+    else:
+        wrong = forbidden(unit, imports_of(path))
+        assert not wrong, f"{name_of(path)} imports {sorted(wrong)}, which its part of the house may not know"
+
+
+def test_import_rules_notice_what_they_forbid():
+    assert units_in("from ..client import plan", ("hmdwarp", "server")) == {"client"}
+    assert units_in("def f():\n    from ... import cli", ("hmdwarp", "client", "warps")) == {"cli"}
+    assert units_in("from ..errors import InputError\nimport hmdwarp.gpu.context", ("hmdwarp", "geometry")) == {"errors", "gpu"}
+    assert units_in("from hmdwarp import warp_image", ("hmdwarp", "client")) == {""}
+    assert forbidden("geometry", {"errors", "gpu", "registry"}) == {"gpu", "registry"}
+    assert forbidden("server", {"gpu", "client"}) == {"client"}
+    assert forbidden("metrics", {"geometry", "client", "cli"}) == {"client", "cli"}
+
+
+def strings_of(path: Path) -> list[tuple[int, str]]:
+    return [(n.lineno, n.value) for n in ast.walk(tree_of(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+
+
+@pytest.mark.parametrize("path", modules(), ids=name_of)
+def test_no_shader_text_in_python(path):
+    """Shaders lie in shaders/, where tools find them and compiler messages point; only the loader writes a version line."""
+    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(") + (() if name_of(path) == "gpu/shaders.py" else ("#version ",))
+    found = [(line, mark) for line, text in strings_of(path) for mark in marks if mark in text]
+    assert not found, f"shader text in {name_of(path)}: {found}"
+
+
+PICTURES = re.compile(r"image|picture|colour|depth|truth|shown|rendered|late|coverage|mask|pixels|rgb|error", re.IGNORECASE)
+
+
+def row_flips(tree: ast.AST) -> list[int]:
+    """Lines that turn a picture upside down: flipud, np.flip, FLIP_TOP_BOTTOM, or [::-1] first in what is named like a picture."""
+    lines = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and (node.attr in ("flipud", "FLIP_TOP_BOTTOM") or ast.unparse(node) in ("np.flip", "ImageOps.flip")):
+            lines.append(node.lineno)
+        elif isinstance(node, ast.Subscript):
+            first = node.slice.elts[0] if isinstance(node.slice, ast.Tuple) and node.slice.elts else node.slice
+            backwards = isinstance(first, ast.Slice) and first.step is not None and ast.unparse(first) == "::-1"
+            operand = ast.unparse(node.value)
+            if backwards and PICTURES.search(operand) and not re.search(r"\b(size|shape)\b", operand):
+                lines.append(node.lineno)
+    return lines
+
+
+@pytest.mark.parametrize("path", [p for p in modules() if name_of(p) != "gpu/textures.py"], ids=name_of)
+def test_rows_flip_in_one_module_only(path):
+    assert not row_flips(tree_of(path)), f"{name_of(path)}: use gpu.textures (upload, download, flip_rows)"
+
+
+def test_row_flips_are_noticed():
+    for guilty in ("image[::-1]", "out.colour[::-1, :, :]", "np.flipud(a)", "np.flip(a, 0)", "a.transpose(Image.FLIP_TOP_BOTTOM)"):
+        assert row_flips(ast.parse(guilty)) == [1], guilty
+    for innocent in ("image.shape[:2][::-1]", "lines[::-1]", "image[..., ::-1]", "image[:, ::-1]"):
+        assert row_flips(ast.parse(innocent)) == [], innocent
+
+
+def clock_reads(tree: ast.AST) -> list[int]:
+    lines = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            lines += [node.lineno for alias in node.names if alias.name == "time"]
+        elif isinstance(node, ast.ImportFrom):
+            lines += [node.lineno] if node.module == "time" and not node.level else []
+        elif isinstance(node, ast.Attribute) and node.attr in ("now", "utcnow", "today") and "date" in ast.unparse(node.value):
+            lines.append(node.lineno)
+    return lines
+
+
+@pytest.mark.parametrize("path", modules(), ids=name_of)
+def test_no_pass_reads_a_clock(path):
+    """Time comes in as an argument, so that a replay is the same twice."""
+    name = name_of(path)
+    if name not in CLOCK_READERS and not name.startswith(CLOCK_FOLDERS):
+        assert not clock_reads(tree_of(path)), f"{name} reads a clock; only the drivers, the timers and the command line may"
+
+
+def test_clock_reads_are_noticed():
+    for guilty in ("import time", "from time import monotonic", "x = datetime.datetime.now()"):
+        assert clock_reads(ast.parse(guilty)) == [1], guilty
+    assert clock_reads(ast.parse("from .time import ticks\nx = trace.now")) == []
+
+
+def loaded_by(code: str) -> set[str]:
+    """The top-level modules in sys.modules of a fresh Python after `code`."""
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})"],
+        check=True, capture_output=True, text=True, cwd=ROOT,
+    )  # fmt: skip
+    return set(done.stdout.split())
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    assert not loaded_by("import hmdwarp") & set(HEAVY)
+
+
+def test_every_public_name_has_a_docstring():
+    package = importlib.import_module("hmdwarp")
+    names = getattr(package, "__all__", [])
+    assert names, "hmdwarp/__init__.py lists its public names in __all__"
+    for name in names:
+        thing = getattr(package, name)
+        assert name.startswith("__") or (getattr(thing, "__doc__", None) or "").strip(), f"hmdwarp.{name} does not say what it is for"
+
+
+@pytest.mark.parametrize("path", modules(), ids=name_of)
+def test_every_module_says_what_it_is_for(path):
+    if path.read_text(encoding="utf-8").strip():
+        assert ast.get_docstring(tree_of(path)), f"{name_of(path)} has no docstring"
+
+
+SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".comp", ".vert", ".frag", ".glsl"))
+
+
+@pytest.mark.parametrize("path", SHADERS, ids=lambda p: p.relative_to(ROOT / "shaders").as_posix())
+def test_every_shader_says_what_it_computes(path):
+    """At the top a comment of two lines or more, and for a whole stage what goes in and what comes out."""
+    header = "\n".join(line for line in path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if line.startswith("//"))
+    assert header.count("\n") >= 1
+    if path.suffix != ".glsl":
+        assert "In:" in header and "Out:" in header
+
+
+# --- what must not be in any file ----------------------------------------------------------------------------------------
+
+
+def tracked_texts() -> list[tuple[str, str]]:
+    """(path, text) of every text file that git tracks."""
+    if not shutil.which("git") or not (ROOT / ".git").exists():
+        pytest.skip("not a git checkout, so nobody knows which files belong to the project")
+    names = subprocess.run(["git", "-c", "safe.directory=*", "ls-files", "-z"], check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    out = []
+    for name in filter(None, names.split("\0")):
+        data = (ROOT / name).read_bytes() if (ROOT / name).is_file() else b""
+        if b"\0" not in data:
+            out.append((name, data.decode(errors="replace")))
+    return out
+
+
+FORBIDDEN = {
+    "a path of somebody's machine": re.compile(r"(?<![\w./~-])/(?:home|root|work|Users|mnt|tmp)/\w"),
+    "the address of a package index": re.compile(r"https?://\S*(?:pypi|pythonhosted|/simple\b)|--(?:extra-)?index-url|--find-links"),
+}
+
+
+@pytest.mark.parametrize("what", FORBIDDEN)
+def test_no_file_holds(what):
+    hits = [
+        f"{name}:{number}"
+        for name, text in tracked_texts()
+        for number, line in enumerate(text.splitlines(), start=1)
+        if FORBIDDEN[what].search(line)
+    ]
+    assert not hits, f"{what} in {', '.join(hits)}"
+
+
+def test_the_pins_name_every_dependency():
+    """Set-up installs from .ci/constraints.txt; a dependency without a line there would not be reproducible."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [*project["dependencies"], *(line for extra in project["optional-dependencies"].values() for line in extra)]
+    pins = [line for line in (ROOT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+    assert all(re.fullmatch(r"[\w.-]+==[\w.]+", pin) for pin in pins)
+    pinned = {pin.partition("==")[0].lower().replace("_", "-") for pin in pins}
+    assert {re.match(r"[\w-]+", line)[0].lower().replace("_", "-") for line in wanted} <= pinned
+
+
+def test_ruff_finds_nothing():
+    if importlib.util.find_spec("ruff") is None:
+        pytest.skip("ruff is not installed (pip install '.[test]')")
+    command = [sys.executable, "-m", "ruff", "check", "--quiet", "--no-cache", "--output-format", "concise", "."]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stdout + done.stderr
