@@ -176,29 +176,23 @@ def make_environment() -> None:
 
 
 def get_pip() -> None:
-    if works(PYTHON, "-m", "pip", "--version") or works(PYTHON, "-m", "ensurepip", "--default-pip"):
+    if not (works(PYTHON, "-m", "pip", "--version") or works(PYTHON, "-m", "ensurepip", "--default-pip")):
+        pip([*(any_pip() or ["pip"]), "--python", PYTHON], "install", "pip")
+
+
+def pip(command: list[str | Path], *arguments: str | Path) -> None:
+    """Raises Lacking with one line when pip fails; all that it said, and more, is in LOG."""
+    LOG.unlink(missing_ok=True)
+    result = run([*command, "--log", LOG, *arguments])
+    if result.returncode == 0:
         return
-    result = run([*(any_pip() or ["pip"]), "--python", PYTHON, "install", "pip"])
-    if result.returncode:
-        LOG.write_text(result.stdout + result.stderr, encoding="utf-8")
-        raise Lacking(pip_trouble(result.stdout + result.stderr))
-
-
-def pip_trouble(output: str) -> str:
-    lines = output.splitlines()
-    errors = [x for x in lines if x.startswith("ERROR")] or [x.strip() for x in lines[::-1] if "Error: " in x] or lines[-1:]
-    network = NETWORK_TROUBLE.search(output)
+    # Without a network pip speaks of conflicting versions; only its log tells that it reached nobody.
+    network = NETWORK_TROUBLE.search(LOG.read_text(encoding="utf-8", errors="replace") if LOG.exists() else "")
     if network:
-        return f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again"
-    return f"pip failed: {errors[0] if errors else 'no message'} (all it said: {LOG.relative_to(ROOT)})"
-
-
-def pip_install(*arguments: str | Path) -> None:
-    result = run([PYTHON, "-m", "pip", "install", *arguments])
-    with LOG.open("a", encoding="utf-8") as log:
-        log.write(result.stdout + result.stderr)
-    if result.returncode:
-        raise Lacking(pip_trouble(result.stdout + result.stderr))
+        raise Lacking(f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again")
+    lines = result.stderr.splitlines()
+    errors = [x for x in lines if x.startswith("ERROR")] or [x.strip() for x in lines[::-1] if "Error: " in x] or lines[-1:]
+    raise Lacking(f"pip failed: {errors[0] if errors else 'no message'} (all it said: {LOG.relative_to(ROOT)})")
 
 
 def install_packages() -> None:
@@ -206,11 +200,10 @@ def install_packages() -> None:
     extras = project["optional-dependencies"]
     wanted = [*project["dependencies"], *extras["test"], *extras["bench"]]
     STATE.write_text(HALF_MADE, encoding="utf-8")
-    LOG.unlink(missing_ok=True)
     say("installing the pinned packages into .venv (about 1 GB on disk; a few minutes the first time)")
-    pip_install("--constraint", CONSTRAINTS, *wanted)
+    pip([PYTHON, "-m", "pip"], "install", "--constraint", CONSTRAINTS, *wanted)
     # Editable: a changed shader or module is used at once. No isolation: the pinned hatchling builds, offline too.
-    pip_install("--no-deps", "--no-build-isolation", "--editable", ROOT)
+    pip([PYTHON, "-m", "pip"], "install", "--no-deps", "--no-build-isolation", "--editable", ROOT)
     whole = STATE.with_suffix(".new")
     whole.write_text(wanted_state(), encoding="utf-8")
     whole.replace(STATE)

@@ -157,8 +157,9 @@ def row_flips(tree: ast.AST) -> list[int]:
     """Lines that turn a picture upside down: flipud, np.flip, FLIP_TOP_BOTTOM, or [::-1] first in what is named like a picture."""
     lines = []
     for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and (node.attr in ("flipud", "FLIP_TOP_BOTTOM") or ast.unparse(node) in ("np.flip", "ImageOps.flip")):
-            lines.append(node.lineno)
+        if isinstance(node, ast.Attribute):
+            guilty = node.attr in ("flipud", "FLIP_TOP_BOTTOM") or ast.unparse(node) in ("np.flip", "ImageOps.flip")
+            lines += [node.lineno] if guilty else []
         elif isinstance(node, ast.Subscript):
             first = node.slice.elts[0] if isinstance(node.slice, ast.Tuple) and node.slice.elts else node.slice
             backwards = isinstance(first, ast.Slice) and first.step is not None and ast.unparse(first) == "::-1"
