@@ -1,0 +1,241 @@
+"""Writing files so that nothing half-written ever has a final name, and whole folders of results so that they belong together."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import json
+import os
+import shutil
+import uuid
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import HmdwarpError, InputError, MachineError
+
+_NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
+_FORBIDDEN = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
+_NO_PLACE = frozenset({errno.ENOTDIR, errno.EISDIR, errno.ENOENT, errno.ENAMETOOLONG, errno.EEXIST, errno.ENOTEMPTY})
+
+
+def write_error(error: OSError, path: Path) -> HmdwarpError:
+    """The one-line error for a write to `path` that failed: MachineError for a full disk, InputError for a place that cannot be written."""
+    why = error.strerror or str(error)
+    if error.errno in _NO_ROOM:
+        return MachineError(f"{path}: cannot write ({why}): make room or choose another folder")
+    if error.errno in _FORBIDDEN | _NO_PLACE:
+        return InputError(f"{path}: cannot write ({why}): choose a folder that you may write to")
+    return MachineError(f"{path}: cannot write ({why})")
+
+
+@contextmanager
+def atomic(path: str | os.PathLike) -> Iterator[Path]:
+    """A temporary path beside `path` to write to; it takes the final name when the block ends, or is deleted if it fails.
+
+    Errors: as write_error, also for an OSError raised inside.
+    """
+    path = Path(path)
+    temporary = path.with_name(f".{path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
+    try:
+        yield temporary
+        _sync(temporary)  # a full disk may show only here, and a crash must not leave an empty file under the final name
+        temporary.replace(path)
+    except OSError as error:
+        raise write_error(error, path) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+
+
+def _sync(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def _opened(path: str | os.PathLike) -> Iterator[BinaryIO]:
+    with atomic(path) as temporary, temporary.open("wb") as file:
+        yield file
+
+
+def write_bytes(path: str | os.PathLike, content: bytes) -> None:
+    """Write a whole file. Errors: InputError or MachineError naming the path."""
+    with _opened(path) as file:
+        file.write(content)
+
+
+def write_text(path: str | os.PathLike, content: str) -> None:
+    """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
+    write_bytes(path, content.encode())
+
+
+def write_json(path: str | os.PathLike, value: Any) -> None:
+    """Write JSON, indented, keys in the order given. NaN and infinity are refused (ValueError): no JSON reader need know them."""
+    write_text(path, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False, default=_plain) + "\n")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} has no form in JSON")
+
+
+def write_csv(path: str | os.PathLike, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
+    """Write rows under the given columns; a value that is None or missing is an empty field, floats keep all their digits.
+
+    Errors: HmdwarpError for a row with a key that is no column; else as write_bytes.
+    """
+    known = set(columns)
+    with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        for row in rows:
+            if not known.issuperset(row):
+                raise HmdwarpError(f"{path}: a row has {', '.join(sorted(set(row) - known))}, which are no columns of this table")
+            writer.writerow(["" if row.get(name) is None else _field(row[name]) for name in columns])
+
+
+def _field(value: Any) -> Any:
+    # repr(np.float64) would write "np.float64(1.0)"; float() is the same number.
+    return repr(float(value)) if isinstance(value, float | np.floating) else value
+
+
+def write_png(path: str | os.PathLike, picture: NDArray) -> None:
+    """Write an (h, w, 3) or (h, w) uint8 picture, top row first, as PNG. Errors: as write_bytes."""
+    from .pictures import png_bytes
+
+    write_bytes(path, png_bytes(picture))
+
+
+class OutputFolder:
+    """A folder of results that appears whole or not at all.
+
+        with OutputFolder(path, owned=("images/*-left.png", "images/*-right.png")) as out:
+            out.write_json("summary.json", summary)
+            video = VideoWriter(out.path("replay.mp4"), ...)
+
+    Making one checks at once, before a long run, that the folder can be made and written. Files go to a hidden folder inside
+    it and get their names when the block ends without an error; otherwise they are deleted, and so is the folder if this
+    made it. `last` (summary.json) is removed first and put there last, so that where it is, everything beside it is of
+    one run. Files of an earlier run that match an `owned` pattern and were not written again are removed; no other file is.
+
+    Errors: InputError if the folder cannot be written, MachineError if the disk is full.
+    """
+
+    def __init__(self, path: str | os.PathLike, *, owned: Sequence[str] = (), last: str = "summary.json") -> None:
+        self.folder = Path(path)
+        self._owned, self._last = tuple(owned), last
+        self._made: Path | None = None
+        self._staging = self.folder / f".partial-{uuid.uuid4().hex[:8]}"
+        try:
+            self._made = _first_missing(self.folder)
+            self._staging.mkdir(parents=True)
+            probe = self._staging / "probe"
+            with probe.open("wb") as file:
+                file.write(bytes(4096))  # a file of 0 bytes fits on a full disk
+                file.flush()
+                os.fsync(file.fileno())
+            probe.unlink()
+        except BaseException as error:
+            self.discard()
+            if isinstance(error, OSError):
+                raise write_error(error, self.folder) from error
+            raise
+
+    def path(self, name: str) -> Path:
+        """Where to write the file that will be called `name` (with subfolders, made here). Errors: ValueError outside the folder."""
+        staged = self._staging / name
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            raise ValueError(f"'{name}' leads out of the output folder")
+        try:
+            staged.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise write_error(error, self.folder / name) from error
+        return staged
+
+    def write_bytes(self, name: str, content: bytes) -> None:
+        """As the function of this name."""
+        self._write(name, write_bytes, content)
+
+    def write_text(self, name: str, content: str) -> None:
+        """As the function of this name."""
+        self._write(name, write_text, content)
+
+    def write_json(self, name: str, value: Any) -> None:
+        """As the function of this name."""
+        self._write(name, write_json, value)
+
+    def write_csv(self, name: str, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
+        """As the function of this name."""
+        self._write(name, write_csv, rows, columns)
+
+    def write_png(self, name: str, picture: NDArray) -> None:
+        """As the function of this name."""
+        self._write(name, write_png, picture)
+
+    def _write(self, name: str, writer: Any, *content: Any) -> None:
+        staged = self.path(name)
+        try:
+            writer(staged, *content)
+        except (InputError, MachineError) as error:
+            # The message names the file the user will look for, not where it waits.
+            raise type(error)(str(error).replace(str(staged), str(self.folder / name))) from error
+
+    def commit(self) -> None:
+        """Give every file its final name. Errors: InputError or MachineError; then `last` is not there."""
+        staged = sorted(p.relative_to(self._staging) for p in self._staging.rglob("*") if p.is_file())
+        final = [p for p in staged if p != Path(self._last)] + [p for p in staged if p == Path(self._last)]
+        current = self.folder / self._last
+        try:
+            current.unlink(missing_ok=True)
+            for pattern in self._owned:
+                for old in self.folder.glob(pattern):
+                    if old.is_file() and old.relative_to(self.folder) not in staged:
+                        old.unlink()
+            for name in final:
+                current = self.folder / name
+                current.parent.mkdir(parents=True, exist_ok=True)
+                (self._staging / name).replace(current)
+        except OSError as error:
+            raise write_error(error, current) from error
+        shutil.rmtree(self._staging)
+
+    def discard(self) -> None:
+        """Delete what was written so far, and the folder too if this made it and nothing else is in it."""
+        shutil.rmtree(self._staging, ignore_errors=True)
+        folder = self.folder
+        while self._made is not None and folder.is_relative_to(self._made):
+            try:
+                folder.rmdir()
+            except FileNotFoundError:
+                pass  # making it failed
+            except OSError:
+                return  # someone else's file is in it by now
+            folder = folder.parent
+
+    def __enter__(self) -> OutputFolder:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            self.discard()
+            return
+        try:
+            self.commit()
+        except BaseException:
+            self.discard()
+            raise
+
+
+def _first_missing(path: Path) -> Path | None:
+    """The outermost folder of `path` that does not exist yet, None if all do."""
+    missing = [p for p in (path, *path.parents) if not p.exists()]
+    return missing[-1] if missing else None

@@ -1,0 +1,116 @@
+"""The names other tools read: columns of frames.csv and keys of summary.json."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ..errors import InputError
+from ..metrics import QUALITY, STAGES
+
+SCHEMA = 1
+
+# One row per frame and eye. Figures are empty where a frame was not measured.
+FRAME_COLUMNS = (
+    "frame",  # counts the shown frames from 0
+    "eye",  # 0 left, 1 right
+    "time_s",  # shown_ns since the start of the trace, in seconds
+    "shown_ns",  # when the picture is seen
+    "drawn_ns",  # when the late frame it was made from was drawn
+    "age_ms",  # shown_ns - drawn_ns
+    "pose_origin",  # how the shown pose was obtained: measured, interpolated, predicted, held
+    "angular_speed_deg_s",
+    "linear_speed_m_s",
+    *(f"{stage}_ms" for stage in STAGES),
+    *QUALITY,
+)
+
+SUMMARY_KEYS = (
+    "schema",
+    "hmdwarp",
+    "trace",
+    "scene",
+    "effects",
+    "latency_ms",
+    "warp",
+    "fill",
+    "lens",
+    "headset",
+    "size",
+    "frames",
+    "machine",
+    "clock",
+    "time_ms",
+    "quality",
+)
+MACHINE_KEYS = ("gl_renderer", "gl_version", "cpu_count")
+CLOCKS = ("gpu", "wall")
+
+_TEXTS = ("hmdwarp", "trace", "scene", "warp", "fill", "lens", "headset")
+
+
+def validate_summary(summary: Mapping[str, Any]) -> None:
+    """Nothing, if this is a summary of this schema; more keys than the known ones are fine.
+
+    Numbers are finite; a figure may be None where nothing was measured. Errors: InputError that names every fault at once.
+    """
+    faults = summary_faults(summary)
+    if faults:
+        raise InputError(f"no summary of schema {SCHEMA}: {'; '.join(faults)}")
+
+
+def summary_faults(summary: Any) -> list[str]:
+    """What is wrong with a summary, one phrase each; empty if nothing is."""
+    if not isinstance(summary, Mapping):
+        return [f"it is a {type(summary).__name__}, wanted an object"]
+    faults = [f"'{key}' is missing" for key in SUMMARY_KEYS if key not in summary]
+    for key, wanted, fits in _CHECKS:
+        if key in summary and not fits(summary[key]):
+            faults.append(f"'{key}' is {summary[key]!r}, wanted {wanted}")
+    faults += _table_faults(summary, "time_ms", STAGES, ("median", "p95"))
+    faults += _table_faults(summary, "quality", QUALITY, ("mean", "p95"))
+    return faults
+
+
+def _is_count(value: Any, least: int = 0) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= least
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and value != ""
+
+
+def _is_machine(value: Any) -> bool:
+    return isinstance(value, Mapping) and set(MACHINE_KEYS) <= set(value) and _is_count(value["cpu_count"], 1)
+
+
+_CHECKS = (
+    ("schema", str(SCHEMA), lambda v: _is_count(v) and v == SCHEMA),
+    *((key, "a text", _is_text) for key in _TEXTS),
+    ("effects", "a list of names", lambda v: isinstance(v, list) and all(_is_text(name) for name in v)),
+    ("latency_ms", "a number from 0", lambda v: _is_number(v) and v >= 0),
+    ("size", "[w, h] in pixels", lambda v: isinstance(v, list | tuple) and len(v) == 2 and all(_is_count(side, 1) for side in v)),
+    ("frames", "a count", _is_count),
+    ("machine", f"an object with {', '.join(MACHINE_KEYS)}", _is_machine),
+    ("clock", " or ".join(CLOCKS), lambda v: v in CLOCKS),
+)
+
+
+def _table_faults(summary: Mapping[str, Any], key: str, names: tuple[str, ...], figures: tuple[str, ...]) -> list[str]:
+    table = summary.get(key, {})
+    if not isinstance(table, Mapping):
+        return [f"'{key}' is {table!r}, wanted an object"]
+    faults = []
+    for name in names if key in summary else ():
+        entry = table.get(name)
+        if not isinstance(entry, Mapping) or not set(figures) <= set(entry):
+            faults.append(f"'{key}.{name}' is {entry!r}, wanted {' and '.join(figures)}")
+            continue
+        bad = [f for f in figures if entry[f] is not None and not _is_number(entry[f])]
+        faults += [f"'{key}.{name}.{f}' is {entry[f]!r}, wanted a finite number or null" for f in bad]
+    return faults

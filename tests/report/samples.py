@@ -1,0 +1,59 @@
+"""A made-up run: rows, a summary, pictures; the numbers are only roughly like real ones."""
+
+import numpy as np
+
+from hmdwarp.metrics.summary import aggregate
+from hmdwarp.report.page import WorstFrame
+from hmdwarp.report.pictures import comparison_panels
+
+
+def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int = 10, worse: float = 1.0) -> list[dict]:
+    rng = np.random.default_rng(seed)
+    rows = []
+    for frame in range(int(seconds * rate)):
+        t = frame / rate
+        turn = 90 * max(0, np.sin(1.3 * t)) ** 6 + 3 * rng.random()
+        for eye in (0, 1):
+            noise = 1 + 0.1 * rng.standard_normal()
+            row = {
+                "frame": frame, "eye": eye, "time_s": t, "shown_ns": int(t * 1e9), "drawn_ns": int(t * 1e9) - 200_000_000, "age_ms": 200.0,
+                "pose_origin": "interpolated", "angular_speed_deg_s": turn, "linear_speed_m_s": 0.05 + turn / 600,
+                "warp_ms": 9 * abs(noise), "fill_ms": 5 * abs(noise), "effects_ms": 0.0, "lens_ms": 7 * abs(noise),
+                "total_ms": 21 * abs(noise),
+            }  # fmt: skip
+            if frame % every == 0:
+                error = worse * (0.04 + turn / 900) * abs(noise)
+                row |= {
+                    "psnr_db": 34 - 90 * error, "ssim": 1 - error, "flip": error, "hole_share": turn / 700 * abs(noise),
+                    "border_share": turn / 900 * abs(noise), "flicker": None if frame == 0 else error / 4,
+                }  # fmt: skip
+            rows.append(row)
+    return rows
+
+
+def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
+    rows = some_rows(seconds=2) if rows is None else rows
+    return {
+        "schema": 1, "hmdwarp": "0.1.0", "trace": "look-around", "scene": "room", "effects": [], "latency_ms": 200.0, "warp": warp,
+        "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "size": [640, 400], "frames": len(rows) // 2,
+        "machine": {"gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)", "gl_version": "4.5 (Core Profile) Mesa 22.3.6", "cpu_count": 2},
+        "clock": "wall", **aggregate(rows),
+    }  # fmt: skip
+
+
+def a_scene(shift: int = 0, size=(320, 200)) -> np.ndarray:
+    """A picture with edges, gradients and fine texture."""
+    y, x = np.mgrid[: size[1], : size[0]]
+    x = x + shift
+    board = (((x // 16) + (y // 16)) % 2 * 50 + 90 + 40 * np.sin(x / 30))[..., None]
+    return np.clip(board * np.array([1.1, 0.9, 0.7]) + (y / 4)[..., None], 0, 255).astype(np.uint8)
+
+
+def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
+    frames = []
+    for i in range(count):
+        truth, late, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
+        error = np.abs(warped.astype(int) - truth).max(axis=-1).astype(np.uint8)
+        values = {"psnr_db": 20.1 + i, "ssim": 0.7, "flip": 0.2 - 0.02 * i, "hole_share": 0.031, "border_share": 0.02, "flicker": None}
+        frames.append(WorstFrame(3.2 * i + 1, i % 2, tuple(comparison_panels(late, warped, truth, error)), values))
+    return frames

@@ -1,0 +1,204 @@
+"""Nothing half-written ever has a final name, and a folder of results is whole or not there."""
+
+import csv
+import errno
+import json
+import os
+import stat
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.report import files
+from hmdwarp.report.files import OutputFolder, atomic, write_bytes, write_csv, write_json, write_png, write_text
+
+
+def everything_below(folder: Path) -> set[str]:
+    return {str(p.relative_to(folder)) for p in folder.rglob("*")}
+
+
+WRITES = [
+    pytest.param(lambda p: write_bytes(p, b"abc"), id="bytes"),
+    pytest.param(lambda p: write_text(p, "ä\n"), id="text"),
+    pytest.param(lambda p: write_json(p, {"a": 1}), id="json"),
+    pytest.param(lambda p: write_csv(p, [{"a": 1}], ["a"]), id="csv"),
+    pytest.param(lambda p: write_png(p, np.zeros((2, 3, 3), np.uint8)), id="png"),
+]
+
+
+@pytest.mark.parametrize("write", WRITES)
+def test_writes_and_replaces(write, tmp_path):
+    path = tmp_path / "out"
+    path.write_bytes(b"old and longer than the new one, by far, so that a mere overwrite would show")
+    write(path)
+    assert everything_below(tmp_path) == {"out"}
+    assert b"old" not in path.read_bytes()
+    mask = os.umask(0)
+    os.umask(mask)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o666 & ~mask  # as any file the user makes
+
+
+@pytest.mark.parametrize("write", WRITES)
+@pytest.mark.parametrize("code, kind", [(errno.ENOSPC, MachineError), (errno.EDQUOT, MachineError), (errno.EROFS, InputError)])
+def test_a_failed_write_leaves_the_old_file(write, code, kind, tmp_path, monkeypatch):
+    path = tmp_path / "out"
+    path.write_bytes(b"old")
+
+    def full(_):
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(kind) as caught:
+        write(path)
+    assert str(path) in str(caught.value) and os.strerror(code) in str(caught.value) and "\n" not in str(caught.value)
+    assert everything_below(tmp_path) == {"out"} and path.read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("write", WRITES)
+def test_places_that_cannot_be_written(write, tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    (tmp_path / "folder").mkdir()
+    for path in (tmp_path / "missing" / "out", tmp_path / "file" / "out", tmp_path / "folder", tmp_path / ("x" * 300)):
+        with pytest.raises(InputError, match="cannot write"):
+            write(path)
+    assert everything_below(tmp_path) == {"file", "folder"}
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="Permission denied"):
+        write_bytes(tmp_path / "out", b"")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_a_full_disk_is_the_machine_s_fault(tmp_path):
+    with pytest.raises(MachineError, match="make room"), atomic(tmp_path / "out"), Path("/dev/full").open("wb") as full:
+        full.write(bytes(10))
+    assert everything_below(tmp_path) == set()
+
+
+def test_an_interrupt_leaves_nothing(tmp_path):
+    with pytest.raises(KeyboardInterrupt), atomic(tmp_path / "out") as temporary:
+        temporary.write_bytes(b"half")
+        raise KeyboardInterrupt
+    assert everything_below(tmp_path) == set()
+
+
+def test_rows_that_fail_midway_leave_nothing(tmp_path):
+    with pytest.raises(HmdwarpError, match="surprise"):
+        write_csv(tmp_path / "out.csv", [{"a": 1}, {"surprise": 2}], ["a"])
+    assert everything_below(tmp_path) == set()
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), max_size=10))
+def test_csv_keeps_every_digit(tmp_path_factory, values):
+    path = tmp_path_factory.mktemp("csv") / "out.csv"
+    write_csv(path, [{"b": np.float64(v), "a": None} for v in values], ["a", "b"])
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(r["b"]) for r in rows] == values
+    assert all(r["a"] == "" for r in rows)
+    assert path.read_bytes().startswith(b"a,b\n")
+
+
+def test_json_has_no_nan_and_knows_numpy_numbers(tmp_path):
+    with pytest.raises(ValueError, match="JSON"):
+        write_json(tmp_path / "out.json", {"a": float("nan")})
+    assert everything_below(tmp_path) == set()
+    write_json(tmp_path / "out.json", {"n": np.int64(3), "x": np.float32(0.5), "s": "ü"})
+    assert json.loads((tmp_path / "out.json").read_text()) == {"n": 3, "x": 0.5, "s": "ü"}
+
+
+def test_png_is_the_picture(tmp_path):
+    picture = np.random.default_rng(0).integers(0, 256, (5, 7, 3), dtype=np.uint8)
+    write_png(tmp_path / "p.png", picture[::-1])
+    with Image.open(tmp_path / "p.png") as image:
+        assert np.array_equal(np.asarray(image), picture[::-1])
+
+
+def test_a_folder_appears_whole(tmp_path):
+    out_dir = tmp_path / "a" / "b"
+    with OutputFolder(out_dir) as out:
+        out.write_json("summary.json", {})
+        out.write_png("images/1.png", np.zeros((2, 2, 3), np.uint8))
+        out.path("video.mp4").write_bytes(b"v")
+        assert not (out_dir / "summary.json").exists() and not (out_dir / "images").exists()
+    assert everything_below(out_dir) == {"summary.json", "images", "images/1.png", "video.mp4"}
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_a_failed_run_leaves_nothing(error, tmp_path):
+    with pytest.raises(error), OutputFolder(tmp_path / "a" / "b") as out:
+        out.write_json("summary.json", {})
+        raise error
+    assert everything_below(tmp_path) == set()
+
+
+def test_a_failed_run_leaves_the_former_one(tmp_path):
+    with OutputFolder(tmp_path / "out") as out:
+        out.write_json("summary.json", {"run": 1})
+        out.write_text("report.html", "one")
+    with pytest.raises(RuntimeError), OutputFolder(tmp_path / "out") as out:
+        out.write_text("report.html", "two")
+        raise RuntimeError
+    assert everything_below(tmp_path / "out") == {"summary.json", "report.html"}
+    assert (tmp_path / "out" / "report.html").read_text() == "one"
+
+
+def test_pictures_of_a_former_run_go_and_other_people_s_files_stay(tmp_path):
+    for names in (("images/1-left.png", "images/2-left.png"), ("images/2-left.png",)):
+        with OutputFolder(tmp_path, owned=("images/*-left.png",)) as out:
+            for name in names:
+                out.write_bytes(name, b"p")
+        (tmp_path / "images" / "mine.png").write_bytes(b"")
+    assert everything_below(tmp_path) == {"images", "images/2-left.png", "images/mine.png"}
+
+
+def test_the_summary_is_never_beside_another_run_s_files(tmp_path, monkeypatch):
+    """When giving the names fails half-way, there is no summary: neither the old one nor the new one."""
+    with OutputFolder(tmp_path) as out:
+        out.write_json("summary.json", {"run": 1})
+        out.write_text("a.txt", "1")
+    real = Path.replace
+
+    def fails_on_b(self, target):
+        if Path(target) == tmp_path / "b.txt":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(self, target)
+
+    monkeypatch.setattr(Path, "replace", fails_on_b)
+    with pytest.raises(MachineError, match="b.txt"), OutputFolder(tmp_path) as out:
+        for name in ("summary.json", "a.txt", "b.txt"):
+            out.write_text(name, "2")
+    assert everything_below(tmp_path) == {"a.txt"}
+
+
+def test_an_output_folder_that_cannot_be_written_is_known_before_the_run(tmp_path, monkeypatch):
+    (tmp_path / "file").write_bytes(b"")
+    for path in (tmp_path / "file", tmp_path / "file" / "below", tmp_path / ("x" * 300)):
+        with pytest.raises(InputError, match="cannot write"):
+            OutputFolder(path)
+    monkeypatch.setattr(os, "fsync", _no_room)
+    with pytest.raises(MachineError, match="make room"):
+        OutputFolder(tmp_path / "full" / "deeper")
+    assert everything_below(tmp_path) == {"file"}
+
+
+def test_errors_name_the_final_file(tmp_path, monkeypatch):
+    with OutputFolder(tmp_path) as out:
+        monkeypatch.setattr(files.os, "fsync", _no_room)
+        with pytest.raises(MachineError) as caught:
+            out.write_text("images/x.txt", "x")
+        assert str(caught.value).startswith(str(tmp_path / "images" / "x.txt") + ":")
+    with pytest.raises(ValueError, match="out of"):
+        out.path("../elsewhere")
+
+
+def _no_room(_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

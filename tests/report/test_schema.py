@@ -1,0 +1,66 @@
+"""The contract of summary.json: what it takes, and that every single fault is told."""
+
+import copy
+import math
+
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.metrics.summary import aggregate
+from hmdwarp.report.schema import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
+
+from .samples import a_summary
+
+
+def test_a_full_summary_and_one_without_any_measurement_are_fine():
+    validate_summary(a_summary())
+    validate_summary({**a_summary(), **aggregate([]), "more": "keys are allowed"})
+
+
+@pytest.mark.parametrize("key", SUMMARY_KEYS)
+def test_every_key_is_needed(key):
+    summary = a_summary()
+    del summary[key]
+    with pytest.raises(InputError, match=f"'{key}' is missing"):
+        validate_summary(summary)
+
+
+BAD = [
+    ("schema", 2), ("schema", True), ("schema", "1"), ("hmdwarp", ""), ("trace", None), ("effects", "none"), ("effects", [1]),
+    ("latency_ms", -1), ("latency_ms", math.nan), ("latency_ms", "200"), ("size", [640]), ("size", [0, 4]), ("size", (640, 400.0)),
+    ("frames", -1), ("frames", 1.5), ("machine", {}), ("machine", {"gl_renderer": "a", "gl_version": "b", "cpu_count": 0}),
+    ("clock", "sun"), ("time_ms", []), ("time_ms", {}), ("quality", {"psnr_db": 3}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("key, value", BAD)
+def test_every_bad_value_is_told_by_its_key(key, value):
+    faults = summary_faults({**a_summary(), key: value})
+    assert faults and all(f"'{key}" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("table, name, figure", [("quality", "flip", "p95"), ("time_ms", "warp", "median")])
+@pytest.mark.parametrize("value", [math.nan, math.inf, "3", True])
+def test_figures_are_numbers_or_null(table, name, figure, value):
+    summary = copy.deepcopy(a_summary())
+    summary[table][name][figure] = value
+    assert [f"'{table}.{name}.{figure}'" in fault for fault in summary_faults(summary)] == [True]
+
+
+def test_all_faults_are_told_at_once():
+    summary = {**a_summary(), "clock": "sun", "frames": -1}
+    del summary["warp"]
+    assert len(summary_faults(summary)) == 3
+
+
+@pytest.mark.parametrize("thing", [None, [], "text", 3])
+def test_what_is_no_object(thing):
+    assert summary_faults(thing)
+
+
+def test_columns_are_the_contract_s():
+    assert FRAME_COLUMNS == (
+        "frame", "eye", "time_s", "shown_ns", "drawn_ns", "age_ms", "pose_origin", "angular_speed_deg_s", "linear_speed_m_s",
+        "warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms",
+        "psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker",
+    )  # fmt: skip

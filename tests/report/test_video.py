@@ -1,0 +1,177 @@
+"""The video: true colours, any size and rate, and nothing left behind when it does not come about."""
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.report import video
+from hmdwarp.report.video import VideoWriter, available_encoders
+
+av = pytest.importorskip("av")
+
+COLOURS = [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255), (0, 0, 0), (128, 128, 128), (200, 100, 50), (12, 200, 220)]
+
+needs_encoder = pytest.mark.skipif(not available_encoders(), reason="this PyAV was built without an H.264 encoder")
+
+
+def bars(width: int, height: int) -> np.ndarray:
+    """Vertical bars of COLOURS."""
+    return np.array(COLOURS, np.uint8)[np.arange(width) * len(COLOURS) // width][None].repeat(height, axis=0)
+
+
+def decoded(path) -> tuple[list[np.ndarray], object]:
+    """All pictures as RGB, converted by what the file's own tags say, and the stream's context."""
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(stream)], stream
+
+
+@needs_encoder
+@pytest.mark.parametrize("size", [(256, 64), (255, 67), (17, 16)])
+def test_known_colours_survive(size, tmp_path):
+    """Limited range has 219 steps of luma and 224 of chroma: half a step of each is at most 0.6 + 1.86 * 0.57 = 1.7 levels of blue.
+
+    The same once more for the decoder's rounding, and 2 levels for the quantiser at its setting (step 5, of which a flat block
+    loses less than half): 5 levels. With BT.601 for BT.709, or the range mistaken, greens and reds are off by 16 and more.
+    """
+    width, height = size
+    picture = bars(width, height)
+    with VideoWriter(tmp_path / "a.mp4", size, 30) as writer:
+        for _ in range(3):
+            writer.add(picture)
+    pictures, stream = decoded(tmp_path / "a.mp4")
+    assert len(pictures) == 3 and pictures[0].shape == (height + height % 2, width + width % 2, 3)
+    context = stream.codec_context
+    assert (context.name, context.pix_fmt) == ("h264", "yuv420p")
+    assert (context.colorspace, context.color_primaries, context.color_trc, context.color_range) == (1, 1, 1, 1)
+    if width < 32:
+        return  # bars of 2 pixels have no unmixed chroma
+    centres = [round((i + 0.5) * width / len(COLOURS)) for i in range(len(COLOURS))]
+    for shown in pictures:
+        assert np.abs(shown[height // 2, centres].astype(int) - COLOURS).max() <= 5
+
+
+@needs_encoder
+def test_odd_sides_repeat_their_edge(tmp_path):
+    picture = np.full((33, 47, 3), 180, np.uint8)
+    with VideoWriter(tmp_path / "a.mp4", (47, 33), 30) as writer:
+        writer.add(picture)
+    (shown,), _ = decoded(tmp_path / "a.mp4")
+    assert np.abs(shown.astype(int) - 180).max() <= 5  # a black border would be off by 180
+
+
+@needs_encoder
+@pytest.mark.parametrize("rate", [25, 89.97, 90.0, 30000 / 1001, 7.5])
+def test_rate_and_order(rate, tmp_path):
+    with VideoWriter(tmp_path / "a.mp4", (32, 32), rate) as writer:
+        for level in range(0, 250, 25):
+            writer.add(np.full((32, 32, 3), level, np.uint8))
+    pictures, stream = decoded(tmp_path / "a.mp4")
+    assert float(stream.average_rate) == pytest.approx(rate, rel=1e-5)
+    means = [p.mean() for p in pictures]
+    assert len(means) == 10 and means == sorted(means)
+    assert float(stream.duration * stream.time_base) == pytest.approx(10 / rate, rel=1e-3)
+
+
+@needs_encoder
+def test_the_same_pictures_give_the_same_file(tmp_path):
+    for name in ("a.mp4", "b.mp4"):
+        with VideoWriter(tmp_path / name, (64, 48), 30) as writer:
+            for seed in range(5):
+                writer.add(np.random.default_rng(seed).integers(0, 256, (48, 64, 3), dtype=np.uint8))
+    assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "b.mp4").read_bytes()
+
+
+@needs_encoder
+def test_nothing_under_the_final_name_before_the_end(tmp_path):
+    writer = VideoWriter(tmp_path / "a.mp4", (32, 32), 30)
+    writer.add(np.zeros((32, 32, 3), np.uint8))
+    assert not (tmp_path / "a.mp4").exists()
+    writer.close()
+    writer.close()
+    assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
+    with pytest.raises(HmdwarpError, match="closed"):
+        writer.add(np.zeros((32, 32, 3), np.uint8))
+
+
+@needs_encoder
+@pytest.mark.parametrize("pictures", [0, 3])
+def test_an_interrupt_leaves_nothing(pictures, tmp_path):
+    with pytest.raises(KeyboardInterrupt), VideoWriter(tmp_path / "a.mp4", (32, 32), 30) as writer:
+        for _ in range(pictures):
+            writer.add(np.zeros((32, 32, 3), np.uint8))
+        raise KeyboardInterrupt
+    writer.abort()
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_encoder
+def test_without_pictures_there_is_no_file(tmp_path):
+    with VideoWriter(tmp_path / "a.mp4", (32, 32), 30):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_encoder
+@pytest.mark.parametrize("picture", [np.zeros((32, 31, 3), np.uint8), np.zeros((32, 32), np.uint8), np.zeros((32, 32, 3))])
+def test_pictures_of_another_kind(picture, tmp_path):
+    with pytest.raises(HmdwarpError, match="picture of shape"), VideoWriter(tmp_path / "a.mp4", (32, 32), 30) as writer:
+        writer.add(picture)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("size, rate", [((8, 32), 30), ((32, 32), 0), ((32, 32), -1), ((32, 32), float("nan")), ((32, 32), float("inf"))])
+def test_sizes_and_rates_that_make_no_video(size, rate, tmp_path):
+    with pytest.raises(InputError, match="video of"):
+        VideoWriter(tmp_path / "a.mp4", size, rate)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_cannot_be_written(tmp_path):
+    with pytest.raises(InputError, match=r"missing/a\.mp4: cannot write"):
+        VideoWriter(tmp_path / "missing" / "a.mp4", (32, 32), 30)
+
+
+@needs_encoder
+def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(video.Path, "replace", full)
+    with pytest.raises(MachineError, match="make room"), VideoWriter(tmp_path / "a.mp4", (32, 32), 30) as writer:
+        writer.add(np.zeros((32, 32, 3), np.uint8))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_encoder_is_the_machine_s_lack(tmp_path, monkeypatch):
+    monkeypatch.setattr(video, "ENCODERS", ("libnothing264",))
+    with pytest.raises(MachineError, match="built without an H.264 encoder.*pip install av"):
+        VideoWriter(tmp_path / "a.mp4", (32, 32), 30)
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_encoder
+def test_an_encoder_that_does_not_open_is_passed_over(tmp_path, monkeypatch):
+    """A graphics card's encoder without the card: built in, but refuses."""
+    real = video._set_up
+
+    def refuses_once(context, size, rate, name):
+        real(context, size, rate, name)
+        if refuses_once.calls == 0:
+            context.width = 0
+        refuses_once.calls += 1
+
+    refuses_once.calls = 0
+    best = available_encoders()[0]
+    monkeypatch.setattr(video, "available_encoders", lambda: [best, best])
+    monkeypatch.setattr(video, "_set_up", refuses_once)
+    with VideoWriter(tmp_path / "a.mp4", (32, 32), 30) as writer:
+        writer.add(np.zeros((32, 32, 3), np.uint8))
+    assert len(decoded(tmp_path / "a.mp4")[0]) == 1
+    monkeypatch.setattr(video, "_set_up", lambda context, *_: setattr(context, "width", 0))
+    with pytest.raises(MachineError, match="none of its H.264 encoders opens"):
+        VideoWriter(tmp_path / "b.mp4", (32, 32), 30)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.mp4"]
