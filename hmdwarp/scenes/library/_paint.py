@@ -99,8 +99,8 @@ def wallpaper(size: int = 512, seed: int = 41) -> Image:
 
 def plaster(size: int = 512, seed: int = 51) -> Image:
     """Bright rough plaster with soft stains."""
-    value = 0.6 + 0.10 * fractal(size, size, seed, 0.35) + 0.12 * fractal(size, size, seed + 1, 1.4)
-    return to_image(tinted(value, (0.70, 0.67, 0.62), (0.97, 0.95, 0.91)))
+    value = 0.6 + 0.12 * fractal(size, size, seed, 0.35) + 0.07 * fractal(size, size, seed + 1, 1.1)
+    return to_image(tinted(value, (0.74, 0.72, 0.68), (0.97, 0.95, 0.92)))
 
 
 def fabric(size: int = 256, seed: int = 61) -> Image:

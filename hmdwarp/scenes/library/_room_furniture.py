@@ -28,7 +28,7 @@ def build_furniture(pieces: Pieces, rng: np.random.Generator) -> None:
 
 def _table(pieces: Pieces) -> None:
     x, z = TABLE_CENTRE
-    pieces.add(box((x, TABLE_TOP_M - 0.0175, z), (1.6, 0.035, 0.9), cell_m=0.045, tile_m=0.9), "wood", OAK)
+    pieces.add(box((x, TABLE_TOP_M - 0.0175, z), (1.6, 0.035, 0.9), cell_m=0.05, tile_m=0.9), "wood", OAK)
     for dx, dz in ((-0.7, -0.36), (0.7, -0.36), (-0.7, 0.36), (0.7, 0.36)):
         leg = tube([(x + dx * 0.97, TABLE_TOP_M - 0.03, z + dz * 0.97), (x + dx, 0.35, z + dz), (x + dx * 1.03, 0, z + dz * 1.03)], (0.030, 0.024, 0.016))
         pieces.add(leg, "wood", OAK)
@@ -69,15 +69,15 @@ def _sofa(pieces: Pieces) -> None:
     z0, z1 = -2.85, -0.95
     middle, long = (z0 + z1) / 2, z1 - z0
     pieces.add(box((-2.5, 0.24, middle), (0.86, 0.2, long), tile_m=0.3, cell_m=0.2), "fabric", body)
-    pieces.add(cushion((-2.82, 0.58, middle), (0.26, 0.62, long), roundness=0.22, rings=14, sides=28), "fabric", body)
+    pieces.add(cushion((-2.82, 0.58, middle), (0.26, 0.62, long), roundness=0.22, rings=10, sides=24), "fabric", body)
     for z in (z0 - 0.06, z1 + 0.06):
-        pieces.add(cushion((-2.5, 0.42, z), (0.88, 0.52, 0.2), roundness=0.25, rings=14, sides=24), "fabric", body)
+        pieces.add(cushion((-2.5, 0.42, z), (0.88, 0.52, 0.2), roundness=0.25, rings=10, sides=20), "fabric", body)
     for i in range(2):
         z = z0 + long * (i + 0.5) / 2
-        pieces.add(cushion((-2.42, 0.42, z), (0.76, 0.2, long / 2 - 0.01), roundness=0.22, rings=12, sides=28), "fabric", soft)
-        pieces.add(cushion((-2.62, 0.66, z), (0.22, 0.46, long / 2 - 0.03), roundness=0.3, rings=12, sides=24), "fabric", soft)
+        pieces.add(cushion((-2.42, 0.42, z), (0.76, 0.2, long / 2 - 0.01), roundness=0.22, rings=10, sides=24), "fabric", soft)
+        pieces.add(cushion((-2.62, 0.66, z), (0.22, 0.46, long / 2 - 0.03), roundness=0.3, rings=10, sides=20), "fabric", soft)
     for (x, z, turn), tint in zip(((-2.45, -2.55, 0.5), (-2.42, -1.2, -0.35), (-2.47, -1.5, 0.1)), pillow, strict=True):
-        pieces.add(cushion((0, 0, 0), (0.16, 0.42, 0.42), roundness=0.55, rings=14, sides=24).moved((x, 0.70, z), turn), "fabric", tint)
+        pieces.add(cushion((0, 0, 0), (0.16, 0.42, 0.42), roundness=0.55, rings=10, sides=20).moved((x, 0.70, z), turn), "fabric", tint)
     for x in (-2.85, -2.15):
         for z in (z0 + 0.08, z1 - 0.08):
             pieces.add(tube([(x, 0.15, z), (x, 0.07, z), (x, 0, z)], (0.022, 0.018, 0.013)), "wood", WALNUT)
@@ -128,7 +128,7 @@ def _sideboard(pieces: Pieces) -> None:
         for y, tall in ((0.64, 0.18), (0.34, 0.36)):
             part = z - long / 2 + long * (i + 0.5) / 3
             pieces.add(box((front - 0.008, y, part), (0.016, tall, long / 3 - 0.02), without="+x", cell_m=0.16, tile_m=0.7), "wood", (1.3, 1.1, 0.9))
-            pieces.add(cushion((front - 0.03, y, part), (0.03, 0.03, 0.03), roundness=1.0, rings=6, sides=10), "speckle", (0.6, 0.48, 0.2))
+            pieces.add(cushion((front - 0.03, y, part), (0.03, 0.03, 0.03), roundness=1.0, rings=5, sides=8), "speckle", (0.6, 0.48, 0.2))
     for dz in (-0.85, 0.85):
         for dx in (-0.2, 0.2):
             pieces.add(tube([(x + dx, 0.18, z + dz), (x + dx * 1.03, 0.09, z + dz), (x + dx * 1.06, 0, z + dz)], (0.02, 0.017, 0.012)), "wood", OAK)
@@ -161,7 +161,7 @@ def _framed(pieces: Pieces, centre: np.ndarray, across: np.ndarray, width: float
 
 
 def _radiator(pieces: Pieces) -> None:
-    ribs = [cushion((x, 0.40, -4.10), (0.05, 0.56, 0.10), roundness=0.5, rings=8, sides=10) for x in np.arange(-0.05, 1.96, 0.072)]
+    ribs = [cushion((x, 0.40, -4.10), (0.05, 0.56, 0.10), roundness=0.5, rings=6, sides=8) for x in np.arange(-0.05, 1.96, 0.072)]
     ribs.append(tube([(-0.1, 0.16, -4.1), (1.0, 0.16, -4.1), (2.0, 0.16, -4.1)], 0.014))
     pieces.add(join(ribs), "speckle", (0.80, 0.79, 0.75))
 

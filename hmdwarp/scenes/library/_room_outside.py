@@ -70,15 +70,15 @@ def _tree(pieces: Pieces, rng: np.random.Generator, x: float, z: float, height: 
     base = np.array([x, GROUND_M, z])
     pieces.add(tube([base, base + (0.05, height * 0.3, 0), base + (0, height * 0.7, 0.05)], (0.035 * height, 0.026 * height, 0.012 * height), tile_m=0.8), "wood", (0.5, 0.45, 0.42), place=OUTSIDE)
     crown, cards = [], []
-    for i in range(4):
-        offset = np.array([rng.normal(0, 0.16), 0.5 + 0.13 * i, rng.normal(0, 0.16)]) * height
-        blob = cushion((0, 0, 0), np.array([0.52, 0.40, 0.52]) * height * (1 - 0.13 * i), roundness=1, rings=8, sides=14, tile_m=0.9)
+    for i in range(3):
+        offset = np.array([rng.normal(0, 0.15), 0.48 + 0.17 * i, rng.normal(0, 0.16)]) * height
+        blob = cushion((0, 0, 0), np.array([0.52, 0.40, 0.52]) * height * (1.08 - 0.17 * i), roundness=1, rings=8, sides=12, tile_m=0.9)
         rough = 1 + 0.22 * np.sin(blob.positions @ rng.normal(0, 7 / height, 3) * 3) + 0.14 * np.sin(blob.positions @ rng.normal(0, 14 / height, 3) * 3)
         crown.append(Surface(blob.positions * rough[:, None] + base + offset, blob.normals, blob.uv, blob.triangles))
-        for _ in range(34):
+        for _ in range(20):
             way = rng.normal(0, 1, 3)
             way /= np.linalg.norm(way)
-            at = base + offset + way * np.array([0.26, 0.20, 0.26]) * height * (1 - 0.13 * i)
+            at = base + offset + way * np.array([0.26, 0.20, 0.26]) * height * (1.08 - 0.17 * i)
             cards.append(leaf(at, way + rng.normal(0, 0.4, 3), length=0.10 * height, width=0.07 * height, droop=0.3, cells=2))
     tint = np.array((0.42, 0.55, 0.28)) * rng.uniform(0.8, 1.15)
     pieces.add(join(crown), "foliage", tuple(tint), place=OUTSIDE)

@@ -33,16 +33,16 @@ def _floor(pieces: Pieces) -> None:
     strips = [(-3.0, -4.2, 3.0, z0), (-3.0, z0, x0, z1), (x1, z0, 3.0, z1), (-3.0, z1, 3.0, 3.0)]
     for left, back, right, front in strips:
         uv = np.array([left, -front, right, -back]) / 2  # 2 m of boards per picture, in step over all strips
-        pieces.add(patch((left, 0, front), (right - left, 0, 0), (0, 0, back - front), cell_m=0.14, uv=uv), "planks", shades=False)
-    pieces.add(patch((x0, 0, z1), (x1 - x0, 0, 0), (0, 0, z0 - z1), cell_m=0.12, uv=(0, 0, 1, 1)), "sun-floor", shades=False)
+        pieces.add(patch((left, 0, front), (right - left, 0, 0), (0, 0, back - front), cell_m=0.2, uv=uv), "planks", shades=False)
+    pieces.add(patch((x0, 0, z1), (x1 - x0, 0, 0), (0, 0, z0 - z1), cell_m=0.13, uv=(0, 0, 1, 1)), "sun-floor", shades=False)
 
 
 def _walls(pieces: Pieces) -> None:
     width, depth, height = 6.0, 7.2, 2.8
-    pieces.add(patch((-3, height, -4.2), (width, 0, 0), (0, 0, depth), cell_m=0.22, tile_m=1.6), "plaster", PAINT, shades=False)
-    pieces.add(patch((-3, 0, 3), (0, 0, -depth), (0, height, 0), cell_m=0.15), "bricks", shades=False)
-    pieces.add(patch((3, 0, -4.2), (0, 0, depth), (0, height, 0), cell_m=0.16, tile_m=0.8), "wallpaper", shades=False)
-    pieces.add(patch((3, 0, 3), (-width, 0, 0), (0, height, 0), cell_m=0.18, tile_m=0.8), "wallpaper", shades=False)
+    pieces.add(patch((-3, height, -4.2), (width, 0, 0), (0, 0, depth), cell_m=0.25, tile_m=1.6), "plaster", PAINT, shades=False)
+    pieces.add(patch((-3, 0, 3), (0, 0, -depth), (0, height, 0), cell_m=0.2), "bricks", shades=False)
+    pieces.add(patch((3, 0, -4.2), (0, 0, depth), (0, height, 0), cell_m=0.2, tile_m=0.8), "wallpaper", shades=False)
+    pieces.add(patch((3, 0, 3), (-width, 0, 0), (0, height, 0), cell_m=0.24, tile_m=0.8), "wallpaper", shades=False)
     w = WINDOW
     around = [
         (-3.0, 0.0, w.left_m, height),
@@ -52,13 +52,12 @@ def _walls(pieces: Pieces) -> None:
     ]
     for left, bottom, right, top in around:
         uv = np.array([left, bottom, right, top]) / 1.6
-        wall = patch((left, bottom, -4.2), (right - left, 0, 0), (0, top - bottom, 0), cell_m=0.13, uv=uv)
-        pieces.add(wall, "plaster", (0.80, 0.84, 0.80), shades=False)
+        wall = patch((left, bottom, -4.2), (right - left, 0, 0), (0, top - bottom, 0), cell_m=0.16, uv=uv)
+        pieces.add(wall, "plaster", (0.90, 0.93, 0.84), shades=False)
     for z in (-2.9, -0.9, 1.1):
         pieces.add(box((0, 2.72, z), (6.0, 0.16, 0.15), cell_m=0.2, without="+y-x+x"), "wood", DARK_WOOD, shades=False)
-    for z, length in ((-0.6, depth), ):
-        pieces.add(box((-2.985, 0.05, z), (0.03, 0.1, length), without="-x-y", cell_m=0.4), "speckle", PAINT, shades=False)
-        pieces.add(box((2.985, 0.05, z), (0.03, 0.1, length), without="+x-y", cell_m=0.4), "speckle", PAINT, shades=False)
+    for x, hidden in ((-2.985, "-x-y"), (2.985, "+x-y")):
+        pieces.add(box((x, 0.05, -0.6), (0.03, 0.1, depth), without=hidden, cell_m=0.4), "speckle", PAINT, shades=False)
 
 
 def _window(pieces: Pieces) -> None:
@@ -92,7 +91,7 @@ def _to_middle(corner: tuple[float, float, float]) -> np.ndarray:
 def _curtains(pieces: Pieces) -> None:
     pieces.add(tube([(-1.0, 2.5, -4.08), (0.9, 2.5, -4.08), (2.9, 2.5, -4.08)], 0.014), "wood", (0.5, 0.45, 0.42))
     for left, right, phase in ((-0.92, -0.28, 0.0), (2.18, 2.82, 1.7)):
-        u, v = np.linspace(0, 1, 57), np.linspace(1, 0, 15)
+        u, v = np.linspace(0, 1, 57), np.linspace(1, 0, 9)
         vv, uu = np.meshgrid(v, u, indexing="ij")
         fold = 0.045 * np.sin(uu * 2 * np.pi * 7 + phase) * (0.7 + 0.3 * (1 - vv))
         x = left + uu * (right - left) + 0.03 * np.sin(vv * 5 + phase) * (1 - vv)

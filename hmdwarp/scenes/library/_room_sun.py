@@ -13,7 +13,7 @@ from ._room_shell import SUN_FLOOR, WINDOW
 
 TEXEL_M = 0.003
 RUG = (-0.75, -3.62, 1.75, -1.5)  # x0, z0, x1, z1
-GAIN = 2.4  # how much brighter the sun makes a place than the room's own light
+GAIN = 1.7  # how much brighter the sun makes a place than the room's own light
 
 
 def sun_floor(boards: Image, pieces: Sequence[Piece], towards_sun: NDArray, rng: np.random.Generator) -> Image:

@@ -16,15 +16,15 @@ DESK_LAMP = np.array([2.42, 1.18, -1.25])
 
 def build_things(pieces: Pieces, rng: np.random.Generator) -> None:
     """All of them."""
-    _plant(pieces, rng, (-0.62, 0.0, -0.46))
+    _plant(pieces, rng, (-0.76, 0.0, -0.60))
     _microphone(pieces)
     _on_the_table(pieces)
     _on_the_sideboard(pieces, rng)
     _lamps(pieces)
     _fairy_lights(pieces)
-    _fern(pieces, rng, (2.62, 0.0, -3.55), 70, 0.85)
+    _fern(pieces, rng, (2.62, 0.0, -3.55), 56, 0.85)
     _fern(pieces, rng, (-0.62, 0.87, -4.02), 26, 0.28)
-    _fern(pieces, rng, (2.55, 0.0, 2.45), 60, 0.8)
+    _fern(pieces, rng, (2.55, 0.0, 2.45), 36, 0.8)
 
 
 def _pot(centre: tuple, radius: float, height: float) -> Surface:
@@ -40,15 +40,15 @@ def _plant(pieces: Pieces, rng: np.random.Generator, place: tuple) -> None:
         pieces.add(tube([foot, (x + 0.09 * np.sin(angle), 0.4, z + 0.09 * np.cos(angle)), (x + 0.1 * np.sin(angle), 0.8, z + 0.1 * np.cos(angle))], 0.009, sides=6), "speckle", BLACK)
     pieces.add(_pot((x, 0.78, z), 0.14, 0.22), "speckle", TERRACOTTA)
     stems, blades = [], []
-    for i in range(26):
+    for i in range(22):
         angle, lean = i * 2.4, rng.uniform(0.12, 0.34)
         height = rng.uniform(0.18, 0.86)
         away = np.array([np.sin(angle), 0, np.cos(angle)])
         root = np.array([x, 0.96, z]) + away * 0.03
         tip = root + away * lean * (0.5 + height) + np.array([0, height, 0])
         bend = (root + tip) / 2 + np.array([0, 0.10, 0]) - away * 0.05
-        t = np.linspace(0, 1, 8)[:, None]
-        stems.append(tube((1 - t) ** 2 * root + 2 * t * (1 - t) * bend + t**2 * tip, np.linspace(0.006, 0.003, 8), sides=6))
+        t = np.linspace(0, 1, 7)[:, None]
+        stems.append(tube((1 - t) ** 2 * root + 2 * t * (1 - t) * bend + t**2 * tip, np.linspace(0.006, 0.003, 7), sides=5))
         direction = away + np.array([0, rng.uniform(-0.1, 0.5), 0]) + rng.normal(0, 0.15, 3)
         blades.append(leaf(tip, direction, length=rng.uniform(0.17, 0.27), width=rng.uniform(0.09, 0.14), droop=rng.uniform(0.2, 0.6), cells=8))
     pieces.add(join(stems), "speckle", (0.16, 0.26, 0.09))
@@ -85,8 +85,8 @@ def _cup(place: tuple, scale: float = 1.0) -> Surface:
     profile = np.array([(0.02, 0), (0.026, 0.004), (0.038, 0.035), (0.041, 0.075), (0.038, 0.075), (0.034, 0.035), (0.018, 0.012), (0.001, 0.011)])
     angle = np.linspace(-1.2, 1.2, 8)
     handle = tube(np.stack([0.030 + 0.026 * np.cos(angle), 0.04 + 0.026 * np.sin(angle), np.zeros(8)], axis=1), 0.0042, sides=6)
-    saucer = lathe([(0.03, 0), (0.068, 0.009), (0.070, 0.012), (0.03, 0.004), (0.001, 0.004)], sides=24)
-    cup = join([lathe(profile * scale, (0, 0.006, 0), sides=24), handle.moved((0, 0.006, 0)), saucer])
+    saucer = lathe([(0.03, 0), (0.068, 0.009), (0.070, 0.012), (0.03, 0.004), (0.001, 0.004)], sides=18)
+    cup = join([lathe(profile * scale, (0, 0.006, 0), sides=16), handle.moved((0, 0.006, 0)), saucer])
     return cup.moved(place, place[0] * 7)
 
 
@@ -105,7 +105,7 @@ def _on_the_table(pieces: Pieces) -> None:
     pieces.add(lathe(bowl, (x + 0.05, y, z - 0.02), sides=32), "wood", (0.8, 0.6, 0.42), double_sided=True)
     for dx, dy, dz, r, tint in ((0, 0.06, 0, 0.042, (0.75, 0.12, 0.06)), (0.075, 0.075, 0.02, 0.04, (0.8, 0.42, 0.05)), (-0.065, 0.075, 0.03, 0.041, (0.42, 0.55, 0.1)),
                                 (0.01, 0.08, -0.075, 0.04, (0.8, 0.42, 0.05)), (0.01, 0.11, 0.04, 0.039, (0.75, 0.18, 0.08))):  # fmt: skip
-        pieces.add(cushion((x + 0.05 + dx, y + dy, z - 0.02 + dz), (2 * r, 1.9 * r, 2 * r), roundness=1.0, rings=12, sides=18), "speckle", tint)
+        pieces.add(cushion((x + 0.05 + dx, y + dy, z - 0.02 + dz), (2 * r, 1.9 * r, 2 * r), roundness=1.0, rings=9, sides=14), "speckle", tint)
     _vase(pieces, (x + 0.58, y, z - 0.12))
     page = (0.755, 0.1, 0.995, 0.72)
     for side in (-1, 1):
@@ -125,7 +125,7 @@ def _vase(pieces: Pieces, place: tuple) -> None:
         tip = np.array([x, y + rng.uniform(0.33, 0.52), z]) + away
         pieces.add(tube([(x, y + 0.17, z), (x + away[0] * 0.4, y + 0.28, z + away[2] * 0.4), tip], 0.0032, sides=5), "speckle", (0.16, 0.3, 0.1))
         tint = ((0.85, 0.35, 0.35), (0.9, 0.75, 0.3), (0.85, 0.8, 0.85))[i % 3]
-        petals = [leaf(tip, (np.sin(a), 0.45, np.cos(a)), length=0.042, width=0.026, droop=0.25, cells=3) for a in np.arange(7) * 0.9]
+        petals = [leaf(tip, (np.sin(a), 0.45, np.cos(a)), length=0.042, width=0.026, droop=0.25, cells=2) for a in np.arange(6) * 1.047]
         pieces.add(join(petals), "fabric", tint, double_sided=True, shades=False)
         pieces.add(cushion(tip + (0, 0.005, 0), (0.016, 0.014, 0.016), roundness=1, rings=4, sides=8), "speckle", (0.5, 0.3, 0.05), shades=False)
 
@@ -151,7 +151,7 @@ def _on_the_sideboard(pieces: Pieces, rng: np.random.Generator) -> None:
 def _lamps(pieces: Pieces) -> None:
     x, y, z = PENDANT
     shade = [(0.23, 0.0), (0.21, 0.06), (0.12, 0.15), (0.04, 0.19), (0.035, 0.22), (0.001, 0.225)]
-    pieces.add(lathe(shade, PENDANT - (0, 0.04, 0), sides=36), "speckle", (0.12, 0.30, 0.27), double_sided=True, shades=False)
+    pieces.add(lathe(shade, PENDANT - (0, 0.04, 0), sides=36), "speckle", (0.05, 0.10, 0.09), double_sided=True, shades=False)
     pieces.add(tube([(x, y + 0.18, z), (x, 2.3, z), (x, 2.8, z)], 0.0045, sides=6), "speckle", BLACK, shades=False)
     pieces.add(cushion(PENDANT, (0.07, 0.09, 0.07), roundness=1), "speckle", (1.0, 0.82, 0.52), place=GLOWING, shades=False)
     fx, fy, fz = FLOOR_LAMP
@@ -177,10 +177,10 @@ def _fairy_lights(pieces: Pieces) -> None:
     for start, end, sag in spans:
         wire = catenary(start, end, sag)
         pieces.add(tube(wire, 0.0042, sides=5), "speckle", (0.05, 0.09, 0.06), shades=False)
-        for i, point in enumerate(wire[2:-2:3]):
+        for i, point in enumerate(wire[2:-2:4]):
             glow = ((1.0, 0.78, 0.42), (1.0, 0.62, 0.32), (1.0, 0.86, 0.60))[i % 3]
-            pieces.add(cushion(point - (0, 0.035, 0), (0.036, 0.052, 0.036), roundness=1, rings=6, sides=8), "speckle", glow, place=GLOWING, shades=False)
-            pieces.add(lathe([(0.009, -0.018), (0.010, 0.004)], point, sides=7), "speckle", BLACK, shades=False)
+            pieces.add(cushion(point - (0, 0.035, 0), (0.036, 0.052, 0.036), roundness=1, rings=5, sides=6), "speckle", glow, place=GLOWING, shades=False)
+            pieces.add(lathe([(0.009, -0.018), (0.010, 0.004)], point, sides=6), "speckle", BLACK, shades=False)
 
 
 def _fern(pieces: Pieces, rng: np.random.Generator, place: tuple, fronds: int, size: float) -> None:
@@ -194,7 +194,7 @@ def _fern(pieces: Pieces, rng: np.random.Generator, place: tuple, fronds: int, s
         direction = np.array([np.sin(angle), rng.uniform(0.5, 2.4), np.cos(angle)])
         length = size * rng.uniform(0.6, 1.1)
         root = np.array([x, y + height * 0.85, z]) + 0.05 * size * np.array([np.sin(angle), 0, np.cos(angle)])
-        blades.append(leaf(root, direction, length=length, width=0.07 * size + 0.01, droop=rng.uniform(0.15, 0.5), cells=9))
+        blades.append(leaf(root, direction, length=length, width=0.07 * size + 0.01, droop=rng.uniform(0.15, 0.5), cells=7))
     for third in range(3):
         tint = ((0.34, 0.52, 0.26), (0.46, 0.62, 0.30), (0.28, 0.44, 0.26))[third]
         pieces.add(join(blades[third::3]), "foliage", tint, double_sided=True, shades=size > 0.5)

@@ -19,7 +19,7 @@ SUMMARY = "a furnished room with a window view: fine texture, thin, near (0.4 m)
 SEED = 20
 ELEVATION, AZIMUTH = np.radians(36), np.radians(38)  # of the sun, azimuth from -z towards +x
 TOWARDS_SUN = np.array([np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION), -np.cos(ELEVATION) * np.cos(AZIMUTH)])
-SUN = (2.1, 1.75, 1.35)
+SUN = (2.0, 1.75, 1.4)
 SKY_BACKGROUND = Background((0.13, 0.30, 0.66), (0.68, 0.78, 0.90), (0.30, 0.34, 0.22))
 
 
@@ -86,15 +86,15 @@ def _indoor_light(inside: list[Piece]) -> list[np.ndarray]:
     normals = np.concatenate([p.surface.normals for p in inside]).astype(np.float32)
     two_sided = np.repeat([p.double_sided for p in inside], counts)
     painted = np.repeat([p.texture == "sun-floor" for p in inside], counts)
-    day = Daylight(WINDOW, (1.9, 2.15, 2.5), SUN, TOWARDS_SUN)
+    day = Daylight(WINDOW, (2.2, 2.45, 2.8), SUN, TOWARDS_SUN)
     upwards = normals[:, 1:2] * 0.5 + 0.5
-    light = np.array((0.20, 0.17, 0.14), np.float32) * (1 - upwards) + np.array((0.23, 0.24, 0.26), np.float32) * upwards
+    light = np.array((0.36, 0.32, 0.27), np.float32) * (1 - upwards) + np.array((0.33, 0.34, 0.36), np.float32) * upwards
     light = light + day.sky_light(room, points, normals, two_sided)
     for lamp, colour in (
         (PENDANT - (0, 0.06, 0), (0.36, 0.25, 0.14)),
         (FLOOR_LAMP, (0.50, 0.33, 0.17)),
         (DESK_LAMP, (0.22, 0.17, 0.11)),
-        ((-1.1, 0.25, -2.5), (0.50, 0.40, 0.28)),  # what the sun's patch on the floor throws back
+        ((-1.1, 0.25, -2.5), (0.75, 0.62, 0.46)),  # what the sun's patch on the floor throws back
         ((0.0, 2.6, 1.6), (0.34, 0.31, 0.27)),  # a ceiling light behind the viewer
     ):
         light = light + lamp_light(room, lamp, colour, points, normals, two_sided)
