@@ -1,0 +1,7 @@
+"""Trace formats: one file each, found by looking at what a file holds."""
+
+from __future__ import annotations
+
+from ...registry import Registry
+
+FORMATS: Registry = Registry("trace format", __name__)

@@ -1,0 +1,41 @@
+"""Rows of a track as text, a block at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import IO
+
+from ..track import PoseTrack
+
+_BLOCK = 65536
+_LARGEST_NS = 2**62  # what the readers accept
+
+
+def clock_offset_ns(track: PoseTrack) -> int:
+    """What to add to the track's time so that the file carries the recording's own clock; 0 where that does not fit into 2^62 ns."""
+    fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
+    return track.epoch_ns if fits else 0
+
+
+def write_rows(
+    track: PoseTrack, stream: IO[str], separator: str, stamp: Callable[[int], str], order: str, decimals: tuple[int, int] | None = None
+) -> None:
+    """Time, position and quaternion of every sample.
+
+    stamp: nanoseconds to text. order: xyzw or wxyz. decimals: of positions and quaternions; None writes the shortest text that
+    reads back as the same number.
+    """
+    offset = clock_offset_ns(track)
+    columns = ["xyzw".index(c) for c in order]
+    for a in range(0, len(track), _BLOCK):
+        part = slice(a, a + _BLOCK)
+        # + 0.0: so that -0.0 is written 0.0
+        position = (track.position_m[part] + 0.0).tolist()
+        orientation = (track.orientation_xyzw[part][:, columns] + 0.0).tolist()
+        if decimals is None:
+            texts = [separator.join(map(repr, p + q)) for p, q in zip(position, orientation, strict=True)]
+        else:
+            row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * 4)
+            texts = [row % (*p, *q) for p, q in zip(position, orientation, strict=True)]
+        times = track.time_ns[part].tolist()
+        stream.writelines(f"{stamp(t + offset)}{separator}{text}\n" for t, text in zip(times, texts, strict=True))

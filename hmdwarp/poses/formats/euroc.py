@@ -1,0 +1,44 @@
+"""EuRoC (ASL) ground truth: nanoseconds, position, quaternion with w first, then perhaps velocities and biases."""
+
+from __future__ import annotations
+
+from typing import IO
+
+from ..options import TraceOptions
+from ..reading.head import Head, is_number
+from ..reading.rows import Layout
+from ..track import PoseTrack
+from . import FORMATS
+from ._base import TraceFormat, named_layout, ordered
+from ._writing import write_rows
+from .tum import need_columns
+
+HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
+
+
+class Euroc(TraceFormat):
+    """Source: Burri et al. 2016, The EuRoC micro aerial vehicle datasets (section on the ASL data format)."""
+
+    name = "euroc"
+    summary = "#timestamp [ns], p_RS_R_x [m], .., q_RS_w [], ..; nanoseconds, w first"
+    writes = True
+
+    def sniff(self, head: Head, options: TraceOptions) -> int:
+        if head.names is not None:
+            return 95 if {n.split(" ")[0] for n in head.names} >= {"p_RS_R_x", "q_RS_w"} else 0
+        bare = head.separator == "," and head.width in (8, 17) and all(is_number(f) for f in head.rows[0])
+        return 5 if bare else 0
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        if head.names is not None:
+            return named_layout(head, options, unit="ns")
+        order = options.quat_order or ("wxyz" if options.format == self.name else None)
+        need_columns(head, 8)
+        return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="ns" if options.format else None)
+
+    def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write(HEADER + "\n")
+        write_rows(track, stream, ",", str, "wxyz")
+
+
+FORMAT = FORMATS.register(Euroc())

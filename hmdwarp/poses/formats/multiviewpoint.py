@@ -1,0 +1,35 @@
+"""Multi-viewpoint 360-degree video, MMSys'18: rotation only, w first, z up; and why its Euler twin is refused."""
+
+from __future__ import annotations
+
+from ...errors import TraceError
+from ..options import TraceOptions
+from ..reading.head import Head
+from ..reading.rows import Layout
+from . import FORMATS
+from ._base import TraceFormat, has, named_layout
+
+# The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed about x is half that about y
+# in the head's own axes), so x is forward and y left, as in the viewer of Corbillon et al. 2017, whose convention the set names.
+AXES = "-y,z,x"
+
+
+class MultiViewpoint(TraceFormat):
+    """Source: Corbillon et al. 2018, Dynamic adaptive streaming for multi-viewpoint omnidirectional videos (MMSys)."""
+
+    name = "multiviewpoint"
+    summary = "timestamp viewpoint w x y z; seconds, rotation only, z up, x forward"
+
+    def sniff(self, head: Head, options: TraceOptions) -> int:
+        return 90 if has(head, "timestamp", "viewpoint") else 0
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        if has(head, "yaw", "pitch", "roll") and not has(head, "w"):
+            raise TraceError(
+                f"{head.path} gives Euler angles only, under a header that is mislabelled (its 'yaw' is the pitch): "
+                "read the twin of this file that holds quaternions"
+            )
+        return named_layout(head, options, unit="s", axes=AXES)
+
+
+FORMAT = FORMATS.register(MultiViewpoint())

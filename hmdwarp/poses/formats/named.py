@@ -1,0 +1,25 @@
+"""Any file with a header that names its columns in one of the ways seen in the wild."""
+
+from __future__ import annotations
+
+from ..options import TraceOptions
+from ..reading.head import Head
+from ..reading.rows import Layout
+from . import FORMATS
+from ._base import TraceFormat, named_layout
+
+
+class Named(TraceFormat):
+    """qx..qw, QuaternionX..W, HeadOrientationW..Z, qW..qZ, w x y z, UnitQuaternion.x..w, RotationX..W, head_rot_x..w and their like."""
+
+    name = "named"
+    summary = "any header that names time, position and quaternion (qx.., QuaternionX.., head_rot_x.., ..)"
+
+    def sniff(self, head: Head, options: TraceOptions) -> int:
+        return 10 if head.names is not None else 0
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        return named_layout(head, options)
+
+
+FORMAT = FORMATS.register(Named())

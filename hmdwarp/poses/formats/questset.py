@@ -1,0 +1,25 @@
+"""QuestSet: Quest 2 games, head beside hands and buttons, w first, time in the last column."""
+
+from __future__ import annotations
+
+from ..options import TraceOptions
+from ..reading.head import Head
+from ..reading.rows import Layout
+from . import FORMATS
+from ._base import TraceFormat, has, named_layout
+
+
+class QuestSet(TraceFormat):
+    """Source: Baldoni et al. 2024, Questset: A VR dataset for network and quality of experience studies (MMSys)."""
+
+    name = "questset"
+    summary = "TouchButtons,..,HeadPosX,..,HeadOrientationW,..,time; seconds, w first, OpenXR axes"
+
+    def sniff(self, head: Head, options: TraceOptions) -> int:
+        return 90 if has(head, "HeadPosX", "HeadOrientationW", "LeftTouchPosX", "time") else 0
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        return named_layout(head, options, unit="s")
+
+
+FORMAT = FORMATS.register(QuestSet())

@@ -1,0 +1,36 @@
+"""`timestamp x y z qx qy qz qw` with stamps of 18 digits: ticks of 100 ns since the year 1 (.NET) or 1601 (Windows)."""
+
+from __future__ import annotations
+
+from ..options import TraceOptions
+from ..reading.head import Head
+from ..reading.rows import Layout
+from . import FORMATS
+from ._base import TraceFormat, has, named_layout, ordered, whole_number
+from .tum import need_columns
+
+COLUMNS = ("timestamp", "x", "y", "z", "qx", "qy", "qz", "qw")
+
+
+class Ticks(TraceFormat):
+    """Source: System.DateTime.Ticks (ECMA-335) and FILETIME, both counts of 100 ns."""
+
+    name = "ticks"
+    summary = "timestamp x y z qx qy qz qw; 18-digit ticks of 100 ns"
+
+    def sniff(self, head: Head, options: TraceOptions) -> int:
+        time = head.column("timestamp") if head.names else 0
+        stamped = time is not None and time < head.width and whole_number(head.rows[0][time], 18)
+        if has(head, *COLUMNS):
+            return 85 if stamped else 0
+        return 6 if head.names is None and head.width == 8 and stamped else 0
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        if head.names is not None:
+            return named_layout(head, options, unit="100ns")
+        need_columns(head, 8)
+        order = options.quat_order or ("xyzw" if options.format == self.name else None)
+        return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="100ns")
+
+
+FORMAT = FORMATS.register(Ticks())

@@ -1,0 +1,58 @@
+"""TUM trajectories: seconds, position, quaternion, blank-separated, the columns named in a comment."""
+
+from __future__ import annotations
+
+from typing import IO
+
+from ..options import TraceOptions
+from ..reading.head import Head, is_number
+from ..reading.rows import Layout
+from ..track import PoseTrack
+from . import FORMATS
+from ._base import TraceFormat, has, named_layout, ordered
+from ._writing import write_rows
+
+COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
+
+
+class Tum(TraceFormat):
+    """Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (the data set's file formats page)."""
+
+    name = "tum"
+    summary = "# timestamp tx ty tz qx qy qz qw; seconds, blank-separated"
+    writes = True
+
+    def sniff(self, head: Head, options: TraceOptions) -> int:
+        if has(head, *COLUMNS):
+            return 90
+        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well come first.
+        bare = head.names is None and head.separator is None and head.width == 8 and all(is_number(f) for f in head.rows[0])
+        return 5 if bare else 0
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        if head.names is not None:
+            return named_layout(head, options, unit="s")
+        # Asked for by name, the file is what the format says; found by its shape alone, the order has to be told.
+        order = options.quat_order or ("xyzw" if options.format == self.name else None)
+        need_columns(head, 8)
+        return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="s" if options.format else None)
+
+    def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write("# " + " ".join(COLUMNS) + "\n")
+        write_rows(track, stream, " ", _seconds, "xyzw")
+
+
+def need_columns(head: Head, count: int) -> None:
+    """Errors: TraceError if the rows have fewer columns."""
+    from ...errors import TraceError
+
+    if head.width < count:
+        raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, wanted {count}: time, position and quaternion")
+
+
+def _seconds(time_ns: int) -> str:
+    sign, time_ns = ("-", -time_ns) if time_ns < 0 else ("", time_ns)
+    return f"{sign}{time_ns // 1_000_000_000}.{time_ns % 1_000_000_000:09d}"
+
+
+FORMAT = FORMATS.register(Tum())

@@ -1,0 +1,1 @@
+"""From bytes to a clean track, in steps: head (what kind of text), columns (which is which), rows (numbers), cleaning (defects)."""

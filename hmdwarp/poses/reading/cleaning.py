@@ -1,0 +1,403 @@
+"""From rows to one clean track: each step looks for one kind of defect, mends or refuses it, and writes down what it did."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import TraceError
+from .. import quaternions
+from ..defects import Defect
+from ..options import TraceOptions
+from ..track import PoseTrack, gap_limit_ns
+from .axes import Axes, parse_axes
+from .motion import find_jumps, gravity_axis
+from .rows import Layout, Rows
+from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
+
+COARSE_NORM = 1e-2
+WORST_NORM = 0.5
+_ZERO_NORM = 1e-6
+_LARGEST_NORM = 2.0
+_DAY_S = 86400
+_TILT_SHOWN_DEG = 10.0
+_SEGMENTS_LISTED = 1000  # a clock that jitters can fall a million times
+
+
+@attrs.frozen
+class Segment:
+    """One recording within a file: number (from 1), its first and last line, rows, seconds, and whether it was taken."""
+
+    number: int
+    first_line: int
+    last_line: int
+    rows: int
+    duration_s: float
+    taken: bool
+
+
+@attrs.frozen(eq=False)
+class Cleaned:
+    """What cleaning gives: the track, every defect, the segments of the file, the unit of its clock (in words)."""
+
+    track: PoseTrack
+    defects: list[Defect]
+    segments: list[Segment]
+    time_unit: str
+
+
+class Cleaner:
+    """Runs the steps over the rows of one file; `where` names the file in messages."""
+
+    def __init__(self, where: str, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
+        self.where, self.rows, self.layout, self.options = where, rows, layout, options
+        self.cut_possible = not ends_with_newline
+        self.defects: list[Defect] = list(layout.caveats)
+        self.segments: list[Segment] = []
+        self.time_unit = ""
+        self.epoch_ns = 0
+
+    def clean(self, name: str, origin: str) -> Cleaned:
+        """All steps, in the order in which each can trust the one before."""
+        self.drop_cut_row()
+        self.take_one_device()
+        self.drop_zero_quaternions()
+        self.count_by_rate()
+        self.take_one_segment()
+        time_ns = self.times()
+        time_ns = self.trim_default_start(time_ns)
+        time_ns = self.drop_duplicate_stamps(time_ns)
+        self.normalise()
+        self.turn_and_scale()
+        self.join_hemispheres()
+        self.report_repeats()
+        self.report_gaps(time_ns)
+        jumps = self.find_jumps(time_ns)
+        self.report_tilt()
+        if len(self.rows) < 2:
+            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: wanted two or more{self._so_far()}")
+        time_ns = time_ns - time_ns[0]
+        position = self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3))
+        notes = tuple(str(d) for d in self.defects)
+        track = PoseTrack(
+            time_ns, position, self.rows.orientation, name=name, origin=origin, notes=notes, epoch_ns=self.epoch_ns, jumps=tuple(jumps)
+        )
+        return Cleaned(track, self.defects, self.segments, self.time_unit)
+
+    def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
+        """Write a defect down."""
+        self.defects.append(Defect(kind, what, done, count, line))
+
+    def _line(self, row: int) -> int:
+        return int(self.rows.line[row])
+
+    def _at(self, row: int) -> str:
+        return f"{self.where}: line {self._line(row)}"
+
+    def _so_far(self) -> str:
+        said = "; ".join(str(d) for d in self.defects[:3])
+        return f" ({said})" if said else ""
+
+    def drop_cut_row(self) -> None:
+        """A last line without its newline may end in the middle of a number: then the norm is off, or time falls."""
+        rows = self.rows
+        if not self.cut_possible or len(rows) < 2:
+            return
+        off = np.abs(np.linalg.norm(rows.orientation[-2:], axis=1) - 1)
+        reason = ""
+        if off[1] > COARSE_NORM >= off[0]:
+            reason = f"quaternion of length {np.linalg.norm(rows.orientation[-1]):.2f}"
+        elif rows.stamps is not None and rows.stamps[-2:].steps()[0] <= 0:
+            reason = "its time is not after the one before"
+        if reason:
+            self.note("last-row-cut", f"the last row is cut off ({reason}, no newline)", "dropped", 1, self._line(len(rows) - 1))
+            rows.keep(slice(None, -1))
+
+    def take_one_device(self) -> None:
+        """Rows of several devices or eyes: the head's, or the first eye's."""
+        device = self.rows.device
+        if device is None:
+            return
+        names, first, counts = np.unique(device, return_index=True, return_counts=True)
+        if len(names) < 2:
+            return
+        texts = [n.decode("latin-1") for n in names]
+        heads = [i for i, t in enumerate(texts) if any(w in t.lower() for w in ("head", "hmd"))]
+        if heads:
+            taken = heads[0]
+        else:
+            taken = min(range(len(texts)), key=lambda i: float(texts[i])) if all(_is_index(t) for t in texts) else int(np.argmin(first))
+        others = len(device) - int(counts[taken])
+        self.note(
+            "devices-interleaved",
+            f"rows of {len(names)} devices or eyes are interleaved ({', '.join(texts[:6])})",
+            f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out",
+            others,
+            self._line(int(first[first != first[taken]].min())),
+        )
+        self.rows.keep(device == names[taken])
+        self.rows.device = None
+
+    def drop_zero_quaternions(self) -> None:
+        """Zero quaternions mark rows without tracking."""
+        zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
+        count = int(zero.sum())
+        if not count:
+            return
+        if count == len(zero):
+            raise TraceError(f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read")
+        self.note("zero-quaternion", f"{count} rows have a zero quaternion, a marker for no tracking", "dropped", count, self._line(int(zero.argmax())))
+        self.rows.keep(~zero)
+
+    def count_by_rate(self) -> None:
+        """--rate in place of the file's clock."""
+        if self.options.rate is None:
+            return
+        n = len(self.rows)
+        step_ns = BILLION / self.options.rate
+        if (n - 1) * step_ns > 2**62:
+            raise TraceError(f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last longer than 146 years; give a higher --rate")
+        stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
+        what = "the file has no time" if self.rows.stamps is None else "the file's own clock is put aside"
+        self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --rate says")
+        self.rows.stamps = Stamps(stamps_ns, np.zeros(n, np.int64))
+        self.layout = attrs.evolve(self.layout, unit="ns")
+
+    def take_one_segment(self) -> None:
+        """Cut where time falls; take the longest recording, or the one asked for. Never sort across a fall."""
+        stamps = self._midnights(self.rows.stamps)
+        self.rows.stamps = stamps
+        falls = np.flatnonzero((np.diff(stamps.whole) < 0) | ((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0))) + 1
+        starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
+        seconds = UNITS_NS[self._unit(stamps)] / BILLION
+        first, last = stamps[starts], stamps[ends - 1]
+        span = ((last.whole - first.whole) + (last.billionths - first.billionths) / BILLION) * seconds
+        wanted = self.options.segment
+        if wanted is not None and wanted > len(span):
+            raise TraceError(f"{self.where} holds {len(span)} recording{'s' * (len(span) > 1)}: there is no segment {wanted}")
+        taken = int(np.argmax(span)) if wanted is None else wanted - 1
+        listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
+        self.segments = [
+            Segment(i + 1, self._line(starts[i]), self._line(ends[i] - 1), int(ends[i] - starts[i]), float(span[i]), i == taken) for i in listed
+        ]
+        if len(span) > 1:
+            why = "the longest" if wanted is None else "as asked"
+            self.note(
+                "clock-restart",
+                f"time falls {len(falls)} time{'s' * (len(falls) > 1)}: the file holds {len(span)} recordings",
+                f"segment {taken + 1} taken, {why} ({span[taken]:.3f} s of {span.sum():.3f} s); --segment takes another",
+                len(falls),
+                self._line(int(falls[0])),
+            )
+            self.rows.keep(slice(starts[taken], ends[taken]))
+
+    def _midnights(self, stamps: Stamps) -> Stamps:
+        """A clock of day that passes midnight falls by a day and is no new recording."""
+        if not stamps.clock:
+            return stamps
+        steps = np.diff(stamps.whole)
+        over = steps < -_DAY_S // 2
+        over &= (stamps.whole[1:] < _DAY_S) & (stamps.whole[:-1] < _DAY_S)
+        if not over.any():
+            return stamps
+        row = int(over.argmax()) + 1
+        self.note("midnight", f"the clock passes midnight {int(over.sum())} times", "counted on", int(over.sum()), self._line(row))
+        days = np.concatenate([[0], np.cumsum(over)])
+        return Stamps(stamps.whole + days * _DAY_S, stamps.billionths, True)
+
+    def _unit(self, stamps: Stamps) -> str:
+        if stamps.clock:
+            return "s"
+        if self.layout.unit is None:
+            steps = stamps.steps()
+            rising = steps[steps > 0]
+            if not len(rising):
+                raise TraceError(f"{self.where}: time never increases; if the column is no clock, --rate gives the samples per second instead")
+            step = float(np.median(rising))
+            unit = guess_unit(stamps, step)
+            self.layout = attrs.evolve(self.layout, unit=unit)
+            rate = BILLION / (step * UNITS_NS[unit])
+            self.note("unit-guessed", "the file does not say in what unit its time is", f"{UNIT_NAMES[unit]} taken, which makes {rate:.4g} Hz")
+        return self.layout.unit
+
+    def times(self) -> NDArray[np.int64]:
+        """Nanoseconds since the segment's first row; the first stamp is subtracted before anything is scaled."""
+        unit = self._unit(self.rows.stamps)
+        try:
+            time_ns, self.epoch_ns = to_ns(self.rows.stamps, unit)
+        except OverflowError as error:
+            raise TraceError(f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace") from None
+        self.time_unit = UNIT_NAMES[unit] if not self.rows.stamps.clock else "hours:minutes:seconds"
+        if self.options.rate is not None:
+            self.time_unit = f"row numbers at {self.options.rate:g} Hz"
+        self.rows.stamps = None
+        return time_ns
+
+    def trim_default_start(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The first rows often hold a default pose until tracking begins, and then the head jumps to where it is."""
+        q, p = self.rows.orientation, self.rows.position
+        differs = (q != q[0]).any(axis=1)
+        if p is not None:
+            differs |= (p != p[0]).any(axis=1)
+        run = int(differs.argmax())
+        if not run:
+            return time_ns
+        default = abs(abs(q[0, 3]) - 1) < 1e-6 or (p is not None and not p[0].any())
+        if not (default or run >= 3) or not len(find_jumps(time_ns[run - 1 : run + 1], q[run - 1 : run + 1], self._metres(run))):
+            return time_ns
+        self.note("default-start", f"the first {run} rows hold one default pose, then the head jumps", "trimmed", run, self._line(0))
+        self.epoch_ns += int(time_ns[run] - time_ns[0])
+        self.rows.keep(slice(run, None))
+        return time_ns[run:]
+
+    def _metres(self, row: int) -> NDArray[np.float64] | None:
+        p = self.rows.position
+        return None if p is None else p[row - 1 : row + 1] * self._scale()
+
+    def _scale(self) -> float:
+        return self.options.scale if self.options.scale is not None else self.layout.scale
+
+    def drop_duplicate_stamps(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Of several rows at one instant the last is kept: it is the newest."""
+        same = np.diff(time_ns) == 0
+        count = int(same.sum())
+        if not count:
+            return time_ns
+        rows = self.rows
+        at = np.flatnonzero(same)
+        other = (rows.orientation[at] != rows.orientation[at + 1]).any(axis=1)
+        if rows.position is not None:
+            other |= (rows.position[at] != rows.position[at + 1]).any(axis=1)
+        self.note(
+            "duplicate-stamp",
+            f"{count} rows repeat the time stamp of the next, {int(other.sum())} of them with another pose",
+            "the last row of each instant kept",
+            count,
+            self._line(int(at[0])),
+        )
+        keep = np.append(~same, True)
+        rows.keep(keep)
+        return time_ns[keep]
+
+    def normalise(self) -> None:
+        """Coarse values are normalised silently, bad ones with a warning, hopeless ones refused."""
+        q = self.rows.orientation
+        norm = np.linalg.norm(q, axis=1)
+        hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
+        if hopeless.any():
+            row = int(hopeless.argmax())
+            raise TraceError(
+                f"{self._at(row)}: a quaternion of length {norm[row]:.3g}, wanted 1: {q[row].tolist()}; "
+                "were the wrong columns read, or is the row damaged?"
+            )
+        off = np.abs(norm - 1)
+        bad = off > COARSE_NORM
+        if bad.any():
+            worst = int(off.argmax())
+            self.note(
+                "norm-off",
+                f"{int(bad.sum())} quaternions have a length that is off by more than {COARSE_NORM:g}, up to {off[worst]:.3f} in line {self._line(worst)}",
+                "normalised; do not trust them",
+                int(bad.sum()),
+                self._line(int(bad.argmax())),
+            )
+        q /= np.where(off > 4e-16, norm, 1.0)[:, None]
+
+    def turn_and_scale(self) -> None:
+        """To OpenXR's axes and to metres."""
+        self.axes().apply(self.rows.position, self.rows.orientation)
+        scale = self._scale()
+        if self.rows.position is None:
+            self.note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
+        elif scale != 1:
+            self.rows.position *= scale
+
+    def axes(self) -> Axes:
+        """The format's own axes, unless --up says otherwise; `--up z` for a format whose z is up changes nothing."""
+        own = parse_axes(self.layout.axes)
+        if self.options.up is None:
+            return own
+        asked = parse_axes(self.options.up)
+        return own if self.options.up.strip().lower().removeprefix("+") == own.up else asked
+
+    def join_hemispheres(self) -> None:
+        """q and -q are one rotation, but not one to interpolate between."""
+        before = self.rows.orientation[:, 3].copy()
+        count = quaternions.make_continuous(self.rows.orientation)
+        if count:
+            row = int((before != self.rows.orientation[:, 3]).argmax())
+            self.note("sign-flip", f"the quaternion changes its sign {count} times", "signs made continuous", count, self._line(row))
+
+    def report_repeats(self) -> None:
+        """Repeated poses: a tracker slower than the recorder. They stay, replay needs their timing."""
+        q, p = self.rows.orientation, self.rows.position
+        same = (q[1:] == q[:-1]).all(axis=1)
+        if p is not None:
+            same &= (p[1:] == p[:-1]).all(axis=1)
+        count = int(same.sum())
+        if count:
+            share = 100 * count / len(q)
+            self.note(
+                "repeated-pose",
+                f"{count} rows ({share:.3g} %) repeat the pose before",
+                "kept for replay, left out of speeds and prediction",
+                count,
+                self._line(int(same.argmax()) + 1),
+            )
+
+    def report_gaps(self, time_ns: NDArray[np.int64]) -> None:
+        """Gaps in time, and steps so short that dividing by them gives nonsense."""
+        if len(time_ns) < 2:
+            return
+        steps = np.diff(time_ns)
+        limit = gap_limit_ns(time_ns)
+        gaps = steps > limit
+        if gaps.any():
+            self.note(
+                "gap",
+                f"{int(gaps.sum())} gaps longer than {limit / 1e6:g} ms, up to {steps.max() / 1e9:.3f} s",
+                "the pose before is held within them, never interpolated",
+                int(gaps.sum()),
+                self._line(int(gaps.argmax()) + 1),
+            )
+        median = int(np.median(steps))
+        short = steps * 10 < median
+        if short.any():
+            self.note(
+                "short-step",
+                f"{int(short.sum())} steps are shorter than a tenth of the median, down to {steps.min() / 1e6:.3g} ms",
+                "kept; speeds are taken over a fixed span, never over one step",
+                int(short.sum()),
+                self._line(int(short.argmax()) + 1),
+            )
+
+    def find_jumps(self, time_ns: NDArray[np.int64]) -> list[int]:
+        """Teleports: steps no head can make."""
+        jumps = find_jumps(time_ns, self.rows.orientation, self.rows.position)
+        if len(jumps):
+            self.note(
+                "jump",
+                f"{len(jumps)} jumps of position or orientation faster than a head can move",
+                "kept; nothing is interpolated or predicted across them",
+                len(jumps),
+                self._line(int(jumps[0]) + 1),
+            )
+        return [int(i) for i in jumps]
+
+    def report_tilt(self) -> None:
+        """Gravity that is not along +y shows in how the head is held."""
+        axis = gravity_axis(self.rows.orientation)
+        if axis is None:
+            return
+        tilt = float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
+        if tilt > _TILT_SHOWN_DEG:
+            shown = ",".join(f"{a:.2f}" for a in axis)
+            self.note("tilt", f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y", f"kept as it is; --up={shown} sets the world upright")
+
+
+def _is_index(text: str) -> bool:
+    try:
+        return abs(float(text)) < 1e9
+    except ValueError:
+        return False

@@ -1,0 +1,136 @@
+"""Which column is which, by name and never by position.
+
+A name is cut into words (`HeadOrientationW` -> head orientation w, `p_RS_R_x [m]` -> p rs r x m); the last of x y z w among
+them is the axis, the rest says whose position or orientation it is.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+
+import attrs
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
+_NUMBERED = re.compile(r"q_?([0-3])$", re.IGNORECASE)
+
+_ROTATION = {"q", "quat", "quaternion", "quaternions", "orientation", "orient", "rot", "rotation", "attitude"}
+_POSITION = {"p", "pos", "position", "t", "trans", "translation", "loc", "location"}
+_EULER = {"yaw", "pitch", "roll", "euler", "azimuth", "elevation", "heading"}
+_ELSEWHERE = {
+    *("left", "right", "hand", "hands", "touch", "controller", "gaze", "eye", "eyes", "gyro", "acc", "accel", "acceleration"),
+    *("vel", "velocity", "v", "angular", "omega", "b", "bw", "ba", "bg", "mag", "fov", "target", "lefthand", "righthand", "body"),
+}
+_HEAD = {"head", "hmd", "camera", "headset"}
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
+_TIMES = {"time", "timestamp", "timestep", "timestamps", "t", "ts", "stamp", "mediatime", "playbacktime", "seconds", "elapsed", "clock"}
+_TIME_UNITS = {
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
+    **dict.fromkeys(("us", "usec", "micros", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
+    **dict.fromkeys(("tick", "ticks"), "100ns"),
+}
+_DEVICES = {"viewindex", "device", "deviceid", "devicename", "deviceindex", "eye", "eyeindex", "tracker", "trackerid", "sensor", "sensorid"}
+
+
+@attrs.frozen
+class Columns:
+    """Indices of the columns of one head. orientation is in the order x y z w (or as numbered, see `numbered`).
+
+    time_unit: a key of `times.UNITS_NS` if the name says it. length_m: metres per unit if the name says it.
+    numbered: the quaternion's columns are q0..q3, whose order the names do not tell.
+    """
+
+    time: int | None = None
+    time_unit: str | None = None
+    orientation: tuple[int, int, int, int] | None = None
+    numbered: bool = False
+    position: tuple[int, int, int] | None = None
+    length_m: float | None = None
+    device: int | None = None
+    euler: tuple[str, ...] = ()
+
+
+def words(name: str) -> list[str]:
+    """Lower-case words of a column name."""
+    out = []
+    for word in _WORD.findall(name):
+        low = word.lower()
+        glued = _GLUED.match(low)
+        out += list(glued.groups()) if glued else [low]
+    return out
+
+
+def find_columns(names: list[str]) -> Columns:
+    """Everything the names tell."""
+    split = [words(n) for n in names]
+    groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
+    lengths: dict[tuple[str, ...], float] = {}
+    for i, parts in enumerate(split):
+        unit = parts[-1] if len(parts) > 1 and parts[-1] in _LENGTHS else None
+        parts = parts[:-1] if unit else parts
+        axis = next((k for k in reversed(range(len(parts))) if parts[k] in "xyzw" and len(parts[k]) == 1), None)
+        if axis is None:
+            continue
+        key = tuple(parts[:axis] + parts[axis + 1 :])
+        groups[key].setdefault(parts[axis], i)
+        if unit:
+            lengths[key] = _LENGTHS[unit]
+    orientation_key = _best([k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k)])
+    position_key = _best([k for k, g in groups.items() if {"x", "y", "z"} <= set(g) and k != orientation_key and _is_position(k)])
+    orientation, numbered = None, False
+    if orientation_key is not None:
+        orientation = tuple(groups[orientation_key][a] for a in "xyzw")
+    else:
+        order = {m.group(1): i for i, n in enumerate(names) if (m := _NUMBERED.match(n.strip()))}
+        if len(order) == 4:
+            orientation, numbered = tuple(order[d] for d in "0123"), True
+    time, unit = _find_time(split)
+    return Columns(
+        time=time,
+        time_unit=unit,
+        orientation=orientation,
+        numbered=numbered,
+        position=None if position_key is None else tuple(groups[position_key][a] for a in "xyz"),
+        length_m=None if position_key is None else lengths.get(position_key),
+        device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
+        euler=_find_euler(names, split, groups),
+    )
+
+
+def _is_position(key: tuple[str, ...]) -> bool:
+    return bool(set(key) & _POSITION) or set(key) <= _HEAD
+
+
+def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
+    """The head's group among several: never a hand's or a gaze's; one that says head first; else the plainest name."""
+    heads = [k for k in keys if not set(k) & _ELSEWHERE]
+    return min(heads, key=lambda k: (not set(k) & _HEAD, len(k)), default=None)
+
+
+def _find_time(split: list[list[str]]) -> tuple[int | None, str | None]:
+    candidates = []
+    for i, parts in enumerate(split):
+        unit = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
+        rest = parts[:-1] if unit else parts
+        joined = "".join(rest)
+        if "date" in parts or set(parts) & _ELSEWHERE:
+            continue
+        if joined in _TIMES:
+            candidates.append((0, i, unit))
+        elif set(rest) & (_TIMES - {"t"}) or any(w in joined for w in ("timestamp", "timestep")):
+            candidates.append((1, i, unit))
+    if not candidates:
+        return None, None
+    _, i, unit = min(candidates, key=lambda c: c[:2])
+    return i, unit
+
+
+def _find_euler(names: list[str], split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[str, ...]:
+    found = [names[i] for i, parts in enumerate(split) if set(parts) & _EULER]
+    for key, axes in groups.items():
+        if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:
+            found += [names[i] for i in axes.values()]
+    return tuple(dict.fromkeys(found))

@@ -1,0 +1,198 @@
+"""The first look at a trace file: is it text, what separates its fields, does it have a header, what are its first rows."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import stat
+from pathlib import Path
+
+import attrs
+
+from ...errors import TraceError
+
+LOOK_BYTES = 256 * 1024
+_SAMPLE_ROWS = 64
+_NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?$")
+_WHOLE = re.compile(r"[-+]?\d+([eE][-+]?\d+)?$")
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+COMMENT_SIGNS = ("#", "%", "//")
+
+
+@attrs.frozen
+class Head:
+    """What the first part of a trace file shows.
+
+    separator: "," ";" "\\t" or None for blanks. names: the header's column names, or None. header_line: where it stands (a
+    comment line counts if it names as many columns as the rows have). first_line, first_byte: where the rows begin.
+    rows: fields of the first rows. comments: (line, text without the comment sign) before the rows.
+    decimal_comma: numbers are written 0,5. newline: b"\\n" or b"\\r".
+    """
+
+    path: Path
+    size: int
+    separator: str | None
+    names: list[str] | None
+    header_line: int | None
+    header_text: str
+    first_line: int
+    first_byte: int
+    rows: list[list[str]]
+    comments: list[tuple[int, str]]
+    decimal_comma: bool
+    newline: bytes
+
+    @property
+    def width(self) -> int:
+        """Fields in the first row."""
+        return len(self.rows[0])
+
+    def column(self, name: str) -> int | None:
+        """Index of the column called exactly `name`."""
+        return self.names.index(name) if self.names and name in self.names else None
+
+    def describe(self) -> str:
+        """One phrase for error messages."""
+        how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
+        named = f"the columns {', '.join(self.names)}" if self.names else "no header"
+        return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
+
+
+def split(text: str, separator: str | None) -> list[str]:
+    """Fields of one line, blanks and quotes around them removed."""
+    return [f.strip().strip('"').strip() for f in text.split(separator)]
+
+
+def is_number(field: str) -> bool:
+    """A number, decimal point or comma."""
+    return _NUMBER.match(field) is not None
+
+
+def read_head(path: Path) -> Head:
+    """Look at the file. Errors: TraceError for anything that cannot be a text of rows."""
+    raw, size = _first_bytes(path)
+    _refuse_binary(path, raw)
+    newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
+    lines = _whole_lines(path, raw, size, newline)
+    comments, header, first = _preamble(path, lines)
+    offset, line, text = first
+    separator, comma = _separator(text, header)
+    rows = [split(t, separator) for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS)]
+    rows = rows[1 if header else 0 :][:_SAMPLE_ROWS]
+    names, header_line, header_text = None, None, ""
+    if header:
+        header_line, header_text = header
+        names = split(header_text, separator)
+    else:
+        for header_line_, comment in reversed(comments):
+            found = split(comment, separator)
+            # A comment names the columns if it has one word for each, none of them a number.
+            if len(found) == len(rows[0]) and len(found) > 1 and not any(is_number(f) for f in found):
+                names, header_line = found, header_line_
+                break
+    if names and names[-1] == "" and len(names) > 1:
+        names = names[:-1]
+    return Head(path, size, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline)
+
+
+def _first_bytes(path: Path) -> tuple[bytes, int]:
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise TraceError(f"{path} is a directory: wanted a file of head poses{_inside(path)}")
+        if not stat.S_ISREG(status.st_mode):
+            raise TraceError(f"{path} is a device or a pipe: wanted a plain file of head poses")
+        with path.open("rb") as file:
+            raw = file.read(LOOK_BYTES)
+    except FileNotFoundError:
+        raise TraceError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+        if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
+            raise TraceError(f"{str(path)[:60]}...: {why}") from None
+        raise TraceError(f"{path}: cannot be read: {why}") from None
+    if not raw.strip():
+        raise TraceError(f"{path} is empty: wanted rows of time, position and orientation")
+    return raw, status.st_size
+
+
+def _inside(path: Path) -> str:
+    try:
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum"))
+    except OSError:
+        return ""
+    return f", for instance {found[0]} in it" if found else ""
+
+
+def _refuse_binary(path: Path, raw: bytes) -> None:
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
+    if raw[:2] == b"\x1f\x8b" or raw[:4] == b"PK\x03\x04":
+        raise TraceError(f"{path} is compressed: unpack it first")
+    # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
+    found = _CONTROL.search(raw.rstrip(b"\x00"))
+    if found or not raw.rstrip(b"\x00"):
+        at = found.start() if found else 0
+        raise TraceError(f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; wanted rows of numbers")
+
+
+def _whole_lines(path: Path, raw: bytes, size: int, newline: bytes) -> list[tuple[int, int, str]]:
+    """(byte offset, line number, text) of the lines that lie wholly in `raw`."""
+    start = 3 if raw.startswith(b"\xef\xbb\xbf") else 0
+    end = len(raw)
+    if size > end:
+        end = raw.rfind(newline) + 1
+        if end == 0:
+            raise TraceError(f"{path}: line 1 is longer than {LOOK_BYTES // 1024} KiB: this is no table of head poses")
+    out, offset = [], start
+    for number, piece in enumerate(raw[start:end].split(newline), 1):
+        out.append((offset, number, piece.decode("utf-8", "replace").rstrip("\r\x00")))
+        offset += len(piece) + 1
+    return out
+
+
+def _preamble(path: Path, lines: list[tuple[int, int, str]]) -> tuple[list[tuple[int, str]], tuple[int, str] | None, tuple[int, int, str]]:
+    """Comments, the header line if there is one, and the first row."""
+    comments: list[tuple[int, str]] = []
+    header: tuple[int, str] | None = None
+    for offset, number, text in lines:
+        bare = text.strip()
+        if not bare:
+            continue
+        sign = next((s for s in COMMENT_SIGNS if bare.startswith(s)), None)
+        if sign:
+            comments.append((number, bare[len(sign) :].strip()))
+        elif header is None and _looks_like_names(bare):
+            header = (number, bare)
+        else:
+            return comments, header, (offset, number, bare)
+    raise TraceError(f"{path} holds no rows of numbers, only {'a header' if header else 'comments'}")
+
+
+def _looks_like_names(text: str) -> bool:
+    fields = [f for f in re.split(r"[,;\t ]+", text) if f]
+    words = sum(1 for f in fields if f.strip('"')[:1].isalpha() and not is_number(f.strip('"')))
+    return words * 2 > len(fields)
+
+
+def _separator(row: str, header: tuple[int, str] | None) -> tuple[str | None, bool]:
+    """The separator, and whether numbers have a decimal comma."""
+    if ";" in row:
+        return ";", _has_decimal_comma(row.split(";"))
+    if "\t" in row:
+        return "\t", _has_decimal_comma(row.split("\t"))
+    if "," in row:
+        blank = row.split()
+        named_by_comma = header is not None and "," in header[1]
+        if not named_by_comma and len(blank) >= 4 and _has_decimal_comma(blank):
+            return None, True
+        return ",", False
+    return None, False
+
+
+def _has_decimal_comma(fields: list[str]) -> bool:
+    fields = [f.strip().strip('"') for f in fields if f.strip()]
+    commas = sum(1 for f in fields if _DECIMAL_COMMA.match(f))
+    return commas > 0 and all(_DECIMAL_COMMA.match(f) or _WHOLE.match(f) or not is_number(f) for f in fields)

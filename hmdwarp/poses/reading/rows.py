@@ -1,0 +1,291 @@
+"""From the text of a trace to columns of numbers: a fast C parser chunk by chunk, and a tolerant reader for the chunks it refuses.
+
+Memory stays at the size of the result plus one chunk. Every row keeps the number of its line, for the messages.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import TraceError
+from ..defects import Defect
+from .head import COMMENT_SIGNS, Head, is_number, split
+from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
+
+CHUNK_BYTES = 4 * 1024 * 1024
+_LONGEST_LINE = 1024 * 1024
+_FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
+
+
+@attrs.frozen
+class Layout:
+    """Which columns to read, and what they mean. Positions and orientation in the order x y z (w).
+
+    time: column index or None. unit: a key of `times.UNITS_NS`, or None to find out. device: a column that says which of several
+    devices a row is of, or None. axes: what `parse_axes` takes. scale: metres per unit. caveats: defects of every file of the format.
+    """
+
+    time: int | None
+    orientation: tuple[int, int, int, int]
+    position: tuple[int, int, int] | None = None
+    unit: str | None = None
+    device: int | None = None
+    axes: str = "y"
+    scale: float = 1.0
+    caveats: tuple[Defect, ...] = ()
+
+
+@attrs.define
+class Rows:
+    """The numbers of a file: stamps (n) or None, orientation (n, 4), position (n, 3) or None, device (n) or None, line (n)."""
+
+    stamps: Stamps | None
+    orientation: NDArray[np.float64]
+    position: NDArray[np.float64] | None
+    device: NDArray[np.bytes_] | None
+    line: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+    def keep(self, which: NDArray[np.bool_] | slice) -> None:
+        """Keep only these rows, column by column so that no second copy of the whole lives."""
+        self.orientation = self.orientation[which]
+        self.line = self.line[which]
+        if self.stamps is not None:
+            self.stamps = self.stamps[which]
+        if self.position is not None:
+            self.position = self.position[which]
+        if self.device is not None:
+            self.device = self.device[which]
+
+
+@attrs.define
+class _Chunk:
+    text: bytes
+    line: int
+    last: bool
+
+
+class RowReader:
+    """Reads the rows of one file."""
+
+    def __init__(self, head: Head, layout: Layout) -> None:
+        self.head, self.layout = head, layout
+        self.defects: list[Defect] = []
+        self.ends_with_newline = True
+        self._repeated_headers: list[int] = []
+        self._columns = [*layout.orientation, *(layout.position or ())]
+        self._width = head.width
+        names = head.names or []
+        self._names = {c: names[c] if c < len(names) else f"column {c + 1}" for c in range(self._width)}
+
+    def read(self) -> Rows:
+        """All rows. Errors: TraceError naming file, line and field."""
+        self._check_width()
+        parts: list[Rows] = []
+        for chunk in self._chunks():
+            rows = self._read_fast(chunk)
+            parts.append(rows if rows is not None else self._read_slowly(chunk))
+        if self._repeated_headers:
+            lines = self._repeated_headers
+            self.defects.append(Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0]))
+        return self._joined(parts)
+
+    def _check_width(self) -> None:
+        names, head = self.head.names, self.head
+        if names is None or self._width == len(names):
+            return
+        if self._width == len(names) + 1 and all(r[-1] == "" for r in head.rows if len(r) == self._width):
+            return  # each row ends with a separator
+        where = f"{head.path}: line {head.first_line}"
+        if len(head.rows) == 1 and self._width < len(names):
+            raise TraceError(f"{where}: the only row ends after {self._width} of {len(names)} fields; the file was cut off")
+        raise self._wrong_width(where, self._width, len(names))
+
+    def _wrong_width(self, where: str, found: int, wanted: int) -> TraceError:
+        message = f"{where}: {found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
+        if self.head.separator == "," and found > wanted:
+            return TraceError(
+                f"{message}: it looks like decimal commas inside a comma-separated file, which cannot be told apart; "
+                "write decimal points, or separate the fields with ';'"
+            )
+        return TraceError(f"{message}; repair or remove that line")
+
+    def _chunks(self) -> Iterator[_Chunk]:
+        """Pieces of whole lines."""
+        line, rest, newline = self.head.first_line, b"", self.head.newline
+        with self.head.path.open("rb") as file:
+            file.seek(self.head.first_byte)
+            while True:
+                block = file.read(CHUNK_BYTES)
+                if not block:
+                    break
+                text = rest + block
+                cut = text.rfind(newline) + 1
+                if not cut and len(text) > _LONGEST_LINE:
+                    raise TraceError(f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row of numbers")
+                rest = text[cut:]
+                if cut:
+                    yield _Chunk(text[:cut], line, last=not rest and file.tell() >= self.head.size)
+                    line += text.count(newline, 0, cut)
+        if rest.strip():
+            self.ends_with_newline = False
+            yield _Chunk(rest, line, last=True)
+
+    def _prepared(self, text: bytes) -> bytes:
+        if self.head.newline == b"\r":
+            text = text.replace(b"\r", b"\n")
+        if self.head.decimal_comma:
+            text = text.replace(b",", b".")
+        if self.head.separator is not None and b" " in text:
+            mark = self.head.separator.encode()
+            text = text.replace(mark + b" ", mark)
+        return text
+
+    def _read_fast(self, chunk: _Chunk) -> Rows | None:
+        """The whole chunk by numpy's C parser; None if anything about it is unusual."""
+        text = self._prepared(chunk.text)
+        count = text.count(b"\n") + (not text.endswith(b"\n"))
+        if not self._regular(text, count):
+            return None
+        layout = self.layout
+        kinds: list[tuple] = [("v", np.float64, (len(self._columns),))]
+        columns = list(self._columns)
+        for name, column in (("t", layout.time), ("d", layout.device)):
+            if column is not None:
+                kinds.append((name, f"S{WIDTH}"))
+                columns.append(column)
+        try:
+            table = np.loadtxt(
+                io.BytesIO(text), dtype=kinds, delimiter=self.head.separator, usecols=columns, comments=None, quotechar='"', ndmin=1, encoding="latin-1"
+            )
+            if len(table) != count or not (np.abs(table["v"]) < _FARTHEST).all():
+                return None
+            stamps = parse_fields(table["t"]) if layout.time is not None else None
+        except (ValueError, OverflowError):
+            return None
+        values = table["v"]
+        position = None if layout.position is None else np.ascontiguousarray(values[:, 4:7])
+        device = None if layout.device is None else np.ascontiguousarray(table["d"])
+        line = np.arange(chunk.line, chunk.line + count, dtype=np.int32)
+        return Rows(stamps, np.ascontiguousarray(values[:, :4]), position, device, line)
+
+    def _regular(self, text: bytes, count: int) -> bool:
+        """Every line has the same number of fields (loadtxt with usecols would not notice longer ones)."""
+        if not text.strip():
+            return False
+        mark = self.head.separator or " "
+        flat = np.frombuffer(text, np.uint8)
+        at = np.flatnonzero(flat == ord(mark))
+        per_line = self._width - 1
+        if len(at) != count * per_line or b'"' in text:
+            if self.head.separator is not None:
+                return False
+            # Aligned with several blanks: count the fields of each line.
+            return b"\n\n" not in text and all(len(line.split()) == self._width for line in text.splitlines())
+        if per_line == 0:
+            return True
+        ends = np.append(np.flatnonzero(flat == ord("\n")), len(flat))[:count]
+        at = at.reshape(count, per_line)
+        return bool((at[:, -1] < ends).all() and (at[1:, 0] > ends[:-1]).all())
+
+    def _read_slowly(self, chunk: _Chunk) -> Rows:
+        """Line by line: skips comments, blank lines and repeated headers; drops a last line that was cut; names any other that is bad."""
+        pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
+        found = [(i, t) for i, t in enumerate(pieces.decode("utf-8", "replace").split("\n"), chunk.line) if t.strip(" \t\r\x00")]
+        values, times, devices, lines = [], [], [], []
+        for k, (number, text) in enumerate(found):
+            bare = text.strip()
+            if bare.startswith(COMMENT_SIGNS):
+                continue
+            if bare == self.head.header_text:
+                self._repeated_headers.append(number)
+                continue
+            try:
+                row, time, device = self._parse_line(bare, number)
+            except TraceError as error:
+                if not (chunk.last and k == len(found) - 1 and _looks_cut(bare)):
+                    raise
+                reason = str(error).removeprefix(f"{self.head.path}: line {number}: ")
+                self.defects.append(Defect("last-row-cut", f"the last row is cut off ({reason})", "dropped", 1, number))
+                continue
+            values.append(row)
+            times.append(time)
+            devices.append(device)
+            lines.append(number)
+        return self._from_lists(values, times, devices, lines)
+
+    def _from_lists(self, values: list[list[float]], times: list[tuple[int, int, bool]], devices: list[bytes], lines: list[int]) -> Rows:
+        n = len(lines)
+        table = np.array(values, dtype=np.float64).reshape(n, len(self._columns))
+        stamps = None
+        if self.layout.time is not None:
+            whole = np.array([t[0] for t in times], dtype=np.int64)
+            parts = np.array([t[1] for t in times], dtype=np.int64)
+            stamps = Stamps(whole, parts, any(t[2] for t in times))
+        position = None if self.layout.position is None else table[:, 4:7].copy()
+        device = None if self.layout.device is None else np.array(devices, dtype=f"S{WIDTH}")
+        return Rows(stamps, table[:, :4].copy(), position, device, np.array(lines, dtype=np.int32))
+
+    def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
+        where = f"{self.head.path}: line {number}"
+        fields = split(text, self.head.separator)
+        if len(fields) == self._width + 1 and fields[-1] == "":
+            fields.pop()
+        if len(fields) != self._width:
+            raise self._wrong_width(where, len(fields), self._width)
+        row = [self._number(fields[c], c, where) for c in self._columns]
+        time = (0, 0, False)
+        if self.layout.time is not None:
+            field = fields[self.layout.time]
+            try:
+                time = parse_one(field.replace(",", ".") if self.head.decimal_comma else field)
+            except ValueError as error:
+                raise TraceError(f"{where}: {self._names[self.layout.time]}: {error}; repair or remove that line") from None
+        device = b"" if self.layout.device is None else fields[self.layout.device].encode("utf-8", "replace")
+        return row, time, device
+
+    def _number(self, field: str, column: int, where: str) -> float:
+        value = math.nan
+        if is_number(field) and (self.head.decimal_comma or "," not in field):
+            value = float(field.replace(",", "."))
+        if abs(value) < _FARTHEST:
+            return value
+        shown = f"'{field[:40]}'" if field else "empty"
+        raise TraceError(f"{where}: {self._names[column]} is {shown}: wanted a finite number; repair or remove that line")
+
+    def _joined(self, parts: list[Rows]) -> Rows:
+        if not sum(map(len, parts)):
+            cut = f" ({self.defects[0]})" if self.defects else ""
+            raise TraceError(f"{self.head.path} holds no usable row{cut}")
+        stamps = None
+        if self.layout.time is not None:
+            clock = any(p.stamps.clock for p in parts)
+            stamps = Stamps(_taken(parts, lambda p: p.stamps.whole), _taken(parts, lambda p: p.stamps.billionths), clock)
+            for p in parts:
+                p.stamps = None
+        columns = {}
+        for name in ("orientation", "position", "device", "line"):
+            columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
+            for p in parts:  # let go of the pieces at once: the peak is the result and one column
+                setattr(p, name, None)
+        return Rows(stamps, **columns)
+
+
+def _taken(parts: list[Rows], get) -> NDArray:
+    return np.concatenate([get(p) for p in parts])
+
+
+def _looks_cut(text: str) -> bool:
+    """A last line that breaks off: fewer fields, or a field that ends in the middle. NaN and words are faults, not cuts."""
+    return not any(f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none") for f in split(text, None) for f in f.split(","))
+
+
+__all__ = ["BadStamp", "Layout", "RowReader", "Rows"]

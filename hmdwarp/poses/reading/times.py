@@ -1,0 +1,157 @@
+"""Time stamps as exact integers: a whole part and billionths, so that neither 18-digit ticks nor epoch seconds lose digits."""
+
+from __future__ import annotations
+
+import datetime
+import decimal
+import re
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+BILLION = 1_000_000_000
+WIDTH = 32  # bytes kept of a time field; anything longer is read the slow way
+_LARGEST = 2**62
+_CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}):(\d\d):(\d\d)(?:[.,](\d+))?(?:Z|[+-]\d\d:?\d\d)?$")
+UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
+UNIT_NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "100ns": "ticks of 100 ns", "ns": "nanoseconds"}
+
+
+@attrs.define
+class Stamps:
+    """whole (n,) int64 and billionths (n,) int64 in 0..1e9-1, in the file's unit; clock: written as HH:MM:SS, so in seconds."""
+
+    whole: NDArray[np.int64]
+    billionths: NDArray[np.int64]
+    clock: bool = False
+
+    def __getitem__(self, keep) -> Stamps:
+        return Stamps(self.whole[keep], self.billionths[keep], self.clock)
+
+    def __len__(self) -> int:
+        return len(self.whole)
+
+    def steps(self) -> NDArray[np.float64]:
+        """(n - 1,) differences in the file's unit; exact wherever they are small."""
+        return np.diff(self.whole) + np.diff(self.billionths) * 1e-9
+
+
+def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
+    """Plain decimal stamps, all at once; anything else one by one. Errors: ValueError with the index of the first bad one."""
+    fast = _parse_plain(fields)
+    if fast is not None:
+        return fast
+    whole, parts, clock = np.empty(len(fields), np.int64), np.empty(len(fields), np.int64), False
+    for i, field in enumerate(fields.tolist()):
+        try:
+            whole[i], parts[i], is_clock = parse_one(field.decode("latin-1"))
+        except ValueError as error:
+            raise BadStamp(i, str(error)) from None
+        clock |= is_clock
+    return Stamps(whole, parts, clock)
+
+
+class BadStamp(ValueError):
+    """A time field that is none; `index` is its row."""
+
+    def __init__(self, index: int, why: str) -> None:
+        super().__init__(why)
+        self.index = index
+
+
+def parse_one(text: str) -> tuple[int, int, bool]:
+    """(whole, billionths, written as a clock) of one stamp. Errors: ValueError."""
+    text = text.strip().strip('"').strip()
+    clock = _CLOCK.match(text)
+    if clock:
+        day, hours, minutes, seconds, fraction = clock.groups()
+        days = datetime.date.fromisoformat(day).toordinal() if day else 0
+        whole = ((days * 24 + int(hours)) * 60 + int(minutes)) * 60 + int(seconds)
+        return whole, int((fraction or "0")[:9].ljust(9, "0")), True
+    if "_" in text:
+        raise ValueError(f"'{text}' is no time")
+    try:
+        value = decimal.Decimal(text)
+    except decimal.InvalidOperation:
+        raise ValueError(f"'{text}' is no time") from None
+    # The exponent is looked at before anything is computed: int(Decimal("1e999999999")) would not end.
+    if not value.is_finite() or value.adjusted() > 18:
+        raise ValueError(f"'{text}' is no time")
+    if value.adjusted() < -30:
+        return 0, 0, False
+    with decimal.localcontext(prec=60):
+        whole = int(value.to_integral_value(decimal.ROUND_FLOOR))
+        parts = int((value - whole) * BILLION)
+    if abs(whole) >= _LARGEST:
+        raise ValueError(f"time '{text}' is beyond 2^62")
+    return whole, parts, False
+
+
+def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
+    """Digits, at most one point, perhaps a sign; None if any field is something else, or too long."""
+    n, width = len(fields), fields.dtype.itemsize
+    text = np.ascontiguousarray(fields).view(np.uint8).reshape(n, width)
+    if text[:, -1].any():
+        return None
+    whole, parts = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    weight = np.full(n, BILLION, np.int64)  # 10^(9 - decimals seen); 0 once more than nine were seen
+    digits, pointed = np.zeros(n, np.int8), np.zeros(n, bool)
+    negative = text[:, 0] == ord("-")
+    for j in range(width):
+        c = text[:, j]
+        if not c.any():
+            break
+        digit = c - np.uint8(ord("0"))  # wraps: anything that is no digit is above 9
+        is_digit = digit <= 9
+        point = c == ord(".")
+        if (point & pointed).any() or not (is_digit | point | (c == 0) | (negative if j == 0 else False)).all():
+            return None
+        before = is_digit & ~pointed
+        whole = np.where(before, whole * 10 + digit, whole)
+        digits += before
+        after = is_digit & pointed
+        weight = np.where(after, weight // 10, weight)
+        parts += np.where(after, weight * digit, 0)
+        pointed |= point
+    if (digits == 0).any() or (digits > 18).any():  # ".5" and 19 digits take the slow way
+        return None
+    if negative.any():
+        borrow = negative & (parts > 0)
+        whole = np.where(negative, -whole - borrow, whole)
+        parts = np.where(borrow, BILLION - parts, parts)
+    return Stamps(whole, parts)
+
+
+def guess_unit(stamps: Stamps, median_step: float) -> str:
+    """The unit that makes the implied rate most like that of a tracker.
+
+    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs). Otherwise the unit whose rate is
+    nearest, as a ratio, to 75 Hz, the middle of what recorders use; ticks of 100 ns only where no other unit lies within 10..1500 Hz.
+    """
+    if 10**17 <= int(stamps.whole[0]) < 10**18:
+        return "100ns"
+
+    def far(unit: str) -> float:
+        return abs(np.log(BILLION / (median_step * UNITS_NS[unit]) / 75))
+
+    best = min((u for u in UNITS_NS if u != "100ns"), key=far)
+    rate = BILLION / (median_step * UNITS_NS[best])
+    return best if 10 <= rate <= 1500 else min(UNITS_NS, key=far)
+
+
+def to_ns(stamps: Stamps, unit: str) -> tuple[NDArray[np.int64], int]:
+    """(nanoseconds since the first stamp, the first stamp in nanoseconds as a Python integer of any size).
+
+    Errors: OverflowError when the span does not fit into 2^62 ns (146 years).
+    """
+    scale = UNITS_NS[unit]
+    first, first_part = int(stamps.whole[0]), int(stamps.billionths[0])
+    span = max(abs(int(stamps.whole.max()) - first), abs(int(stamps.whole.min()) - first))
+    if span * scale > _LARGEST:
+        raise OverflowError(f"a span of {span * scale / 1e9 / 86400 / 365:.3g} years")
+    epoch = first * scale + first_part * scale // BILLION
+    if scale == BILLION:
+        return (stamps.whole - first) * BILLION + (stamps.billionths - first_part), epoch
+    # billionths * scale stays below 1e15; floor keeps the order of stamps.
+    return (stamps.whole - first) * scale + stamps.billionths * scale // BILLION - first_part * scale // BILLION, epoch

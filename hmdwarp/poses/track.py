@@ -1,0 +1,212 @@
+"""A head's poses over time: validated samples, and the pose at any instant between them."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import TraceError
+from ..geometry import Pose
+from . import quaternions
+from .sample import Origin, PoseSample
+
+_MS = 1_000_000
+SHORTEST_GAP_NS = 100 * _MS
+_UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit as given
+
+
+def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
+    """The longest step still interpolated: 100 ms, or four median steps where that is more (slow recordings).
+
+    Recorded heads turn at up to 300 deg/s: 100 ms is 30 degrees, about as far as an arc between two poses may be guessed.
+    """
+    if len(time_ns) < 2:
+        return SHORTEST_GAP_NS
+    return max(SHORTEST_GAP_NS, 4 * int(np.median(np.diff(time_ns))))
+
+
+def _times(value: ArrayLike) -> NDArray[np.int64]:
+    array = np.asarray(value)
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise TraceError(f"time_ns: wanted a row of integers, found {array.dtype} of shape {array.shape}")
+    return array.astype(np.int64, copy=False)
+
+
+def _floats(value: ArrayLike) -> NDArray[np.float64]:
+    return np.asarray(value, dtype=np.float64)
+
+
+@attrs.frozen(eq=False)
+class Samples:
+    """Many poses at once: time_ns (n,), position_m (n, 3), orientation_xyzw (n, 4), origin (n,) of `Origin` values."""
+
+    time_ns: NDArray[np.int64]
+    position_m: NDArray[np.float64]
+    orientation_xyzw: NDArray[np.float64]
+    origin: NDArray[np.int8]
+
+
+@attrs.frozen(eq=False)
+class PoseTrack:
+    """world_from_head over time, OpenXR axes, metres.
+
+    time_ns: (n,) int64, strictly increasing. position_m: (n, 3). orientation_xyzw: (n, 4), normalised here (a norm off by
+    more than 1e-2 is refused) and made continuous in sign. name: what to call it. origin: where it came from, in words.
+    notes: things a reader should know. epoch_ns: what the file's own clock said at time 0 of this track.
+    max_gap_ns: steps longer than this are gaps, by default `gap_limit_ns`. jumps: indices i where the head is not where
+    sample i left it when sample i + 1 comes (teleports).
+    Nothing is interpolated across a gap or a jump unless asked: there the last pose is HELD.
+    Errors: TraceError naming the first sample that breaks a rule.
+    """
+
+    time_ns: NDArray[np.int64] = attrs.field(converter=_times)
+    position_m: NDArray[np.float64] = attrs.field(converter=_floats)
+    orientation_xyzw: NDArray[np.float64] = attrs.field(converter=_floats)
+    name: str = ""
+    origin: str = ""
+    notes: tuple[str, ...] = attrs.field(default=(), converter=tuple)
+    epoch_ns: int = 0
+    max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=lambda given: tuple(int(i) for i in given))
+    broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)
+
+    def __attrs_post_init__(self) -> None:
+        self._check()
+        object.__setattr__(self, "orientation_xyzw", _unit_and_continuous(self.orientation_xyzw))
+        broken = np.diff(self.time_ns) > self.max_gap_ns
+        broken[list(self.jumps)] = True
+        object.__setattr__(self, "broken", broken)
+        for array in (self.time_ns, self.position_m, self.orientation_xyzw, self.broken):
+            array.flags.writeable = False
+
+    def _check(self) -> None:
+        n = len(self.time_ns)
+        if n == 0:
+            raise TraceError("a head track needs at least one sample")
+        if self.position_m.shape != (n, 3) or self.orientation_xyzw.shape != (n, 4):
+            shapes = f"{self.position_m.shape} and {self.orientation_xyzw.shape}"
+            raise TraceError(f"{n} instants with positions and orientations of shape {shapes}: wanted ({n}, 3) and ({n}, 4)")
+        steps = np.diff(self.time_ns)
+        if n > 1 and steps.min() <= 0:
+            i = int(np.argmax(steps <= 0))
+            raise TraceError(f"time_ns does not increase at sample {i + 1}: {self.time_ns[i]} then {self.time_ns[i + 1]}")
+        for array in (self.position_m, self.orientation_xyzw):
+            if not np.isfinite(array).all():
+                i = int(np.argmin(np.isfinite(array).all(axis=1)))
+                raise TraceError(f"sample {i} of the head track is not finite: {array[i].tolist()}")
+        if any(not 0 <= i < n - 1 for i in self.jumps):
+            raise TraceError(f"jumps {self.jumps}: wanted indices of samples that have a next one, 0 to {n - 2}")
+
+    def __len__(self) -> int:
+        return len(self.time_ns)
+
+    @property
+    def start_ns(self) -> int:
+        """Instant of the first sample."""
+        return int(self.time_ns[0])
+
+    @property
+    def end_ns(self) -> int:
+        """Instant of the last sample."""
+        return int(self.time_ns[-1])
+
+    @property
+    def duration_ns(self) -> int:
+        """From the first sample to the last."""
+        return self.end_ns - self.start_ns
+
+    @property
+    def rate_hz(self) -> float:
+        """One over the median step; 0 for a single sample."""
+        return 1e9 / float(np.median(np.diff(self.time_ns))) if len(self) > 1 else 0.0
+
+    def index_at(self, time_ns: int) -> int:
+        """Index of the last sample at or before `time_ns`; -1 before the first."""
+        time_ns = operator.index(time_ns)
+        if time_ns < self.start_ns:
+            return -1
+        if time_ns >= self.end_ns:
+            return len(self) - 1
+        return int(np.searchsorted(self.time_ns, time_ns, side="right")) - 1
+
+    def pose(self, index: int) -> Pose:
+        """The pose of one sample."""
+        return Pose(self.position_m[index], self.orientation_xyzw[index])
+
+    def at(self, time_ns: int, across_gaps: bool = False) -> PoseSample:
+        """The head at an instant (ns): SLERP and linear between two samples.
+
+        On a sample: MEASURED. Between two: INTERPOLATED. Before the first, after the last and within a gap or jump (unless
+        across_gaps): HELD at the nearest end or at the last sample before.
+        """
+        time_ns = operator.index(time_ns)
+        i = self.index_at(time_ns)
+        if i < 0:
+            return PoseSample(time_ns, self.pose(0), Origin.HELD)
+        t0 = int(self.time_ns[i])
+        if t0 == time_ns:
+            return PoseSample(time_ns, self.pose(i), Origin.MEASURED)
+        if i == len(self) - 1 or (self.broken[i] and not across_gaps):
+            return PoseSample(time_ns, self.pose(i), Origin.HELD)
+        share = (time_ns - t0) / (int(self.time_ns[i + 1]) - t0)
+        a, b = self.orientation_xyzw[i : i + 2].tolist()
+        p, q = self.position_m[i : i + 2].tolist()
+        position = [u + share * (v - u) for u, v in zip(p, q, strict=True)]
+        return PoseSample(time_ns, Pose(position, quaternions.slerp(a, b, share)), Origin.INTERPOLATED)
+
+    def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:
+        """`at` for many instants (n,) at once; the same rules."""
+        asked = _times(time_ns)
+        i = np.clip(np.searchsorted(self.time_ns, asked, side="right") - 1, 0, len(self) - 1)
+        j = np.minimum(i + 1, len(self) - 1)
+        inside = (asked >= self.start_ns) & (j > i)
+        if not across_gaps and len(self) > 1:
+            inside &= ~self.broken[np.minimum(i, len(self) - 2)]
+        step = np.where(j > i, self.time_ns[j] - self.time_ns[i], 1)
+        share = np.where(inside, (asked - self.time_ns[i]) / step, 0.0)
+        exact = asked == self.time_ns[i]
+        origin = np.where(exact, Origin.MEASURED, np.where(inside, Origin.INTERPOLATED, Origin.HELD)).astype(np.int8)
+        p = self.position_m[i]
+        position = p + share[:, None] * (self.position_m[j] - p)
+        q = quaternions.slerp_many(self.orientation_xyzw[i], self.orientation_xyzw[j], share)
+        q[share == 0] = self.orientation_xyzw[i[share == 0]]
+        return Samples(asked, position, q / np.linalg.norm(q, axis=1, keepdims=True), origin)
+
+    def without_repeats(self) -> PoseTrack:
+        """The same motion with repeated poses (a tracker slower than the recorder) left out: for differentiating, not for replay."""
+        new = np.ones(len(self), bool)
+        new[1:] = (self.orientation_xyzw[1:] != self.orientation_xyzw[:-1]).any(axis=1)
+        new[1:] |= (self.position_m[1:] != self.position_m[:-1]).any(axis=1)
+        if new.all():
+            return self
+        keep = np.flatnonzero(new)
+        # A jump after sample i stays in front of the next pose that is kept.
+        jumps = set(np.searchsorted(keep, np.asarray(self.jumps, dtype=np.int64), side="right") - 1) - {len(keep) - 1}
+        return self.evolve(
+            time_ns=self.time_ns[keep], position_m=self.position_m[keep], orientation_xyzw=self.orientation_xyzw[keep], jumps=sorted(jumps)
+        )
+
+    def evolve(self, **changes: Any) -> PoseTrack:
+        """A copy with some fields changed; the gap limit follows the new times unless it is given too."""
+        fields = ("time_ns", "position_m", "orientation_xyzw", "name", "origin", "notes", "epoch_ns", "jumps")
+        return PoseTrack(**{f: getattr(self, f) for f in fields} | changes)
+
+
+def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    norm_squared = np.einsum("ij,ij->i", q, q)
+    off = np.abs(norm_squared - 1)
+    worst = int(np.argmax(off))
+    if not abs(np.sqrt(norm_squared[worst]) - 1) <= 1e-2:
+        raise TraceError(f"sample {worst}: a quaternion of length {np.sqrt(norm_squared[worst]):.4g}, wanted 1 within 0.01: {q[worst].tolist()}")
+    if off[worst] > _UNIT_AS_IS:
+        q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]
+    elif not (np.einsum("ij,ij->i", q[1:], q[:-1]) < 0).any():
+        return q
+    else:
+        q = q.copy()
+    quaternions.make_continuous(q)
+    return q
