@@ -66,6 +66,8 @@ def works(*command: str | Path) -> bool:
 
 def line_to_type(packages: list[str]) -> str:
     names = " ".join(packages)
+    if os.geteuid() == 0:
+        return f"    apt-get update && apt-get install -y {names}"
     if shutil.which("sudo"):
         return f"    sudo apt-get update && sudo apt-get install -y {names}"
     return f"    su -c 'apt-get update && apt-get install -y {names}'"
