@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 class EyeImage:
     """One eye's picture: `colour` rgba16f linear with coverage in alpha, `inverse_depth` r32f in 1/m, and its view.
 
-    Rows run bottom to top, as GL has them. Where colour's alpha is 0 nothing was drawn and inverse_depth is 0.
+    Rows run bottom to top, as GL has them. Where nothing was drawn colour is (0, 0, 0, 0) and inverse_depth is
+    -1 (no depth), so that a hole is neither averaged into its neighbours nor scattered.
     """
 
     view: View

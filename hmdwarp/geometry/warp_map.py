@@ -44,11 +44,17 @@ class WarpMap:
         safe = np.where(w > 0, w, np.nan)
         return homogeneous[..., :2] / safe[..., None], inverse_depth / safe, w
 
-    def gather_seed(self) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-        """(G, g, a) such that the plane `inverse_depth = r` of the from view is gathered by `q = G p; p_from ~ q (1 + r a) - r g q_z`.
+    def gather_seed(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(G, g) such that the plane `inverse_depth = r` of the from view is gathered by `p_from ~ q (1 + r g_z) - r q_z g`, q = G p_to.
 
         That is the inverse of H + r e (0 0 1) by the Sherman-Morrison formula, so r may stay on the GPU.
         """
         gather = np.linalg.inv(self.H)
-        step = gather @ self.e
-        return gather, step, float(step[2])
+        return gather, gather @ self.e
+
+    def moves_whole_pixels(self) -> bool:
+        """Whether every pixel centre lands on a pixel centre at any depth: nothing moved, or only a guard band was cut off."""
+        shift = np.round(self.H[:2, 2])
+        wanted = np.array([[1, 0, shift[0]], [0, 1, shift[1]], [0, 0, 1.0]])
+        # 1e-9 px over the widest picture a GPU takes: what rounding leaves of two equal poses, far below any real motion.
+        return bool(np.abs(self.H - wanted).max() <= 1e-9 and np.abs(self.e).max() <= 1e-9)

@@ -91,6 +91,10 @@ class Uniforms:
         }
         self._last: dict[str, bytes] = {}
 
+    def declares(self, name: str) -> bool:
+        """Whether the shader's text has a uniform of that name."""
+        return name in self._names
+
     def set(self, **values: object) -> None:
         """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once."""
         for name, value in values.items():
@@ -122,10 +126,15 @@ class Compute:
             raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
         self.uniforms = Uniforms(self.program, flat.lines, path)
         self.group = _group_size(flat.text)
+        self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
 
     def run(self, width: int, height: int = 1) -> None:
         """Dispatch enough work groups for width x height invocations."""
-        self.program.run(-(-width // self.group[0]), -(-height // self.group[1]), 1)
+        self.program.run(*self.groups(width, height), 1)
+
+    def groups(self, width: int, height: int = 1) -> tuple[int, int]:
+        """Work groups that cover width x height pixels; a shader that does ROWS pixels an invocation needs fewer."""
+        return -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
 
 
 class Draw:

@@ -26,6 +26,33 @@ def allocate(gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str],
     return texture
 
 
+class Canvas:
+    """A colour texture (rgba16f) that passes write into, with the framebuffer that clears it.
+
+    Clearing through a framebuffer is four times faster on llvmpipe than a shader that stores zeros.
+    """
+
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
+        self.texture = allocate(gl, size, COLOUR, linear=True)
+        self._framebuffer = gl.framebuffer([self.texture])
+
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.texture.size
+
+    def clear(self) -> None:
+        """Every pixel to (0, 0, 0, 0): nothing drawn."""
+        self._framebuffer.clear()
+
+    def bind_for_writing(self, unit: int = 0) -> None:
+        """As the image that a compute shader stores into."""
+        self.texture.bind_to_image(unit, read=False, write=True)
+
+    def release(self) -> None:
+        self._framebuffer.release()
+        self.texture.release()
+
+
 def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
     """Errors: InputError for a side below 1 or beyond the GL limit."""
     limit = gl.info["GL_MAX_TEXTURE_SIZE"]

@@ -1,0 +1,8 @@
+"""Lens models on the GPU: one file each, registered by name. Their coefficients belong to the headsets."""
+
+from ...registry import Registry
+from ._base import LensPass
+
+lenses: Registry[type[LensPass]] = Registry("lens", __name__)
+
+__all__ = ["LensPass", "lenses"]

@@ -1,0 +1,24 @@
+"""No lens: the shown picture goes to the panel as it is."""
+
+from __future__ import annotations
+
+from ...geometry import Fov
+from ...gpu.textures import Canvas
+from . import lenses
+from ._base import LensPass
+
+
+@lenses.register
+class NoLens(LensPass):
+    """Flat output, for screens, for runtimes that distort by themselves, and for measuring; the plan leaves it out."""
+
+    name = "none"
+    summary = "no distortion: for flat screens and for runtimes that distort by themselves"
+    source = "the baseline of every lens"
+    is_pass = False
+
+    def prepare(self) -> None:
+        """Nothing to prepare."""
+
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
+        raise AssertionError("the plan leaves this lens out")

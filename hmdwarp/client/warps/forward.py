@@ -1,0 +1,61 @@
+"""Forward warping by points: every drawn pixel moves, the nearest wins."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ...frame import EyeImage
+from ...geometry import View, WarpMap
+from ...gpu.textures import Canvas
+from . import warps
+from ._base import Warp
+
+_TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
+
+
+@warps.register
+class Forward(Warp):
+    """Scatters pixels with an exact depth test in two 32-bit atomic passes; ties go to the lowest pixel index."""
+
+    name = "forward"
+    summary = "moves each pixel by its own depth, nearest wins; leaves cracks and holes"
+    kind = "scatter"
+    reads = ("late.colour", "late.inverse_depth")
+    exact_when = "the eye does not move; else each pixel is right to half a pixel"
+    gets_wrong = "surfaces that come closer crack; what was hidden is a hole; soft edges travel with their depth"
+    source = "the 2014 thesis's forward warp; atomics as in Schuetz et al. 2021 (arXiv 2104.07526)"
+
+    def prepare(self) -> None:
+        shaders, gl = self.gpu.shaders, self.gpu.gl
+        self._clear = shaders.compute("warps/forward_clear.comp")
+        self._nearest, self._colour, *self._settle = (shaders.compute("warps/forward.comp", PASS=k) for k in range(5))
+        self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
+        self._keys = gl.buffer(reserve=16 * self._quads)
+        self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
+
+    def run(self, late: EyeImage, shown: View, into: Canvas, client_inverse_depth: moderngl.Texture | None = None) -> None:
+        forward = WarpMap.between(late.view, self.late_size, shown, self.shown_size)
+        late.colour.use(0)
+        late.inverse_depth.use(1)
+        into.bind_for_writing()
+        self._keys.bind_to_storage_buffer(0)
+        self._ties.bind_to_storage_buffer(1)
+        into.clear()
+        groups = self._nearest.groups(*self.late_size)
+        self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
+        self._clear.run(self._quads)
+        for program in (self._nearest, self._colour, *self._settle):
+            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._set(program, forward)
+            if program in self._settle:
+                program.program.run_indirect(self._ties)
+            else:
+                program.program.run(*groups)
+
+    def _set(self, program, forward: WarpMap) -> None:
+        self.set_sizes(program)
+        program.uniforms.set(H=forward.H, e=forward.e, late_colour=0, late_inverse_depth=1, shown_colour=0)
+
+    def close(self) -> None:
+        self._keys.release()
+        self._ties.release()

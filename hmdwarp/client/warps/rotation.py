@@ -1,0 +1,22 @@
+"""Orientation-only reprojection: the homography of a pure turn."""
+
+from __future__ import annotations
+
+from ...geometry import Pose, View, WarpMap
+from . import warps
+from ._homography import HomographyWarp
+
+
+@warps.register
+class Rotation(HomographyWarp):
+    """Turns the late picture with the head and ignores how the eye moved (asynchronous time warp)."""
+
+    name = "rotation"
+    summary = "turns the picture with the head, ignores how the eye moved"
+    exact_when = "the eye only turns, or everything is far away"
+    gets_wrong = "near things under translation: they stay glued to the far background"
+    source = "van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware"
+
+    def relative_map(self, late: View, shown: View) -> WarpMap:
+        turned = Pose(late.pose.position_m, shown.pose.orientation_xyzw)
+        return WarpMap.between(View(turned, shown.fov), self.shown_size, late, self.late_size)

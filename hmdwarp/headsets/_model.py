@@ -1,0 +1,118 @@
+"""What a headset is: two eyes, two panels, and a lens with its inverse."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..geometry import Fov, Pose, View
+
+MAX_COEFFICIENTS = 9
+COLOURS = ("red", "green", "blue")
+
+
+@attrs.frozen
+class RadialLens:
+    """tangent = on_lens * tangent_per_unit * (k0 + k1 r^2 + k2 r^4 ..), r = |on_lens|, for each colour.
+
+    on_lens is the panel position from the lens axis in units of unit_m metres. axis_from_centre_m is where the axis of the
+    left eye's lens meets its panel, from the panel's centre; the right eye's is mirrored. reach: the largest r on the panel,
+    up to which the polynomial must grow. Errors: InputError with the radius where it folds back.
+    Source: Brown 1966, Decentering Distortion of Lenses, the radial part.
+    """
+
+    axis_from_centre_m: tuple[float, float]
+    unit_m: float
+    tangent_per_unit: float
+    coefficients: dict[str, tuple[float, ...]]
+    reach: float
+
+    def __attrs_post_init__(self) -> None:
+        for colour in COLOURS:
+            if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
+                raise InputError(f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; wanted 1 to {MAX_COEFFICIENTS}")
+            fold = self.folds_at(colour)
+            if fold is not None:
+                raise InputError(
+                    f"the lens polynomial of {colour} folds back at r = {fold:.4g}, inside the panel (r up to {self.reach:.4g}): "
+                    "two panel pixels would show the same direction; correct its coefficients"
+                )
+
+    def folds_at(self, colour: str) -> float | None:
+        """The smallest r <= reach at which r times the polynomial stops growing, or None."""
+        odd = np.zeros(2 * len(self.coefficients[colour]))
+        odd[1::2] = self.coefficients[colour]  # r k0 + r^3 k1 + ...
+        slope = polynomial.polyder(odd)
+        if polynomial.polyval(0.0, slope) <= 0:
+            return 0.0
+        roots = polynomial.polyroots(np.trim_zeros(slope, "b"))
+        turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= self.reach)]
+        return float(turns.min()) if len(turns) else None
+
+    def tangent_from_lens(self, on_lens: ArrayLike, colour: str) -> NDArray[np.float64]:
+        """Positions (..., 2) on the lens plane to the tangents the lens shows there."""
+        on_lens = np.asarray(on_lens, dtype=np.float64)
+        r2 = (on_lens**2).sum(axis=-1, keepdims=True)
+        return on_lens * self.tangent_per_unit * polynomial.polyval(r2, np.array(self.coefficients[colour]))
+
+    def lens_from_tangent(self, tangent: ArrayLike, colour: str) -> NDArray[np.float64]:
+        """The way back, by Newton's method on the radius from the far side, where the polynomial is steepest; NaN beyond reach.
+
+        Converges because the radius function grows over 0..reach; 60 halvings of a bisection bracket guard it.
+        """
+        tangent = np.asarray(tangent, dtype=np.float64)
+        wanted = np.sqrt((tangent**2).sum(axis=-1)) / self.tangent_per_unit
+        k = np.array(self.coefficients[colour])
+
+        def radius_function(r: NDArray[np.float64]) -> NDArray[np.float64]:
+            return r * polynomial.polyval(r * r, k)
+
+        low, high = np.zeros_like(wanted), np.full_like(wanted, self.reach)
+        for _ in range(60):
+            middle = (low + high) / 2
+            below = radius_function(middle) < wanted
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        r = (low + high) / 2
+        seen = wanted <= radius_function(np.float64(self.reach)) * (1 + 1e-12)
+        scale = np.divide(r, wanted, out=np.full_like(r, 1 / k[0]), where=wanted > 0)
+        return np.where(seen[..., None], tangent / self.tangent_per_unit * scale[..., None], np.nan)
+
+
+@attrs.frozen
+class Headset:
+    """Two eyes before two panels. Eye 0 is the left one.
+
+    eye_size_px, eye_size_m: one eye's panel. left_fov: the left eye's field of view, the right eye's is its mirror image.
+    """
+
+    name: str
+    summary: str
+    source: str
+    eye_size_px: tuple[int, int]
+    eye_size_m: tuple[float, float]
+    refresh_hz: float
+    ipd_m: float
+    left_fov: Fov
+    lens: RadialLens | None
+
+    def fov(self, eye: int) -> Fov:
+        """The field of view of eye 0 (left) or 1 (right)."""
+        left = self.left_fov
+        return left if eye == 0 else Fov(-left.right, -left.left, left.down, left.up)
+
+    def views(self, world_from_head: Pose) -> tuple[View, View]:
+        """Both eyes' views for a head pose; the eyes sit half the pupil distance to either side, turned with the head."""
+        half = self.ipd_m / 2
+        return tuple(View(world_from_head @ Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate((-half, half)))  # type: ignore[return-value]
+
+    def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(scale, offset), each (2,): position on the lens plane = panel pixel * scale + offset, in units of the lens."""
+        assert self.lens is not None
+        mirror = np.array([1.0 if eye == 0 else -1.0, 1.0])
+        extent, unit = np.array(self.eye_size_m), self.lens.unit_m
+        scale = extent / np.array(panel_size) / unit
+        offset = (-extent / 2 - np.array(self.lens.axis_from_centre_m) * mirror) / unit
+        return scale, offset

@@ -1,0 +1,63 @@
+"""What a twin hands back: the picture, how far a shader may be off, and where rounding alone may decide otherwise."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+Array = NDArray[np.float64]
+
+HALF_UNIT = 2.0**-10  # relative error of a stored rgba16f value: GL leaves the rounding open, and llvmpipe truncates
+HALF_SMALLEST = 2.0**-24  # the smallest denormal half float
+# A GPU's bilinear sampler rounds the place to 1/256 pixel (8 fraction bits); llvmpipe computes it in float32.
+GPU_SAMPLER_PIXELS = 1 / 256
+
+
+@attrs.frozen(eq=False)
+class ReferencePicture:
+    """colour (h, w, 4) with coverage in alpha, bottom row first; tolerance (h, w), absolute, for the three colours;
+    undecided (h, w): pixels whose coverage or source a rounding error within the bound may change."""
+
+    colour: Array
+    tolerance: Array
+    undecided: NDArray[np.bool_]
+
+
+def sample_covered(colour: Array, pixels: Array, position_error: Array, sampler_pixels: float = GPU_SAMPLER_PIXELS) -> ReferencePicture:
+    """Bilinear look at `pixels` (h, w, 2) of a premultiplied picture, by SciPy's interpolation, averaged over what is covered.
+
+    position_error (h, w): pixels; sampler_pixels: what the sampler adds to it. The colour may be off by the place's error times the steepest change nearby, divided by the
+    coverage it is normalised with, and by the rounding of the stored result.
+    """
+    outside = ~((pixels >= 0) & (pixels < np.array(colour.shape[1::-1]))).all(axis=-1)
+    place = np.where(np.isnan(pixels), 0.0, pixels) - 0.5
+    coords = [place[..., 1], place[..., 0]]
+    looked = np.stack([ndimage.map_coordinates(colour[..., c], coords, order=1, mode="nearest") for c in range(4)], axis=-1)
+    alpha = looked[..., 3]
+    covered = (alpha >= 0.5) & ~outside
+    out = np.zeros_like(looked)
+    out[covered] = np.concatenate([looked[covered][:, :3] / alpha[covered][:, None], np.ones((covered.sum(), 1))], axis=1)
+
+    error = position_error + sampler_pixels
+    contrast = _contrast_near(colour, coords)
+    slope = contrast * 2 * error[..., None]  # both axes
+    tolerance = slope[..., :3].max(axis=-1) * 2 + out[..., :3].max(axis=-1) * slope[..., 3] * 4
+    tolerance += HALF_UNIT * np.abs(out[..., :3]).max(axis=-1) + HALF_SMALLEST
+    undecided = (np.abs(alpha - 0.5) <= slope[..., 3]) | near_edge(pixels, colour.shape[1::-1], position_error)
+    return ReferencePicture(out, tolerance, undecided)
+
+
+def near_edge(pixels: Array, size: tuple[int, int], error: Array) -> NDArray[np.bool_]:
+    """Whether a place lies within its error of the picture's border, or is not known at all."""
+    wide, high = size
+    distance = np.minimum(np.abs(pixels - 0), np.abs(pixels - np.array([wide, high]))).min(axis=-1)
+    return (distance <= error) | ~np.isfinite(error)
+
+
+def _contrast_near(colour: Array, coords: list[Array]) -> Array:
+    """Largest difference within the 4x4 texels around each place, per channel: bounds the slope a moved look can meet."""
+    spread = ndimage.maximum_filter(colour, size=(5, 5, 1), mode="nearest") - ndimage.minimum_filter(colour, size=(5, 5, 1), mode="nearest")
+    y, x = (np.clip(np.round(c).astype(int), 0, n - 1) for c, n in zip(coords, colour.shape, strict=False))
+    return spread[y, x]
