@@ -70,6 +70,7 @@ class Rows:
 class _Chunk:
     text: bytes
     line: int
+    count: int
     last: bool
 
 
@@ -133,11 +134,12 @@ class RowReader:
                     raise TraceError(f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row of numbers")
                 rest = text[cut:]
                 if cut:
-                    yield _Chunk(text[:cut], line, last=not rest and file.tell() >= self.head.size)
-                    line += text.count(newline, 0, cut)
+                    count = text.count(newline, 0, cut)
+                    yield _Chunk(text[:cut], line, count, last=not rest and file.tell() >= self.head.size)
+                    line += count
         if rest.strip():
             self.ends_with_newline = False
-            yield _Chunk(rest, line, last=True)
+            yield _Chunk(rest, line, 1, last=True)
 
     def _prepared(self, text: bytes) -> bytes:
         if self.head.newline == b"\r":
@@ -151,8 +153,7 @@ class RowReader:
 
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
         """The whole chunk by numpy's C parser; None if anything about it is unusual."""
-        text = self._prepared(chunk.text)
-        count = text.count(b"\n") + (not text.endswith(b"\n"))
+        text, count = self._prepared(chunk.text), chunk.count
         if not self._regular(text, count):
             return None
         layout = self.layout
@@ -166,7 +167,9 @@ class RowReader:
             table = np.loadtxt(
                 io.BytesIO(text), dtype=kinds, delimiter=self.head.separator, usecols=columns, comments=None, quotechar='"', ndmin=1, encoding="latin-1"
             )
-            if len(table) != count or not (np.abs(table["v"]) < _FARTHEST).all():
+            values = table["v"]
+            # min and max are NaN if anything is
+            if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
                 return None
             stamps = parse_fields(table["t"]) if layout.time is not None else None
         except (ValueError, OverflowError):

@@ -90,16 +90,16 @@ def parse_one(text: str) -> tuple[int, int, bool]:
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
     """Digits, at most one point, perhaps a sign; None if any field is something else, or too long."""
-    n, width = len(fields), fields.dtype.itemsize
-    text = np.ascontiguousarray(fields).view(np.uint8).reshape(n, width)
-    if text[:, -1].any():
+    n = len(fields)
+    # One row per character position: the loop below then runs over neighbouring bytes.
+    text = np.ascontiguousarray(np.ascontiguousarray(fields).view(np.uint8).reshape(n, -1).T)
+    if text[-1].any():
         return None
     whole, parts = np.zeros(n, np.int64), np.zeros(n, np.int64)
     weight = np.full(n, BILLION, np.int64)  # 10^(9 - decimals seen); 0 once more than nine were seen
     digits, pointed = np.zeros(n, np.int8), np.zeros(n, bool)
-    negative = text[:, 0] == ord("-")
-    for j in range(width):
-        c = text[:, j]
+    negative = text[0] == ord("-")
+    for j, c in enumerate(text):
         if not c.any():
             break
         digit = c - np.uint8(ord("0"))  # wraps: anything that is no digit is above 9
@@ -114,7 +114,8 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
         weight = np.where(after, weight // 10, weight)
         parts += np.where(after, weight * digit, 0)
         pointed |= point
-    if (digits == 0).any() or (digits > 18).any():  # ".5" and 19 digits take the slow way
+    # ".5" takes the slow way, and so does what might not fit: 19 digits (nanoseconds since 1970) wrap from 9.2e18 on.
+    if (digits == 0).any() or (digits > 19).any() or ((digits == 19) & (negative | (text[0] > ord("3")))).any():
         return None
     if negative.any():
         borrow = negative & (parts > 0)
