@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import moderngl
 import numpy as np
@@ -13,9 +13,9 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.shaders import Draw
 from ..scenes import Scene
-from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
+from .projection import clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
 from .targets import Framebuffers, Target, TargetPool
-from .upload import Batch, SceneBuffers
+from .upload import Chunks, SceneBuffers
 
 
 class Server:
@@ -88,11 +88,20 @@ class Server:
         with gl.scope(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             _clear_depth(framebuffer)
-            for batch in self._buffers.batches:
-                _draw_batch(gl, batch, clip, vertices, colour=colour)
+            self._draw_surfaces(vertices, clip, view, colour=colour)
             gl.disable(moderngl.CULL_FACE)
             empty.render(moderngl.TRIANGLES, vertices=3)
             gl.depth_func = "<"
+
+    def _draw_surfaces(self, vertices: moderngl.VertexArray, clip: np.ndarray, view: View, *, colour: bool) -> None:
+        gl, before = self.gpu.gl, -1
+        for index, first, count in _runs(self._buffers.chunks, clip, view.pose.position_m - self.scene.origin_m):
+            if index != before:
+                batch, before = self._buffers.batches[index], index
+                (gl.disable if batch.double_sided else gl.enable)(moderngl.CULL_FACE)
+                if colour:
+                    batch.texture.use(0)
+            vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 
     def _set_background(self, background: Draw, view: View, *, colour: bool) -> None:
         if colour:
@@ -124,13 +133,15 @@ def _clear_depth(framebuffer: moderngl.Framebuffer) -> None:
     framebuffer.color_mask = wanted
 
 
-def _draw_batch(gl: moderngl.Context, batch: Batch, clip: np.ndarray, vertices: moderngl.VertexArray, *, colour: bool) -> None:
-    seen = np.flatnonzero(visible(batch.centres, batch.half_sizes, clip))
+def _runs(chunks: Chunks, clip: np.ndarray, eye: np.ndarray) -> Iterator[tuple[int, int, int]]:
+    """(batch, first index, number of indices) of all that may be seen, near things first, neighbours in one run."""
+    seen = np.flatnonzero(visible(chunks.centres, chunks.half_sizes, clip))
     if not len(seen):
         return
-    (gl.disable if batch.double_sided else gl.enable)(moderngl.CULL_FACE)
-    if colour:
-        batch.texture.use(0)
-    for run in np.split(seen, np.flatnonzero(np.diff(seen) != 1) + 1):
-        first = batch.first[run[0]]
-        vertices.render(moderngl.TRIANGLES, vertices=int(batch.first[run[-1]] + batch.count[run[-1]] - first), first=int(first))
+    group = nearest_first(chunks.centres, chunks.half_sizes, eye)[seen] * (int(chunks.batch.max()) + 1) + chunks.batch[seen]
+    seen = seen[np.argsort(group, kind="stable")]
+    group.sort()
+    first, end = chunks.first[seen], chunks.first[seen] + chunks.count[seen]
+    starts = np.flatnonzero(np.concatenate([[True], (first[1:] != end[:-1]) | (group[1:] != group[:-1])]))
+    for start, stop in zip(starts, [*(starts[1:] - 1), len(seen) - 1], strict=True):
+        yield int(chunks.batch[seen[start]]), int(first[start]), int(end[stop] - first[start])

@@ -17,15 +17,23 @@ CHUNK_TRIANGLES = 1024
 
 @attrs.frozen(eq=False)
 class Batch:
-    """Chunks that share texture and culling; they lie one after the other in the index buffer.
-
-    first, count: (n,) index ranges. centres, half_sizes: (n, 3) boxes relative to the scene's origin.
-    """
+    """What chunks drawn together share: texture and culling."""
 
     texture: moderngl.Texture
     double_sided: bool
+
+
+@attrs.frozen(eq=False)
+class Chunks:
+    """All chunks of a scene, in the order of the index buffer, batch by batch.
+
+    first, count: (n,) index ranges. batch: (n,) which batch each belongs to. centres, half_sizes: (n, 3) boxes, relative to the
+    scene's origin.
+    """
+
     first: NDArray[np.int64]
     count: NDArray[np.int64]
+    batch: NDArray[np.int64]
     centres: NDArray[np.float64]
     half_sizes: NDArray[np.float64]
 
@@ -66,38 +74,35 @@ def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
 
 
 class SceneBuffers:
-    """The scene on the GPU: one vertex buffer, one index buffer, its textures, and the batches to draw."""
+    """The scene on the GPU: one vertex buffer, one index buffer, its textures, and the chunks to draw."""
 
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
         self.textures = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
-        indices: list[NDArray] = []
-        self.batches = self._batches(scene, indices)
+        self.batches: list[Batch] = []
+        indices = self._cut(scene)
         self._vertices = gpu.gl.buffer(_vertex_bytes(scene) or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
 
-    def _batches(self, scene: Scene, indices: list[NDArray]) -> list[Batch]:
+    def _cut(self, scene: Scene) -> list[NDArray]:
+        """Fill batches and chunks; returns the chunks' indices."""
         starts = np.cumsum([0, *(len(mesh.positions) for mesh in scene.meshes)])
         groups: dict[tuple[bool, int], list[tuple[Mesh, int]]] = {}
         for mesh, start in zip(scene.meshes, starts, strict=False):
             groups.setdefault((mesh.double_sided, mesh.texture), []).append((mesh, int(start)))
-        done, batches = 0, []
+        indices, batch_of, boxes = [], [], []
         for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
-            first, boxes = [done], []
             for mesh, start in members:
                 for chunk in chunks_of(mesh):
                     corners = mesh.positions[chunk.ravel()].astype(np.float64)
                     boxes.append((corners.min(axis=0), corners.max(axis=0)))
                     indices.append(chunk.ravel() + np.uint32(start))
-                    done += chunk.size
-                    first.append(done)
-            if boxes:
-                low, high = np.array(boxes).transpose(1, 0, 2)
-                counts = np.diff(first)
-                batches.append(
-                    Batch(self.textures[texture], double_sided, np.array(first[:-1]), counts, (low + high) / 2, (high - low) / 2)
-                )
-        return batches
+                    batch_of.append(len(self.batches))
+            self.batches.append(Batch(self.textures[texture], double_sided))
+        count = np.array([len(part) for part in indices], np.int64)
+        low, high = np.array(boxes).reshape(-1, 2, 3).transpose(1, 0, 2)
+        self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), (low + high) / 2, (high - low) / 2)
+        return indices
 
     def vertex_array(self, gl: moderngl.Context, program: moderngl.Program, *, colour: bool) -> moderngl.VertexArray:
         """The buffers as inputs of `program`."""

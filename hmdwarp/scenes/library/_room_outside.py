@@ -26,12 +26,12 @@ def daylight(surface: Surface, *, two_sided: bool = False) -> np.ndarray:
 def build_outside(pieces: Pieces, rng: np.random.Generator) -> None:
     """All of it, in front of the window only."""
     _ground(pieces)
-    houses = [(-24, -30, 9, 6, 0.3), (-9, -38, 8, 6.5, -0.2), (7, -29, 9, 6, 0.15), (22, -36, 10, 7, -0.35), (37, -30, 9, 6, -0.5),
-              (-2, -58, 10, 7, 0.1), (16, -62, 10, 8, -0.1), (34, -66, 12, 7, -0.2), (-32, -60, 12, 8, 0.3), (52, -55, 10, 7, -0.4), (-18, -72, 12, 8, 0.2)]  # fmt: skip
+    houses = [(-15, -34, 9, 6, 0.3), (8.4, -31, 9, 6, 0.15), (24, -36, 10, 7, -0.35), (-4, -56, 10, 7, 0.1), (14, -62, 10, 8, -0.1),
+              (34, -60, 12, 7, -0.2), (-26, -62, 12, 8, 0.3)]  # fmt: skip
     for i, (x, z, wide, high, turn) in enumerate(houses):
         _house(pieces, x, z, wide, high, turn, i)
-    trees = [(-2.4, -15, 4.6), (10.5, -19, 5.6), (-13, -22, 6.4), (1.0, -44, 8), (15, -24, 5.2), (27, -27, 7.5), (-30, -42, 9), (44, -44, 9),
-             (12, -48, 8.5), (-14, -52, 9), (25, -52, 9), (-6, -26, 4.2), (5.2, -21, 3.8), (33, -48, 8), (-40, -50, 10)]  # fmt: skip
+    trees = [(-3.0, -15, 4.6), (9.6, -16, 4.9), (-13, -24, 6.4), (1.0, -44, 8), (16.5, -26, 5.6), (30, -44, 8.5), (-11, -46, 8),
+             (3.4, -23, 3.0)]  # fmt: skip
     for x, z, height in trees:
         _tree(pieces, rng, x, z, height)
     _fence(pieces)
@@ -86,8 +86,8 @@ def _tree(pieces: Pieces, rng: np.random.Generator, x: float, z: float, height: 
 
 
 def _fence(pieces: Pieces) -> None:
-    posts = [box((x, GROUND_M + 0.55, -12.5 - 0.02 * x), (0.12, 1.1, 0.08), cell_m=2) for x in np.arange(-20, 28, 0.9)]
-    rails = [box((4, GROUND_M + y, -12.55), (48, 0.09, 0.05), cell_m=6).moved((0, 0, 0), 0.02) for y in (0.4, 0.85)]
+    posts = [box((x, GROUND_M + 0.55, -12.5 - 0.02 * x), (0.12, 1.1, 0.08), cell_m=2) for x in np.arange(-8, 22, 0.9)]
+    rails = [box((7, GROUND_M + y, -12.55), (31, 0.09, 0.05), cell_m=6).moved((0, 0, 0), 0.02) for y in (0.4, 0.85)]
     pieces.add(join(posts + rails), "wood", (0.95, 0.9, 0.85), place=OUTSIDE)
 
 
