@@ -1,8 +1,162 @@
+"""report.html: one page that holds everything, its pictures and charts included, and asks the network for nothing."""
+
 from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
 import attrs
+
+from .charts import Series, time_series
+from .files import write_text
+from .pictures import Panel, jpeg_bytes
+from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
+
+Rows = Sequence[Mapping[str, Any]]
+
+EYES = ("left eye", "right eye")
+_SHORT_NOTE = {  # the figures that get a tile of their own
+    "psnr_db": "larger is better, identical pictures count as 100",
+    "ssim": "larger is better, 1 is identical",
+    "flip": "smaller is better, 0 is identical",
+    "hole_share": "empty after the warp, before the fill",
+}
+# (heading, column, unit, scale, axis from zero)
+_CHARTS = (
+    ("FLIP error", "flip", "", 1, True),
+    ("PSNR", "psnr_db", "dB", 1, False),
+    ("Holes before the fill", "hole_share", "% of pixels", 100, True),
+    ("Flicker", "flicker", "", 1, True),
+)
+_MOTION_CHARTS = (
+    ("How fast the head turns", "angular_speed_deg_s", "deg/s", 1, True),
+    ("How fast the head moves", "linear_speed_m_s", "m/s", 1, True),
+)
+
+
 @attrs.frozen(eq=False)
 class WorstFrame:
+    """One picture of the strip of worst frames: when, which eye (0 left, 1 right), labelled panels (see
+    pictures.comparison_panels) and its figures by the names of QUALITY."""
+
     time_s: float
     eye: int
-    panels: tuple
-    values: dict
+    panels: tuple[Panel, ...]
+    values: Mapping[str, float | None]
+
+
+@attrs.frozen
+class _Tile:
+    label: str
+    unit: str
+    text: str
+    note: str
+    baseline: str | None
+
+
+@attrs.frozen
+class _Chart:
+    heading: str
+    svg: str
+
+
+def write_report(
+    out_dir: str | os.PathLike,
+    summary: Summary,
+    baseline_summary: Summary | None = None,
+    *,
+    rows: Rows,
+    baseline_rows: Rows | None = None,
+    worst: Sequence[WorstFrame] = (),
+    command: str,
+    notes: Sequence[str] = (),
+) -> Path:
+    """Write out_dir/report.html and return its path.
+
+    summary, baseline_summary: as summary.json; rows, baseline_rows: as frames.csv's, None for absent values. command: what
+    the user typed, exactly. notes: what the run noticed, one sentence each. Errors: as files.write_bytes.
+    """
+    path = Path(out_dir) / "report.html"
+    page = render_report(
+        summary, baseline_summary, rows=rows, baseline_rows=baseline_rows, worst=worst, command=command, notes=notes
+    )
+    write_text(path, page)
+    return path
+
+
+def render_report(
+    summary: Summary,
+    baseline_summary: Summary | None = None,
+    *,
+    rows: Rows,
+    baseline_rows: Rows | None = None,
+    worst: Sequence[WorstFrame] = (),
+    command: str,
+    notes: Sequence[str] = (),
+) -> str:
+    """The page of write_report as text; the same arguments give the same text."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    names = column_names(summary, baseline_summary)
+    comparison = comparison_rows(summary, baseline_summary)
+    return environment.get_template("report.html").render(
+        summary=summary,
+        command=command,
+        notes=list(notes),
+        columns=names,
+        quality_rows=comparison[: len(QUALITY_FIGURES)],
+        time_rows=comparison[len(QUALITY_FIGURES) :],
+        tiles=_tiles(summary, baseline_summary, names),
+        charts=_charts(names, rows, baseline_rows),
+        worst=[_worst(frame) for frame in worst],
+        measured=_measured(summary),
+        clock={"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}[summary["clock"]],
+    )
+
+
+def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[_Tile]:
+    figures = [(f.label, f, "quality", "mean", _SHORT_NOTE[f.name]) for f in QUALITY_FIGURES if f.name in _SHORT_NOTE]
+    figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
+    tiles = []
+    for label, figure, table, main, note in figures:
+        other = None if baseline is None else f"{names[1]}: {figure.text(baseline[table][figure.name][main])}"
+        tiles.append(_Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
+    return tiles
+
+
+def _charts(names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[_Chart]:
+    charts = []
+    for heading, column, unit, scale, from_zero in _CHARTS:
+        series = [Series.of(names[0], rows, column, scale)]
+        if baseline_rows is not None:
+            series.append(Series.of(names[-1], baseline_rows, column, scale))
+        charts.append(_Chart(heading, time_series(series, unit, from_zero=from_zero)))
+    for heading, column, unit, scale, from_zero in _MOTION_CHARTS:
+        charts.append(_Chart(heading, time_series([Series.of("", rows, column, scale)], unit, from_zero=from_zero)))
+    return charts
+
+
+def _worst(frame: WorstFrame) -> dict[str, Any]:
+    figures = [(f.label, f.text(frame.values.get(f.name)), f.unit) for f in QUALITY_FIGURES]
+    panels = [
+        {
+            "label": label,
+            "source": "data:image/jpeg;base64," + base64.b64encode(jpeg_bytes(picture)).decode("ascii"),
+            "width": picture.shape[1],
+            "height": picture.shape[0],
+        }
+        for label, picture in frame.panels
+    ]
+    return {"time": f"{frame.time_s:.2f} s", "eye": EYES[frame.eye], "figures": figures, "panels": panels}
+
+
+def _measured(summary: Summary) -> str | None:
+    """How many pictures were measured, if the summary says so."""
+    count = summary.get("measured", {}).get("flip")
+    return None if count is None else f"{count} of {2 * summary['frames']}"

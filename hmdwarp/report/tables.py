@@ -1,0 +1,120 @@
+"""Figures in the order, with the units and the rounding in which people read them: for the terminal and for the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from ..metrics import QUALITY, STAGES
+from ..metrics.summary import HIGHER_IS_BETTER
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Summary = Mapping[str, Any]
+
+
+@attrs.frozen
+class Figure:
+    """How one figure of a summary is shown: `name` is its key, `text` formats it, `scale` turns it into `unit`."""
+
+    name: str
+    label: str
+    unit: str
+    digits: int
+    scale: float = 1.0
+
+    def text(self, value: float | None) -> str:
+        """The rounded number, or a dash where nothing was measured."""
+        return "–" if value is None else f"{value * self.scale:.{self.digits}f}"
+
+
+QUALITY_FIGURES = (
+    Figure("psnr_db", "PSNR", "dB", 2),
+    Figure("ssim", "SSIM", "", 4),
+    Figure("flip", "FLIP", "", 4),
+    Figure("hole_share", "Holes", "%", 2, 100),
+    Figure("border_share", "… beyond the border", "%", 2, 100),
+    Figure("flicker", "Flicker", "", 4),
+)
+TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
+assert tuple(f.name for f in QUALITY_FIGURES) == QUALITY
+
+_CONTESTS = frozenset({"psnr_db", "ssim", "flip", "flicker"})
+
+
+@attrs.frozen
+class Row:
+    """One line of the comparison: a cell is (main figure, tail), already text; `best` is the index of the better column, if any."""
+
+    figure: Figure
+    cells: tuple[tuple[str, str], ...]
+    best: int | None
+
+
+def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
+    """Quality first, then time per eye; two columns where there is a baseline.
+
+    The better of two means is marked if they differ after rounding. Time, holes and their border part are not contests:
+    a warp that does nothing is quick and leaves nothing empty.
+    """
+    summaries = [summary] if baseline is None else [summary, baseline]
+    rows = [_row(figure, [s["quality"][figure.name] for s in summaries], "mean") for figure in QUALITY_FIGURES]
+    return rows + [_row(figure, [s["time_ms"][figure.name] for s in summaries], "median") for figure in TIME_FIGURES]
+
+
+def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -> Row:
+    cells = tuple((figure.text(e[main]), figure.text(e["p95"])) for e in entries)
+    if figure.name not in _CONTESTS or len(entries) < 2 or None in (entries[0][main], entries[1][main]) or cells[0][0] == cells[1][0]:
+        return Row(figure, cells, None)
+    first_is_larger = entries[0][main] > entries[1][main]
+    return Row(figure, cells, 0 if first_is_larger == (figure.name in HIGHER_IS_BETTER) else 1)
+
+
+def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
+    """The heads of the comparison's columns: what differs between the two, at least the warp."""
+    if baseline is None:
+        return [summary["warp"]]
+    for keys in (("warp",), ("warp", "fill"), ("warp", "fill", "lens")):
+        names = [", ".join(s[key] for key in keys) for s in (summary, baseline)]
+        if names[0] != names[1]:
+            return names
+    return ["this run", "baseline"]
+
+
+def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
+    """The small table a run ends with, to be printed with rich: means (medians for times) with the bad tail beside them.
+
+    The better column of each quality line is bold and starred, so that it reads without colour too.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    title = f"{summary['trace']} at {summary['latency_ms']:g} ms, scene {summary['scene']}, {summary['frames']} frames"
+    table = Table(title=title, title_justify="left", caption=_caption(summary, baseline), caption_justify="left")
+    table.add_column("")
+    for name in column_names(summary, baseline):
+        table.add_column(name, justify="right")
+        table.add_column("p95", justify="right", style="dim")
+    for number, row in enumerate(comparison_rows(summary, baseline)):
+        if number == len(QUALITY_FIGURES):
+            table.add_section()
+        cells: list[Text] = [Text(_head(row.figure))]
+        for column, (main, tail) in enumerate(row.cells):
+            best = row.best == column
+            cells += [Text(f"{main} *" if best else main, style="bold green" if best else ""), Text(tail)]
+        table.add_row(*cells)
+    return table
+
+
+def _head(figure: Figure) -> str:
+    label = f"Time, {figure.label.lower()}" if figure in TIME_FIGURES else figure.label
+    return f"{label} [{figure.unit}]" if figure.unit else label
+
+
+def _caption(summary: Summary, baseline: Summary | None) -> str:
+    clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
+    text = f"mean over measured pictures; times: median per eye, {clock};\np95: the worst 5 % begin there"
+    return text if baseline is None else f"{text}; *: better of the two"

@@ -1,0 +1,191 @@
+"""report.html: complete, escaped, self-contained, and whole in a real browser."""
+
+import base64
+import html
+import io
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from hmdwarp.metrics.summary import aggregate
+from hmdwarp.report.page import render_report, write_report
+
+from .samples import a_summary, some_rows, some_worst
+
+COMMAND = 'hmdwarp replay "my trace.csv" --scene room --out <folder> & more'
+NOTES = ["3 poses were <predicted>."]
+
+
+def render(**changes) -> str:
+    rows, baseline_rows = some_rows(0, seconds=4), some_rows(1, seconds=4, worse=2)
+    given = {
+        "summary": a_summary(rows),
+        "baseline_summary": a_summary(baseline_rows, "none"),
+        "rows": rows,
+        "baseline_rows": baseline_rows,
+        "worst": some_worst(),
+        "command": COMMAND,
+        "notes": NOTES,
+    }
+    return render_report(**{**given, **changes})
+
+
+class Page(HTMLParser):
+    """Text, tags and attributes; fails on tags that do not close in order."""
+
+    VOID = frozenset({"meta", "img", "br", "path", "use", "rect"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.words, self.attributes, self.tags, self._open = [], [], [], []
+        self.feed(text)
+        assert self._open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in self.VOID:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self._open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+def test_everything_is_on_the_page():
+    page = Page(render())
+    summary = a_summary(some_rows(0, seconds=4))
+    wanted = [COMMAND, NOTES[0], "llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "wall clock", "look-around", "rift-dk1", "640×400"]
+    wanted += ["200 ms", "360 frames"]
+    wanted += ["PSNR", "SSIM", "FLIP", "Holes", "Flicker", "How to read this", "4.20 s, right eye", "72 of 720 pictures measured"]
+    wanted += [f"{summary['quality']['psnr_db']['mean']:.2f}", f"{summary['time_ms']['total']['p95']:.2f}", "★"]
+    assert [word for word in wanted if word not in page.text] == []
+    assert page.tags.count("img") == 12 and page.tags.count("svg") == 6
+
+
+def test_nothing_is_fetched():
+    """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
+    page = Page(render())
+    addresses = [v for _, name, v in page.attributes if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}]
+    assert addresses and all(a.startswith(("data:image/", "#")) for a in addresses)
+    assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags)
+    assert set(re.findall(r"url\(([^)]{0,3})", render())) <= {"#" + c + d for c in "p" for d in "0123456789abcdef"}
+
+
+def test_what_the_user_typed_is_text_not_markup():
+    text = render(command="</code><script>alert(1)</script>", notes=["<b>bold</b>"], summary={**a_summary(), "trace": "<i>x</i>.csv"})
+    assert "<script" not in text and "<b>bold" not in text and "<i>x" not in text
+    assert "<b>bold</b>" in Page(text).text
+
+
+def test_pictures_are_whole_and_have_their_size():
+    for tag, name, value in Page(render()).attributes:
+        if (tag, name) == ("img", "src"):
+            with Image.open(io.BytesIO(base64.b64decode(value.split(",", 1)[1]))) as image:
+                image.load()
+                assert image.size == (320, 200)
+
+
+def test_without_baseline_worst_frames_notes_or_any_measurement():
+    rows = [{"frame": 0, "eye": 0, "time_s": 0.0, "angular_speed_deg_s": 1.0, "linear_speed_m_s": 0.0}]
+    text = render(summary={**a_summary(), **aggregate([])}, baseline_summary=None, rows=rows, baseline_rows=None, worst=[], notes=[])
+    page = Page(text)
+    assert "★" not in page.text and "Worst frames" not in page.text and "What was noticed" not in page.text
+    assert page.text.count("not measured") == 4 and "–" in page.text
+
+
+def test_the_same_run_gives_the_same_page(tmp_path):
+    path = write_report(tmp_path, a_summary(), rows=some_rows(seconds=1), command="x")
+    first = path.read_text()
+    assert first == write_report(tmp_path, a_summary(), rows=some_rows(seconds=1), command="x").read_text()
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = [
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--hide-scrollbars", "--enable-logging=stderr", "--virtual-time-budget=5000"),
+]
+# Chromium's own remarks on the machine (no D-Bus, no GPU) are no messages of the page.
+PAGE_MESSAGE = re.compile(r":CONSOLE[:(]\d+")
+
+PROBE = """<script>
+const faults = [];
+addEventListener("error", e => faults.push("error: " + (e.message || e.target.outerHTML.slice(0, 80))), true);
+addEventListener("unhandledrejection", e => faults.push("rejected: " + e.reason));
+addEventListener("securitypolicyviolation", e => faults.push("blocked: " + e.blockedURI));
+addEventListener("load", () => {
+  const box = e => { const b = e.getBoundingClientRect(); return [b.width, b.height]; };
+  const out = document.createElement("pre");
+  out.id = "probe";
+  out.textContent = JSON.stringify({
+    faults,
+    images: [...document.images].map(i => [i.complete, i.naturalWidth, i.naturalHeight, ...box(i)]),
+    charts: [...document.querySelectorAll("svg")].map(box),
+    requests: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
+    wider: document.documentElement.scrollWidth - innerWidth,
+    paper: getComputedStyle(document.body).backgroundColor,
+    line: getComputedStyle(document.querySelector(".chart path[style*='--series-1']")).stroke,
+  });
+  document.body.append(out);
+});
+</script>"""
+
+
+def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = False) -> tuple[dict, str]:
+    """What a probe inside a copy of the page found, and the page's own console messages."""
+    policy = re.search(r'<meta http-equiv="Content-Security-Policy"[^>]*>', text)[0]
+    # The probe is the only thing that the page's own policy would not let run; all the rest of it stays in force.
+    allowed = policy.replace("default-src 'none'", "default-src 'none'; script-src 'unsafe-inline'")
+    copy = tmp_path / "copy.html"
+    copy.write_text(text.replace(policy, allowed + PROBE))
+    options = [f"--blink-settings=preferredColorScheme={0 if dark else 1}", f"--window-size={width},900"]
+    command = [CHROMIUM, *FLAGS, *options, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", copy.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert found, done.stderr[-2000:]
+    return json.loads(html.unescape(found[1])), "\n".join(line for line in done.stderr.splitlines() if PAGE_MESSAGE.search(line))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+class TestInChromium:
+    @pytest.mark.parametrize("width, dark", [(1280, False), (1280, True), (500, False)])
+    def test_whole_quiet_and_alone(self, width, dark, tmp_path):
+        found, console = in_chromium(render(), tmp_path, width=width, dark=dark)
+        assert console == "" and found["faults"] == [] and found["requests"] == []
+        assert len(found["images"]) == 12 and len(found["charts"]) == 6
+        for complete, natural_width, natural_height, shown_width, shown_height in found["images"]:
+            assert complete and natural_width > 0 and natural_height > 0 and shown_width > 50 and shown_height > 50
+        assert all(w > 200 and h > 80 for w, h in found["charts"])
+        assert found["wider"] <= 0  # nothing sticks out sideways, tables scroll in their own box
+        darkness = sum(map(int, re.findall(r"\d+", found["paper"])[:3]))
+        assert darkness < 150 if dark else darkness > 600
+        assert found["line"] == ("rgb(109, 179, 255)" if dark else "rgb(11, 99, 197)")
+
+    def test_the_probe_sees_faults(self, tmp_path):
+        """Otherwise the test above proves nothing: a broken picture, a request and an exception must show."""
+        text = render(worst=[])
+        broken = '<img src="data:image/png;base64,AAAA"><img src="https://example.invalid/x.png">'
+        broken += '<script>console.error("oh"); throw new Error("ah")</script>'
+        found, console = in_chromium(text.replace("</main>", broken + "</main>"), tmp_path)
+        assert [i[1] for i in found["images"]] == [0, 0]
+        assert any("blocked" in f for f in found["faults"]) and any("ah" in f for f in found["faults"])
+        assert "oh" in console

@@ -1,0 +1,82 @@
+"""Strips, labels, the error map's colours, and files that hold what they were given."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.report.pictures import comparison_panels, jpeg_bytes, labelled_strip, magma, png_bytes
+
+from .samples import a_scene
+
+
+def find(strip: np.ndarray, panel: np.ndarray) -> tuple[int, int] | None:
+    """Where (row, column) a panel lies in a strip, pixel for pixel."""
+    height, width = panel.shape[:2]
+    starts = np.argwhere((strip[: strip.shape[0] - height + 1, : strip.shape[1] - width + 1] == panel[0, 0]).all(axis=-1))
+    for row, column in starts:
+        if np.array_equal(strip[row : row + height, column : column + width], panel):
+            return int(row), int(column)
+    return None
+
+
+def test_every_panel_is_there_unchanged_in_order_and_labelled():
+    panels = comparison_panels(a_scene(9), a_scene(2), a_scene(0), np.linspace(0, 1, 200 * 320).reshape(200, 320))
+    strip = labelled_strip(panels)
+    places = [find(strip, picture) for _, picture in panels]
+    assert None not in places
+    assert [name for name, _ in panels] == ["late frame", "warped", "truth", "error (FLIP)"]
+    columns = [column for _, column in places]
+    assert columns == sorted(columns) and columns[0] == 0
+    for row, column in places:
+        label = strip[:row, column : column + 320]
+        assert (label.min(axis=-1) < 128).sum() > 30  # ink of the label above it
+        assert (label == 255).all(axis=-1).mean() > 0.8
+
+
+def test_rows_of_a_grid_and_without_a_late_frame():
+    panels = comparison_panels(None, a_scene(2), a_scene(0), np.zeros((200, 320)))
+    assert [name for name, _ in panels][0] == "warped"
+    strip = labelled_strip(panels, columns=2)
+    places = [find(strip, picture) for _, picture in panels]
+    assert places[0][0] == places[1][0] < places[2][0] and places[2][1] == 0
+
+
+@pytest.mark.parametrize("size", [(1, 1), (33, 21), (640, 400), (641, 401)])
+def test_any_size(size):
+    picture = a_scene(size=size)
+    assert find(labelled_strip([("x", picture)]), picture) is not None
+
+
+def test_panels_of_another_size_are_brought_to_the_first_one_s_height():
+    strip = labelled_strip([("a", a_scene()), ("b", a_scene(size=(160, 100))), ("c", a_scene(size=(640, 400)))])
+    assert strip.shape[1] == 3 * 320 + 2 * 6
+
+
+def test_a_strip_of_nothing():
+    with pytest.raises(HmdwarpError, match="at least one"):
+        labelled_strip([])
+
+
+def test_magma_rises_from_black_to_bright_and_takes_bytes_or_floats():
+    levels = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    colours = magma(levels)
+    assert np.array_equal(colours, magma(levels / 255)) and colours.shape == (16, 16, 3)
+    luma = colours.reshape(-1, 3) @ [0.2126, 0.7152, 0.0722]
+    assert luma[0] < 3 and luma[-1] > 240 and (np.diff(luma) > -1).all()
+    assert np.array_equal(magma(np.array([[-1.0, 2.0]])), magma(np.array([[0.0, 1.0]])))
+
+
+@pytest.mark.parametrize("picture", [a_scene(), a_scene()[::-1, ::-1], a_scene()[..., 0]])
+def test_png_keeps_every_byte(picture):
+    with Image.open(io.BytesIO(png_bytes(picture))) as image:
+        assert np.array_equal(np.asarray(image), picture)
+
+
+def test_jpeg_is_close_and_small():
+    picture = a_scene(size=(640, 400))
+    with Image.open(io.BytesIO(jpeg_bytes(picture))) as image:
+        assert np.abs(np.asarray(image).astype(int) - picture).mean() < 3  # steps of the quantiser at quality 90 are 2 to 10
+    assert len(jpeg_bytes(picture)) < picture.size / 4
