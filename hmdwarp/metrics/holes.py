@@ -47,4 +47,4 @@ def border_share(
         pixel, _, w = mapping.apply(pixel_centres(rows, width), inverse_depth[rows])
         inside = (w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1)
         outside += np.count_nonzero(holes[rows] & ~inside)
-    return outside / holes.size
+    return float(outside / holes.size)

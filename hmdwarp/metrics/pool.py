@@ -38,7 +38,7 @@ class QualityPool:
 
     keep=True in submit keeps that job's pictures in `kept`; `worst` is how many of the worst pictures (by FLIP) are kept
     in `worst`, at most one from each `bucket(key)`. Anything else is forgotten as soon as it is measured, so memory does not
-    grow with the length of the run. What is kept comes with its FLIP map.
+    grow with the length of the run. What is kept comes with its FLIP map, without previous frame, coverage and depth.
 
     Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a worker died.
     """
@@ -166,7 +166,9 @@ class QualityPool:
     def _store(self, key: Any, job: QualityJob, keep: bool, result: QualityResult) -> None:
         with self._lock:
             self._results[key] = result.values
-            kept = Kept(key, job, result)
+            # Only what reports show is worth keeping: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
+            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None)
+            kept = Kept(key, shown, result)
             if keep:
                 self._kept[key] = kept
             self._keeper.offer(kept)

@@ -10,9 +10,10 @@ from typing import Any
 
 import attrs
 
+from ..metrics.worst import Kept
 from .charts import Series, time_series
 from .files import write_text
-from .pictures import Panel, jpeg_bytes
+from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
 
 Rows = Sequence[Mapping[str, Any]]
@@ -46,6 +47,13 @@ class WorstFrame:
     eye: int
     panels: tuple[Panel, ...]
     values: Mapping[str, float | None]
+
+    @classmethod
+    def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
+        """From what QualityPool kept."""
+        pictures = kept.job.now
+        panels = comparison_panels(kept.job.late, pictures.shown, pictures.truth, kept.result.error_map)
+        return cls(time_s, eye, tuple(panels), kept.result.values)
 
 
 @attrs.frozen

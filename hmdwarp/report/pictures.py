@@ -53,10 +53,11 @@ def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pi
         raise HmdwarpError("a strip of pictures needs at least one panel")
     height = panels[0][1].shape[0]
     images = [_scaled(picture, height) for _, picture in panels]
-    text = max(11, round(height / 24))
-    font = ImageFont.load_default(text)
-    label, cell = round(text * 1.6), max(image.width for image in images) + _GAP
     columns = columns or len(panels)
+    cell = max(image.width for image in images) + _GAP
+    text = max(11, round(height / 24), round(columns * cell / 80))  # 10 pixels where the strip is shown 800 wide
+    font = ImageFont.load_default(text)
+    label = round(text * 1.6)
     rows = -(-len(panels) // columns)
     strip = Image.new("RGB", (columns * cell - _GAP, rows * (label + height + _GAP) - _GAP), _PAPER)
     draw = ImageDraw.Draw(strip)

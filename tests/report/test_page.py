@@ -10,13 +10,17 @@ import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.metrics.job import Compared, QualityJob
+from hmdwarp.metrics.pool import QualityPool
 from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.page import render_report, write_report
+from hmdwarp.report.page import WorstFrame, render_report, write_report
 
-from .samples import a_summary, some_rows, some_worst
+from .samples import a_scene, a_summary, some_rows, some_worst
 
 COMMAND = 'hmdwarp replay "my trace.csv" --scene room --out <folder> & more'
 NOTES = ["3 poses were <predicted>."]
@@ -101,6 +105,18 @@ def test_pictures_are_whole_and_have_their_size():
             with Image.open(io.BytesIO(base64.b64decode(value.split(",", 1)[1]))) as image:
                 image.load()
                 assert image.size == (320, 200)
+
+
+def test_worst_frames_come_from_what_the_pool_kept():
+    truth, shown, late = a_scene(0), a_scene(2), a_scene(9)
+    view = View(Pose(), Fov.symmetric(1.5, 1.0))
+    with QualityPool(0, 20.0, worst=1) as pool:
+        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), late=late))
+    (kept,) = pool.worst
+    frame = WorstFrame.of(0.5, kept.key[1], kept)
+    assert [name for name, _ in frame.panels] == ["late frame", "warped", "truth", "error (FLIP)"]
+    assert all(np.array_equal(picture, given) for (_, picture), given in zip(frame.panels, (late, shown, truth), strict=False))
+    assert "0.50 s, right eye" in render(worst=[frame])
 
 
 def test_without_baseline_worst_frames_notes_or_any_measurement():
