@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import IO
 
+import numpy as np
+
 from ..track import PoseTrack
 
 _BLOCK = 65536
@@ -29,13 +31,13 @@ def write_rows(
     columns = ["xyzw".index(c) for c in order]
     for a in range(0, len(track), _BLOCK):
         part = slice(a, a + _BLOCK)
-        # + 0.0: so that -0.0 is written 0.0
-        position = (track.position_m[part] + 0.0).tolist()
-        orientation = (track.orientation_xyzw[part][:, columns] + 0.0).tolist()
+        position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
         if decimals is None:
-            texts = [separator.join(map(repr, p + q)) for p, q in zip(position, orientation, strict=True)]
+            texts = [separator.join(map(repr, p + q)) for p, q in zip(position.tolist(), orientation.tolist(), strict=True)]
         else:
             row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * 4)
-            texts = [row % (*p, *q) for p, q in zip(position, orientation, strict=True)]
+            # + 0.0 turns a rounded -0.0 into 0.0
+            rounded = (np.round(position, decimals[0]) + 0.0).tolist(), (np.round(orientation, decimals[1]) + 0.0).tolist()
+            texts = [row % (*p, *q) for p, q in zip(*rounded, strict=True)]
         times = track.time_ns[part].tolist()
         stream.writelines(f"{stamp(t + offset)}{separator}{text}\n" for t, text in zip(times, texts, strict=True))

@@ -1,0 +1,194 @@
+"""`hmdwarp trace`: look at head traces, convert them, make them up."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..poses.formats import FORMATS
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..poses.analysis import Analysis
+    from ..poses.load import LoadedTrace
+    from ..poses.options import TraceOptions
+
+app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
+
+Format = Annotated[str | None, typer.Option("--format", help=f"Read as this format instead of looking: {', '.join(FORMATS.names())}.")]
+QuatOrder = Annotated[str | None, typer.Option("--quat-order", help="Order of the quaternion where no header tells: xyzw or wxyz.")]
+Up = Annotated[
+    str | None,
+    typer.Option("--up", help="What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."),
+]
+Scale = Annotated[float | None, typer.Option("--scale", help="Metres per unit of the file's positions.")]
+Rate = Annotated[float | None, typer.Option("--rate", help="Samples per second, in place of the file's clock.")]
+SegmentNumber = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.")]
+Trace = Annotated[str, typer.Argument(metavar="TRACE", help="A file, or the bare name of a shipped recording.")]
+
+
+def _options(
+    format: str | None, quat_order: str | None, up: str | None, scale: float | None, rate: float | None, segment: int | None
+) -> TraceOptions:
+    from ..poses.options import TraceOptions
+
+    return TraceOptions(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)
+
+
+@app.command()
+def info(
+    trace: Trace,
+    format: Format = None,
+    quat_order: QuatOrder = None,
+    up: Up = None,
+    scale: Scale = None,
+    rate: Rate = None,
+    segment: SegmentNumber = None,
+) -> None:
+    """Rate, duration, gaps, speeds, what latency costs, and every defect found with what was done about it."""
+    from rich.console import Console
+
+    from ..poses.analysis import analyse
+    from ..poses.load import load_trace
+
+    loaded = load_trace(trace, _options(format, quat_order, up, scale, rate, segment))
+    figures = analyse(loaded.track)
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=120, soft_wrap=True)
+    console.print(_facts(loaded, figures))
+    console.print(_speed_table(figures))
+    console.print(_error_table(figures))
+    if len(loaded.segments) > 1:
+        console.print(_segment_table(loaded))
+    _print_defects(console, loaded)
+
+
+@app.command()
+def convert(
+    trace: Trace,
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write.")],
+    to: Annotated[str, typer.Option("--to", help="Format to write: native, tum or euroc.")] = "native",
+    format: Format = None,
+    quat_order: QuatOrder = None,
+    up: Up = None,
+    scale: Scale = None,
+    rate: Rate = None,
+    segment: SegmentNumber = None,
+) -> None:
+    """Write a clean trace: one segment, unit quaternions without sign flips, rising time, OpenXR axes, metres."""
+    from rich.console import Console
+
+    from ..errors import InputError
+    from ..poses.load import load_trace
+    from ..poses.writing import write_whole
+
+    target = FORMATS.get(to)
+    if not target.writes:
+        able = ", ".join(f.name for f in FORMATS if f.writes)
+        raise InputError(f"format {to} is read, not written: wanted one of {able}")
+    loaded = load_trace(trace, _options(format, quat_order, up, scale, rate, segment))
+    write_whole(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
+    console = Console(stderr=True)
+    _print_defects(console, loaded)
+    console.print(f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}", markup=False, highlight=False)
+
+
+@app.command()
+def synth(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="still, look-around, reversals, walk or fast-turns.")],
+    out: Annotated[Path, typer.Option("--out", help="The file to write.")],
+    seed: Annotated[int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default that of the shipped recording.")] = None,
+    seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default that of the shipped recording.")] = None,
+    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 90.0,
+) -> None:
+    """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
+    from ..poses.synth import synthesise, write_synthetic
+    from ..poses.writing import write_whole
+
+    track = synthesise(kind, seed, seconds, rate)
+    write_whole(out, lambda stream: write_synthetic(track, stream))
+    typer.echo(f"{out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
+
+
+def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column(overflow="fold")
+    gaps = "none"
+    if figures.gaps:
+        longest = max(figures.gaps, key=lambda g: g.length_ns)
+        gaps = f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest {longest.length_ns / 1e9:.3f} s"
+        gaps += f" from {longest.start_ns / 1e9:.3f} s"
+    rows = {
+        "trace": str(loaded.path),
+        "format": loaded.format,
+        "origin": loaded.track.origin or "not told by the file",
+        "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
+        "duration": f"{figures.duration_s:.3f} s",
+        "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",
+        "clock": f"{loaded.time_unit}, starting at {loaded.track.epoch_ns / 1e9:.9g} s" if loaded.time_unit else "",
+        "gaps": gaps,
+        "jumps": str(figures.jumps or "none"),
+    }
+    for name, value in rows.items():
+        table.add_row(name, Text(value))
+    return table
+
+
+def _speed_table(figures: Analysis) -> Table:
+    from rich.table import Table
+
+    from ..poses.analysis import SPEED_PERCENTILES
+
+    table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
+    table.add_column("")
+    for p in SPEED_PERCENTILES:
+        table.add_column(f"p{p:g}", justify="right")
+    table.add_row("turning, deg/s", *(f"{v:.1f}" for v in figures.angular_speed_deg_s))
+    table.add_row("moving, m/s", *(f"{v:.3f}" for v in figures.linear_speed_m_s))
+    return table
+
+
+def _error_table(figures: Analysis) -> Table:
+    from rich.table import Table
+
+    title = "What latency costs: angle between the head and where it was taken to be, degrees, p50 / p95 / p99 (mean)"
+    table = Table(title=title, title_justify="left")
+    for name in ("latency", "no prediction", "constant velocity", "the same, 100 ms at most"):
+        table.add_column(name, justify="right")
+    for row in figures.errors:
+        cells = [_angles(values, mean) for values, mean in zip((row.held, row.cav, row.capped), row.mean, strict=True)]
+        table.add_row(f"{row.latency_ms} ms", *(cells if row.count else ["trace too short"] * 3))
+    return table
+
+
+def _angles(values: tuple[float, ...], mean: float) -> str:
+    return f"{' / '.join(f'{v:.2f}' if v < 10 else f'{v:.1f}' for v in values)} ({mean:.2f})"
+
+
+def _segment_table(loaded: LoadedTrace) -> Table:
+    from rich.table import Table
+
+    table = Table(title="Recordings in the file", title_justify="left")
+    for name in ("segment", "lines", "rows", "seconds", ""):
+        table.add_column(name, justify="right")
+    for s in loaded.segments[:20]:
+        table.add_row(str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" if s.taken else "")
+    if len(loaded.segments) > 20:
+        table.add_row("...", "", "", "", f"{len(loaded.segments) - 20} more")
+    return table
+
+
+def _print_defects(console, loaded: LoadedTrace) -> None:
+    from rich.text import Text
+
+    console.print(f"{len(loaded.defects) or 'no'} defect{'s' * (len(loaded.defects) != 1)} found", style="bold")
+    for defect in loaded.defects:
+        console.print(Text(f"  {defect}"))

@@ -1,0 +1,312 @@
+"""Made-up heads: seeded head motion with the statistics of people, for recordings that anybody may have.
+
+A head turns in gaze shifts along minimum-jerk profiles (Flash and Hogan 1985, The coordination of arm movements, eq. 6; fitted
+to heads by Chen et al. 2012, Submovement composition of head movement). How long a shift takes grows linearly with its
+amplitude, so its peak speed grows with amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981,
+Dynamics of head movement trajectories). Between shifts it drifts in slow submovements, as heads do that follow something.
+It turns about the neck, not about the eyes; it sways as standing people do and bobs at each step as walking ones do.
+
+All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions and machines.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterator
+from typing import IO
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..registry import unknown_name
+from . import quaternions
+from .track import PoseTrack
+
+Array = NDArray[np.float64]
+
+EYE_HEIGHT_M = 1.6
+# From the top of the neck to between the eyes: up and forward, as in the neck models of mobile VR (0.075 m and 0.080 m).
+NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
+# A shift of A degrees takes 0.28 s + 5.8 ms/degree: 10 degrees peak at 55 deg/s, 30 at 124, 90 at 210. Chosen, with the pauses and
+# the drift of `_look_around`, to meet the speeds of 264 recorded heads (30/113/191 deg/s at p50/p95/p99).
+SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
+PEAK_OF_MINIMUM_JERK = 1.875  # peak speed over mean speed
+DECIMALS = (6, 8)  # 1 um and 1e-8: rounder than the last bit in which two machines' sines may differ
+RATE_HZ = 90.0
+_LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
+
+
+@attrs.frozen
+class Shift:
+    """A minimum-jerk change of one angle by `amount` degrees, from `start` for `length` seconds."""
+
+    start: float
+    length: float
+    amount: float
+
+
+@attrs.frozen(eq=False)
+class Motion:
+    """Angles in degrees (yaw to the left, pitch up, roll to the right shoulder's left) and the neck's place in metres, over time."""
+
+    yaw: Array
+    pitch: Array
+    roll: Array
+    place: Array
+
+
+@attrs.frozen
+class Kind:
+    """A kind of made-up motion: `build(rng, seconds, t)` gives the motion at the instants t; seconds and seed are those of the recording."""
+
+    name: str
+    summary: str
+    seconds: float
+    seed: int
+    build: Callable[[random.Random, float, Array], Motion]
+
+
+def synthesise(kind: str, seed: int | None = None, seconds: float | None = None, rate_hz: float = RATE_HZ) -> PoseTrack:
+    """A made-up head track: standing at (0, 1.6, 0), looking to -z.
+
+    kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz: samples per second.
+    Errors: UnknownNameError; InputError for a length or rate out of range.
+    """
+    if kind not in KINDS:
+        raise unknown_name("kind of motion", kind, sorted(KINDS))
+    seed = KINDS[kind].seed if seed is None else seed
+    seconds = KINDS[kind].seconds if seconds is None else seconds
+    if not 0.1 <= seconds <= _LONGEST_S:
+        raise InputError(f"{seconds} seconds: wanted a length from 0.1 to {_LONGEST_S:g}")
+    if not 1 <= rate_hz <= _FASTEST_HZ:
+        raise InputError(f"rate {rate_hz} Hz: wanted 1 to {_FASTEST_HZ:g}")
+    if seed < 0:
+        raise InputError(f"seed {seed}: wanted 0 or more")  # Python seeds -1 and 1 alike
+    t = np.arange(math.floor(seconds * rate_hz + 1e-9) + 1) / rate_hz
+    motion = KINDS[kind].build(random.Random(seed), seconds, t)
+    orientation = _orientation(motion)
+    position = motion.place + quaternions.rotate(orientation, NECK_TO_EYES_M[None])
+    made = f"made up by 'hmdwarp trace synth {kind} --seed {seed} --seconds {seconds:g} --rate {rate_hz:g}'; {KINDS[kind].summary}"
+    return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
+
+
+def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
+    """Native CSV, rounded to `DECIMALS`, so that the same seed gives the same bytes everywhere."""
+    from .formats.native import write_native
+
+    write_native(track, stream, DECIMALS)
+
+
+def shift_seconds(amplitude_deg: float, vigour: float = 1.0) -> float:
+    """How long a gaze shift takes; vigour above 1 is hurried."""
+    return (SHIFT_BASE_S + SHIFT_PER_DEG_S * abs(amplitude_deg)) / vigour
+
+
+def peak_speed(amplitude_deg: float, vigour: float = 1.0) -> float:
+    """Peak speed of a gaze shift in deg/s."""
+    return PEAK_OF_MINIMUM_JERK * abs(amplitude_deg) / shift_seconds(amplitude_deg, vigour)
+
+
+def minimum_jerk(share: Array) -> Array:
+    """0 to 1 along 10 s^3 - 15 s^4 + 6 s^5, at rest at both ends; share is clipped to 0..1."""
+    s = np.clip(share, 0.0, 1.0)
+    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
+
+
+def _sum_of(shifts: list[Shift], t: Array) -> Array:
+    out = np.zeros_like(t)
+    for shift in shifts:
+        out += shift.amount * minimum_jerk((t - shift.start) / shift.length)
+    return out
+
+
+def _orientation(motion: Motion) -> Array:
+    """Yaw, then pitch, then roll, each about the axis the one before has turned."""
+    turns = []
+    for angle, axis in ((motion.yaw, 1), (motion.pitch, 0), (motion.roll, 2)):
+        vector = np.zeros((len(angle), 3))
+        vector[:, axis] = np.radians(angle)
+        turns.append(quaternions.from_rotation_vector(vector))
+    q = quaternions.multiply(quaternions.multiply(turns[0], turns[1]), turns[2])
+    quaternions.make_continuous(q)
+    return q
+
+
+def _between(rng: random.Random, low: float, high: float) -> float:
+    return low + (high - low) * rng.random()
+
+
+def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_hz: float, count: int = 4) -> Array:
+    """A sum of sines with random phases, of peak `amplitude` at most; frequencies spread over the band, amplitudes as 1/f. 0 at t = 0."""
+    out, weights = np.zeros_like(t), 0.0
+    for i in range(count):
+        hz = low_hz * (high_hz / low_hz) ** ((i + _between(rng, 0.2, 0.8)) / count)
+        phase = _between(rng, 0, 2 * math.pi)
+        out += (np.sin(2 * math.pi * hz * t + phase) - math.sin(phase)) / hz
+        weights += 2 / hz
+    return out * (amplitude / weights)
+
+
+def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
+    """Where a standing person's neck is: about a centimetre of sway, more forwards than sideways; more with `size` above 1.
+
+    Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control during standing and walking.
+    """
+    sway = np.stack([_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1)
+    return size * sway + np.array([0.0, EYE_HEIGHT_M, 0.0]) - NECK_TO_EYES_M
+
+
+def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float, float]) -> list[Shift]:
+    """Slow submovements one after the other, between -span and span degrees, at mean speeds from a range in deg/s."""
+    shifts, now, angle = [], 0.0, 0.0
+    while now < seconds:
+        target = _between(rng, -span, span)
+        length = max(abs(target - angle) / _between(rng, *speed), 0.4)
+        # Each begins before the last has ended: a head that drifts never quite stops.
+        shifts.append(Shift(now, length, target - angle))
+        now, angle = now + 0.75 * length, target
+    return shifts
+
+
+def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = math.inf) -> Iterator[float]:
+    """Yaw targets within +-span degrees, each at least `least` from the one before.
+
+    mean: how much further than `least` a shift goes on average (exponentially, small ones being the most common); by default
+    targets lie anywhere within the span.
+    """
+    angle = 0.0
+    while True:
+        if math.isinf(mean):
+            target = _between(rng, -span, span)
+        else:
+            reach = least - mean * math.log(1 - rng.random())
+            # Heads come back to the front: the further out, the likelier the next shift leads inwards.
+            outwards = rng.random() < 0.5 - 0.4 * abs(angle) / span
+            target = angle + math.copysign(reach, angle if outwards else -angle)
+        if abs(target) <= span and abs(target - angle) >= least:
+            yield target
+            angle = target
+
+
+def _still(rng: random.Random, seconds: float, t: Array) -> Motion:
+    return Motion(_sines(rng, t, 4.0, 0.1, 1.2), _sines(rng, t, 3.0, 0.1, 1.2), _sines(rng, t, 1.5, 0.1, 1.0), _sway(rng, t))
+
+
+def _look_around(rng: random.Random, seconds: float, t: Array) -> Motion:
+    yaw, pitch, now, angle, tilt = [], [], 0.6, 0.0, 0.0
+    targets = _gaze_targets(rng, 80, 8, 26)
+    while now < seconds:
+        target, height = next(targets), _between(rng, -18, 14)
+        across, up = target - angle, height - tilt
+        hurried = rng.random() < 0.1
+        length = shift_seconds(math.hypot(across, up), _between(rng, 1.3, 1.6) if hurried else _between(rng, 0.7, 1.1))
+        yaw.append(Shift(now, length, across))
+        pitch.append(Shift(now + 0.03, length, up))
+        angle, tilt = target, height
+        now += length + _between(rng, 0.4, 1.8)
+    drift = _sum_of(_wander(rng, seconds, 17, (14, 34)), t)
+    nod = _sum_of(_wander(rng, seconds, 8, (5, 14)), t)
+    turned = _sum_of(yaw, t) + drift
+    # The head leans a little into a turn.
+    return Motion(turned, _sum_of(pitch, t) + nod, 0.04 * turned + _sines(rng, t, 2.0, 0.1, 0.8), _sway(rng, t, 4.0))
+
+
+def _reversals(rng: random.Random, seconds: float, t: Array) -> Motion:
+    yaw, now, angle = [], 0.8, 0.0
+    while now < seconds:
+        reach, vigour = _between(rng, 15, 40), _between(rng, 0.9, 1.25)
+        side = 1 if rng.random() < 0.5 else -1
+        for _ in range(3 + int(4 * rng.random())):
+            amount = side * reach - angle
+            length = shift_seconds(amount, vigour)
+            yaw.append(Shift(now, length, amount))
+            now, angle, side = now + length, side * reach, -side
+        now += _between(rng, 0.3, 0.9)
+    return Motion(_sum_of(yaw, t), _sines(rng, t, 3.0, 0.2, 1.2), _sines(rng, t, 1.5, 0.2, 1.0), _sway(rng, t))
+
+
+def _fast_turns(rng: random.Random, seconds: float, t: Array) -> Motion:
+    yaw, now, angle = [], 0.8, 0.0
+    targets = _gaze_targets(rng, 120, 60)
+    while now < seconds:
+        target = next(targets)
+        length = shift_seconds(target - angle, _between(rng, 1.1, 1.5))
+        yaw.append(Shift(now, length, target - angle))
+        angle = target
+        now += length + _between(rng, 0.5, 1.1)
+    return Motion(_sum_of(yaw, t), _sines(rng, t, 4.0, 0.2, 1.0), _sines(rng, t, 2.0, 0.2, 1.0), _sway(rng, t))
+
+
+WALK_HALF_AXES_M = (0.68, 1.2)
+_STEP_HZ = 1.8
+_LAP_S = 8.5
+_LEAD_S = 0.35
+
+
+def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
+    """Laps of two ellipses that touch where the walk begins, one to the left, one to the right; each step lifts and sways the head.
+
+    Constant pace in the ellipse's parameter is the two-thirds power law of human curved motion (Lacquaniti et al. 1983); the head
+    turns ahead of the path (Grasso et al. 1996, 0.2 to 0.5 s).
+    """
+    place, _ = _path(t, seconds)
+    going = _path_pace(t, seconds)
+    step = 2 * math.pi * _STEP_HZ * t
+    bob = 0.022 * going * np.sin(step + 0.5 * math.pi)
+    _, heading = _path(t + _LEAD_S * going, seconds)
+    side = 0.018 * going * np.sin(step / 2)
+    place = place + side[:, None] * np.stack([np.cos(np.radians(heading)), np.zeros_like(t), -np.sin(np.radians(heading))], axis=1)
+    place[:, 1] += bob
+    glances = _sum_of(_glances(rng, seconds), t)
+    # The head nods against the bob and so keeps the gaze steady (Pozzo et al. 1990).
+    pitch = -6.0 * going - 1.0 * going * np.sin(step + 0.5 * math.pi) + _sines(rng, t, 3.0, 0.1, 0.7)
+    roll = 0.8 * going * np.sin(step / 2) + _sines(rng, t, 1.0, 0.1, 0.7)
+    return Motion(heading + glances, pitch, roll, place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + NECK_TO_EYES_M))
+
+
+def _path_pace(t: Array, seconds: float) -> Array:
+    """0 standing, 1 walking: sets off after half a second within 1.5 s, stops the same way."""
+    return minimum_jerk((t - 0.5) / 1.5) * minimum_jerk((seconds - 0.3 - t) / 1.5)
+
+
+def _path(t: Array, seconds: float) -> tuple[Array, Array]:
+    """(n, 3) place of the neck and heading in degrees along the two ellipses."""
+    # The pace, integrated on a fine fixed grid, so that the path does not depend on the sampling rate.
+    grid = np.arange(0.0, seconds + 2.0, 1 / 1000)
+    laps = np.concatenate([[0.0], np.cumsum(_path_pace(grid, seconds))[:-1]]) / 1000 / _LAP_S
+    lap = np.interp(t, grid, laps)
+    whole = np.floor(lap)
+    phase = 2 * math.pi * (lap - whole)
+    side = np.where(whole % 2 == 0, -1.0, 1.0)  # first to the left
+    a, b = WALK_HALF_AXES_M
+    x, z = side * a * (1 - np.cos(phase)), -b * np.sin(phase)
+    turned = np.degrees(np.unwrap(np.arctan2(-side * a * np.sin(phase), b * np.cos(phase)), period=2 * math.pi))
+    place = np.stack([x, np.full_like(t, EYE_HEIGHT_M), z], axis=1) - NECK_TO_EYES_M
+    return place, turned
+
+
+def _glances(rng: random.Random, seconds: float) -> list[Shift]:
+    """Looks aside and back."""
+    shifts, now = [], _between(rng, 2.0, 3.0)
+    while now < seconds - 2:
+        amount = _between(rng, 15, 45) * (1 if rng.random() < 0.5 else -1)
+        length = shift_seconds(amount, 0.9)
+        stay = _between(rng, 0.3, 0.9)
+        shifts += [Shift(now, length, amount), Shift(now + length + stay, length, -amount)]
+        now += 2 * length + stay + _between(rng, 1.0, 2.5)
+    return shifts
+
+
+KINDS: dict[str, Kind] = {
+    kind.name: kind
+    for kind in (
+        Kind("still", "standing still: sway only", 20.0, 1, _still),
+        Kind("look-around", "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene", 30.0, 66, _look_around),
+        Kind("reversals", "the head turns back and forth without resting, the worst case for prediction", 20.0, 1, _reversals),
+        Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
+        Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
+    )
+}
