@@ -15,6 +15,7 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tomllib
 from pathlib import Path
 
@@ -126,6 +127,10 @@ def install_system_packages() -> None:
     if not (can_load("libEGL.so.1") and can_load("libGL.so.1")):
         packages += MESA
         reasons.append("there is no OpenGL (libEGL) here")
+    headers = Path(sysconfig.get_path("include"), "Python.h").is_file()
+    if sys.version_info >= (3, 14) and state() != wanted_state() and not (headers and shutil.which("c++")):
+        packages += ["g++", f"python{VERSION}-dev"]  # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here
+        reasons.append(f"one package has to be compiled for Python {VERSION}")
     if packages:
         apt_install(packages, " and ".join(reasons))
 
