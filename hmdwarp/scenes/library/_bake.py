@@ -121,11 +121,13 @@ class Daylight:
         return out
 
 
-def lamp_light(room: Occluders, lamp: ArrayLike, colour: ArrayLike, points: Array, normals: Array, two_sided: NDArray[np.bool_]) -> Array:
+def lamp_light(
+    room: Occluders, points: Array, normals: Array, two_sided: NDArray[np.bool_], *, lamp: ArrayLike, colour: ArrayLike
+) -> Array:
     """(n, 3) light of a small lamp: `colour` is what a surface 1 m away that faces it gets."""
     lamp = np.asarray(lamp, np.float32)
     way = lamp - points
-    squared = np.maximum(np.einsum("ij,ij->i", way, way), 0.04)
+    squared = np.maximum(np.einsum("ij,ij->i", way, way), 0.12)
     unit = way / np.sqrt(squared)[:, None]
     share = room.passage(points, normals, lamp) * _cosine(normals, unit, two_sided) / squared
     return share[:, None] * np.asarray(colour, np.float32)

@@ -58,7 +58,9 @@ def planks(size: int = 1024, count: int = 14, seed: int = 11) -> Image:
 def wood(size: int = 512, seed: int = 21, dark: ArrayLike = (0.25, 0.14, 0.08), bright: ArrayLike = (0.66, 0.44, 0.27)) -> Image:
     """Furniture wood, grain along u."""
     rings = fractal(size, size, seed, 1.6, (1.0, 7.0))
-    value = 0.5 + 0.22 * np.sin(rings * 7) + 0.12 * fractal(size, size, seed + 1, 0.8, (1.0, 10.0)) + 0.04 * fractal(size, size, seed + 2, 0.2)
+    value = (
+        0.5 + 0.22 * np.sin(rings * 7) + 0.12 * fractal(size, size, seed + 1, 0.8, (1.0, 10.0)) + 0.04 * fractal(size, size, seed + 2, 0.2)
+    )
     return to_image(tinted(value, dark, bright))
 
 
@@ -113,8 +115,8 @@ def fabric(size: int = 256, seed: int = 61) -> Image:
 
 def speckle(size: int = 256, seed: int = 71) -> Image:
     """Faint mottling for painted, glazed and metal things, to be tinted."""
-    value = 0.6 + 0.14 * fractal(size, size, seed, 0.5) + 0.14 * fractal(size, size, seed + 1, 1.2)
-    return to_image(tinted(value, (0.72, 0.72, 0.72), (1.0, 1.0, 1.0)))
+    value = 0.6 + 0.14 * fractal(size, size, seed, 0.4) + 0.08 * fractal(size, size, seed + 1, 1.1)
+    return to_image(tinted(value, (0.76, 0.76, 0.76), (1.0, 1.0, 1.0)))
 
 
 def foliage(size: int = 256, seed: int = 81) -> Image:
@@ -148,7 +150,9 @@ def facade(size: int = 512, columns: int = 4, rows: int = 3, seed: int = 111) ->
     rng = np.random.default_rng(seed)
     y, x = np.meshgrid(np.arange(size) / size * rows, np.arange(size) / size * columns, indexing="ij")
     u, v, cell = x % 1, y % 1, (y.astype(int) * columns + x.astype(int))
-    wall = tinted(0.55 + 0.1 * fractal(size, size, seed, 0.4) + 0.1 * fractal(size, size, seed + 1, 1.2), (0.68, 0.66, 0.62), (0.98, 0.96, 0.92))
+    wall = tinted(
+        0.55 + 0.1 * fractal(size, size, seed, 0.4) + 0.1 * fractal(size, size, seed + 1, 1.2), (0.68, 0.66, 0.62), (0.98, 0.96, 0.92)
+    )
     frame = (np.abs(u - 0.5) < 0.24) & (np.abs(v - 0.52) < 0.31)
     glass = (np.abs(u - 0.5) < 0.20) & (np.abs(v - 0.52) < 0.27) & (np.abs(u - 0.5) > 0.018) & (np.abs(v - 0.42) > 0.014)
     pane = tinted(rng.uniform(0.1, 1.0, rows * columns)[cell] * 0.7 + 0.3 * (1 - v), (0.10, 0.13, 0.18), (0.55, 0.64, 0.74))

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from ._paint import Image, fractal, to_image
 
+Colour = tuple[float, float, float]
+
 # 5x7 letters, one number per row, most significant of five bits at the left.
 _LETTERS = {
     "A": "0EHHVHHH", "B": "UHHUHHU", "C": "EHGGGHE", "D": "UHHHHHU", "E": "VGGUGGV", "F": "VGGUGGG", "G": "EHGNHHE",
@@ -29,22 +31,32 @@ def lettering(text: str, scale: int = 1) -> NDArray[np.bool_]:
     return line.repeat(scale, axis=0).repeat(scale, axis=1)
 
 
-def stamp(image: NDArray, mask: NDArray[np.bool_], top: int, left: int, colour: tuple[float, float, float]) -> None:
+def stamp(image: NDArray, mask: NDArray[np.bool_], top: int, left: int, colour: Colour) -> None:
     """Paint `mask` onto a (h, w, 3) float picture, cut at its borders."""
     height, width = image.shape[:2]
     mask = mask[: max(height - top, 0), : max(width - left, 0)]
     image[top : top + mask.shape[0], left : left + mask.shape[1]][mask] = colour
 
 
-_WORDS = "LATENCY POSE EYE LENS FRAME DEPTH HOLE PARALLAX LIGHT FIELD VIEW HEAD GAZE WARP FILL RAY EDGE MOTION PIXEL".split()
+_WORDS = ["LATENCY", "POSE", "EYE", "LENS", "FRAME", "DEPTH", "HOLE", "PARALLAX", "LIGHT", "FIELD"] + [
+    "VIEW",
+    "HEAD",
+    "GAZE",
+    "WARP",
+    "FILL",
+    "RAY",
+    "EDGE",
+    "MOTION",
+    "PIXEL",
+]
 
 
-def _paragraph(image: NDArray, rng: np.random.Generator, top: int, left: int, width: int, lines: int, scale: int, colour) -> None:
+def _paragraph(image: NDArray, rng: np.random.Generator, *, top: int, left: int, width: int, lines: int, colour: Colour) -> None:
     for line in range(lines):
         words = ""
-        while len(words) * 6 * scale < width - 40 * scale:
+        while len(words) * 6 < width - 40:
             words += str(rng.choice(_WORDS)) + " "
-        stamp(image, lettering(words, scale)[:, :width], top + line * 10 * scale, left, colour)
+        stamp(image, lettering(words)[:, :width], top + line * 10, left, colour)
 
 
 def poster(index: int, height: int = 384, width: int = 256) -> Image:
@@ -68,10 +80,10 @@ def poster(index: int, height: int = 384, width: int = 256) -> Image:
         cells = tones[np.clip((y * 8 - 0.4).astype(int), 0, 5), np.clip((x * 6).astype(int), 0, 3)]
         image = np.where(((y * 8 - 0.4) % 1 > 0.1)[..., None] & (y < 0.79)[..., None] & (y > 0.05)[..., None], cells, image)
     else:
-        _paragraph(image, rng, 92, 20, width - 40, 20, 1, ink)
+        _paragraph(image, rng, top=92, left=20, width=width - 40, lines=20, colour=ink)
     title = ["PARALLAX", "FAR VIEW", "COLOUR 24", "ON LATENCY"][index % 4]
     stamp(image, lettering(title, 4), 22 if index % 4 == 3 else height - 62, 16, ink)
-    _paragraph(image, rng, 60 if index % 4 == 3 else height - 28, 16, width - 32, 2, 1, ink)
+    _paragraph(image, rng, top=60 if index % 4 == 3 else height - 28, left=16, width=width - 32, lines=2, colour=ink)
     return to_image(image + 0.015 * fractal(height, width, 400 + index, 0.3)[..., None])
 
 

@@ -18,8 +18,8 @@ def build_furniture(pieces: Pieces, rng: np.random.Generator) -> None:
     for (x, z), turn in (((0.30, -2.12), 0.25), ((1.28, -2.18), -0.3), ((0.45, -3.38), np.pi + 0.15), ((1.15, -3.36), np.pi - 0.2)):
         _chair(pieces, (x, 0, z), turn)
     _sofa(pieces)
-    _shelf(pieces, rng, (-2.05, 0, -4.02), 1.7, 2.25, 6, 0.0)
-    _shelf(pieces, rng, (1.3, 0, 2.82), 2.2, 2.0, 5, np.pi)
+    _shelf(pieces, rng, (-2.05, 0, -4.02), size=(1.7, 2.25), boards=6, turn=0.0)
+    _shelf(pieces, rng, (1.3, 0, 2.82), size=(2.2, 2.0), boards=5, turn=np.pi)
     _sideboard(pieces)
     _pictures(pieces)
     _radiator(pieces)
@@ -30,7 +30,10 @@ def _table(pieces: Pieces) -> None:
     x, z = TABLE_CENTRE
     pieces.add(box((x, TABLE_TOP_M - 0.0175, z), (1.6, 0.035, 0.9), cell_m=0.05, tile_m=0.9), "wood", OAK)
     for dx, dz in ((-0.7, -0.36), (0.7, -0.36), (-0.7, 0.36), (0.7, 0.36)):
-        leg = tube([(x + dx * 0.97, TABLE_TOP_M - 0.03, z + dz * 0.97), (x + dx, 0.35, z + dz), (x + dx * 1.03, 0, z + dz * 1.03)], (0.030, 0.024, 0.016))
+        leg = tube(
+            [(x + dx * 0.97, TABLE_TOP_M - 0.03, z + dz * 0.97), (x + dx, 0.35, z + dz), (x + dx * 1.03, 0, z + dz * 1.03)],
+            (0.030, 0.024, 0.016),
+        )
         pieces.add(leg, "wood", OAK)
     for dz in (-0.36, 0.36):
         pieces.add(box((x, TABLE_TOP_M - 0.07, z + dz), (1.36, 0.07, 0.02)), "wood", OAK)
@@ -83,9 +86,9 @@ def _sofa(pieces: Pieces) -> None:
             pieces.add(tube([(x, 0.15, z), (x, 0.07, z), (x, 0, z)], (0.022, 0.018, 0.013)), "wood", WALNUT)
 
 
-def _shelf(pieces: Pieces, rng: np.random.Generator, place: tuple, width: float, height: float, boards: int, turn: float) -> None:
+def _shelf(pieces: Pieces, rng: np.random.Generator, place: tuple, *, size: tuple[float, float], boards: int, turn: float) -> None:
     """Boards between two sides, filled with books standing, leaning and lying, and a few pots; open towards +z before `turn`."""
-    deep = 0.3
+    (width, height), deep = size, 0.3
     frame = [box((sx * width / 2, height / 2, 0), (0.025, height, deep), cell_m=0.16, tile_m=0.9) for sx in (-1, 1)]
     levels = np.linspace(0.06, height - 0.02, boards)
     frame += [box((0, y, 0), (width, 0.022, deep), cell_m=0.12, tile_m=0.9) for y in levels]
@@ -93,30 +96,32 @@ def _shelf(pieces: Pieces, rng: np.random.Generator, place: tuple, width: float,
     pieces.add(join(frame).moved(place, turn), "wood", OAK)
     room_m = levels[1] - levels[0]
     for y in levels[:-1]:
-        _books(pieces, rng, place, turn, width, y + 0.011, room_m)
+        spines, pages, pots = _row_of_books(rng, width, room_m, y + 0.011)
+        pieces.add(join(spines).moved(place, turn), "books")
+        pieces.add(join(pages).moved(place, turn), "speckle", (0.85, 0.8, 0.68), shades=False)
+        for pot in pots:
+            pieces.add(pot.moved(place, turn), "speckle", tuple(rng.uniform(0.15, 0.8, 3)), double_sided=True)
 
 
-def _books(pieces: Pieces, rng: np.random.Generator, place: tuple, turn: float, width: float, y: float, room_m: float) -> None:
+def _row_of_books(rng: np.random.Generator, width: float, room_m: float, y: float) -> tuple[list[Surface], list[Surface], list[Surface]]:
+    """Spines with their covers, page blocks seen from above, and pots between them, from left to right on a board at height y."""
     x, end = -width / 2 + 0.03, width / 2 - 0.03
-    spines, pages = [], []
+    spines, pages, pots = [], [], []
     while x < end - 0.06:
         if rng.random() < 0.07:
-            pot = lathe([(0.03, 0), (0.055, 0.02), (0.06, 0.09), (0.035, 0.14), (0.03, 0.17)], (x + 0.07, y, 0.03), sides=14)
-            pieces.add(pot.moved(place, turn), "speckle", tuple(rng.uniform(0.15, 0.8, 3)), double_sided=True)
+            pots.append(lathe([(0.03, 0), (0.055, 0.02), (0.06, 0.09), (0.035, 0.14), (0.03, 0.17)], (x + 0.07, y, 0.03), sides=14))
             x += 0.15
             continue
         thick, high, deep = rng.uniform(0.018, 0.05), rng.uniform(0.6, 0.93) * (room_m - 0.03), rng.uniform(0.16, 0.23)
-        index = int(rng.integers(SPINES))
-        u = (index / SPINES, (index + 1) / SPINES)
+        u = int(rng.integers(SPINES)) / SPINES
         front = 0.14 - rng.uniform(0.0, 0.03)
-        spines.append(patch((x, y, front), (thick, 0, 0), (0, high, 0), cell_m=0.16, uv=(u[0], 0, u[1], 1)))
-        cover = (u[0] + 0.1 / SPINES, 0.35, u[0] + 0.2 / SPINES, 0.4)
+        cover = (u + 0.1 / SPINES, 0.35, u + 0.2 / SPINES, 0.4)
+        spines.append(patch((x, y, front), (thick, 0, 0), (0, high, 0), cell_m=0.16, uv=(u, 0, u + 1 / SPINES, 1)))
         spines.append(patch((x, y, front - deep), (0, 0, deep), (0, high, 0), cell_m=0.3, uv=cover))
         spines.append(patch((x + thick, y, front), (0, 0, -deep), (0, high, 0), cell_m=0.3, uv=cover))
         pages.append(patch((x + 0.002, y + high - 0.003, front - 0.003), (thick - 0.004, 0, 0), (0, 0, -deep), cell_m=0.3))
         x += thick + (rng.uniform(0.0, 0.004) if rng.random() < 0.93 else rng.uniform(0.03, 0.09))
-    pieces.add(join(spines).moved(place, turn), "books")
-    pieces.add(join(pages).moved(place, turn), "speckle", (0.85, 0.8, 0.68), shades=False)
+    return spines, pages, pots
 
 
 def _sideboard(pieces: Pieces) -> None:
@@ -127,11 +132,17 @@ def _sideboard(pieces: Pieces) -> None:
     for i in range(3):
         for y, tall in ((0.64, 0.18), (0.34, 0.36)):
             part = z - long / 2 + long * (i + 0.5) / 3
-            pieces.add(box((front - 0.008, y, part), (0.016, tall, long / 3 - 0.02), without="+x", cell_m=0.16, tile_m=0.7), "wood", (1.3, 1.1, 0.9))
+            pieces.add(
+                box((front - 0.008, y, part), (0.016, tall, long / 3 - 0.02), without="+x", cell_m=0.16, tile_m=0.7),
+                "wood",
+                (1.3, 1.1, 0.9),
+            )
             pieces.add(cushion((front - 0.03, y, part), (0.03, 0.03, 0.03), roundness=1.0, rings=5, sides=8), "speckle", (0.6, 0.48, 0.2))
     for dz in (-0.85, 0.85):
         for dx in (-0.2, 0.2):
-            pieces.add(tube([(x + dx, 0.18, z + dz), (x + dx * 1.03, 0.09, z + dz), (x + dx * 1.06, 0, z + dz)], (0.02, 0.017, 0.012)), "wood", OAK)
+            pieces.add(
+                tube([(x + dx, 0.18, z + dz), (x + dx * 1.03, 0.09, z + dz), (x + dx * 1.06, 0, z + dz)], (0.02, 0.017, 0.012)), "wood", OAK
+            )
 
 
 def _pictures(pieces: Pieces) -> None:
@@ -157,7 +168,12 @@ def _framed(pieces: Pieces, centre: np.ndarray, across: np.ndarray, width: float
         for a, b, la, lb in ((across, up, 0.03, height + 0.06), (up, across, 0.03, width)):
             half = (width if a is across else height) / 2 + 0.015
             size = np.abs(a) * la + np.abs(b) * lb + np.abs(out) * 0.035
-            pieces.add(box(centre + a * side * half + out * 0.012, size, cell_m=0.3, tile_m=0.6), "wood", BLACK if index % 2 else WALNUT, shades=False)
+            pieces.add(
+                box(centre + a * side * half + out * 0.012, size, cell_m=0.3, tile_m=0.6),
+                "wood",
+                BLACK if index % 2 else WALNUT,
+                shades=False,
+            )
 
 
 def _radiator(pieces: Pieces) -> None:
@@ -173,5 +189,9 @@ def _armchair(pieces: Pieces) -> None:
         cushion((-0.36, 0.45, 0), (0.14, 0.4, 0.66), roundness=0.35), cushion((0.36, 0.45, 0), (0.14, 0.4, 0.66), roundness=0.35),
     ]  # fmt: skip
     pieces.add(join(parts).moved(place, turn), "fabric", tint)
-    legs = [tube([(sx * 0.28, 0.26, sz * 0.24), (sx * 0.3, 0.12, sz * 0.26), (sx * 0.32, 0, sz * 0.28)], 0.015) for sx in (-1, 1) for sz in (-1, 1)]
+    legs = [
+        tube([(sx * 0.28, 0.26, sz * 0.24), (sx * 0.3, 0.12, sz * 0.26), (sx * 0.32, 0, sz * 0.28)], 0.015)
+        for sx in (-1, 1)
+        for sz in (-1, 1)
+    ]
     pieces.add(join(legs).moved(place, turn), "wood", WALNUT)

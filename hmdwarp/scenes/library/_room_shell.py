@@ -72,7 +72,9 @@ def _window(pieces: Pieces) -> None:
         side = patch(corner, along, across, cell_m=0.12, tile_m=1.6)
         turned = side if side.normals[0] @ _to_middle(corner) > 0 else patch(corner, across, along, cell_m=0.12, tile_m=1.6)
         pieces.add(turned, "plaster", PAINT, shades=False)
-    pieces.add(box((w.left_m + width / 2, w.bottom_m - 0.02, w.z_m + 0.02), (width + 0.2, 0.04, 0.56), cell_m=0.12), "wood", (1.1, 1.05, 1.0))
+    pieces.add(
+        box((w.left_m + width / 2, w.bottom_m - 0.02, w.z_m + 0.02), (width + 0.2, 0.04, 0.56), cell_m=0.12), "wood", (1.1, 1.05, 1.0)
+    )
     bars = [(x, w.bottom_m + height / 2, 0.055, height) for x in (w.left_m + 0.03, w.right_m - 0.03, w.left_m + width / 2)]
     bars += [(w.left_m + width / 2, y, width, 0.055) for y in (w.bottom_m + 0.03, w.top_m - 0.03)]
     bars += [(w.left_m + width * share, w.bottom_m + height / 2, 0.026, height) for share in (0.25, 0.75)]

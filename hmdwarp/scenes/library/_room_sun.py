@@ -25,7 +25,9 @@ def sun_floor(boards: Image, pieces: Sequence[Piece], towards_sun: NDArray, rng:
     image = _boards_at(boards, x, z)
     left, right = (round((e - x0) / TEXEL_M) for e in (RUG[0], RUG[2]))
     top, bottom = (round((e - z0) / TEXEL_M) for e in (RUG[1], RUG[3]))
-    down, across = np.meshgrid(np.linspace(0, 1, bottom - top, dtype=np.float32), np.linspace(0, 1, right - left, dtype=np.float32), indexing="ij")
+    down, across = np.meshgrid(
+        np.linspace(0, 1, bottom - top, dtype=np.float32), np.linspace(0, 1, right - left, dtype=np.float32), indexing="ij"
+    )
     image[top:bottom, left:right] = (np.clip(rug(down, across), 0, 1) * 255).astype(np.uint8)
     sun = _window_light(x, z, towards_sun) * (1 - _shadow(pieces, (height, width), towards_sun, rng))
     return _dimmed(image, (1 + GAIN * sun) / (1 + GAIN))

@@ -12,6 +12,7 @@ BRASS, STEEL, TERRACOTTA = (0.62, 0.46, 0.18), (0.34, 0.35, 0.37), (0.62, 0.27, 
 PENDANT = np.array([0.75, 1.78, -2.75])
 FLOOR_LAMP = np.array([-2.62, 1.62, -3.35])
 DESK_LAMP = np.array([2.42, 1.18, -1.25])
+CEILING_LAMP = np.array([0.0, 2.52, 1.7])
 
 
 def build_things(pieces: Pieces, rng: np.random.Generator) -> None:
@@ -28,7 +29,15 @@ def build_things(pieces: Pieces, rng: np.random.Generator) -> None:
 
 
 def _pot(centre: tuple, radius: float, height: float) -> Surface:
-    wall = [(radius * 0.72, 0), (radius * 0.95, height * 0.8), (radius, height * 0.82), (radius, height), (radius * 0.9, height), (radius * 0.88, height * 0.85), (0.001, height * 0.84)]
+    wall = [
+        (radius * 0.72, 0),
+        (radius * 0.95, height * 0.8),
+        (radius, height * 0.82),
+        (radius, height),
+        (radius * 0.9, height),
+        (radius * 0.88, height * 0.85),
+        (0.001, height * 0.84),
+    ]
     return lathe(wall, centre, sides=20)
 
 
@@ -37,7 +46,15 @@ def _plant(pieces: Pieces, rng: np.random.Generator, place: tuple) -> None:
     x, _, z = place
     for angle in np.arange(3) * 2 * np.pi / 3:
         foot = np.array([x + 0.17 * np.sin(angle), 0, z + 0.17 * np.cos(angle)])
-        pieces.add(tube([foot, (x + 0.09 * np.sin(angle), 0.4, z + 0.09 * np.cos(angle)), (x + 0.1 * np.sin(angle), 0.8, z + 0.1 * np.cos(angle))], 0.009, sides=6), "speckle", BLACK)
+        pieces.add(
+            tube(
+                [foot, (x + 0.09 * np.sin(angle), 0.4, z + 0.09 * np.cos(angle)), (x + 0.1 * np.sin(angle), 0.8, z + 0.1 * np.cos(angle))],
+                0.009,
+                sides=6,
+            ),
+            "speckle",
+            BLACK,
+        )
     pieces.add(_pot((x, 0.78, z), 0.14, 0.22), "speckle", TERRACOTTA)
     stems, blades = [], []
     for i in range(22):
@@ -50,7 +67,9 @@ def _plant(pieces: Pieces, rng: np.random.Generator, place: tuple) -> None:
         t = np.linspace(0, 1, 7)[:, None]
         stems.append(tube((1 - t) ** 2 * root + 2 * t * (1 - t) * bend + t**2 * tip, np.linspace(0.006, 0.003, 7), sides=5))
         direction = away + np.array([0, rng.uniform(-0.1, 0.5), 0]) + rng.normal(0, 0.15, 3)
-        blades.append(leaf(tip, direction, length=rng.uniform(0.17, 0.27), width=rng.uniform(0.09, 0.14), droop=rng.uniform(0.2, 0.6), cells=8))
+        blades.append(
+            leaf(tip, direction, length=rng.uniform(0.17, 0.27), width=rng.uniform(0.09, 0.14), droop=rng.uniform(0.2, 0.6), cells=8)
+        )
     pieces.add(join(stems), "speckle", (0.16, 0.26, 0.09))
     for i, blade in enumerate(blades):
         pieces.add(blade, "foliage", (0.50 + 0.02 * (i % 7), 0.62 + 0.02 * (i % 5), 0.42), double_sided=True)
@@ -77,12 +96,16 @@ def _microphone(pieces: Pieces) -> None:
     for y in (-0.045, -0.09):
         pieces.add(tube(hoop + head + (0, y, 0), 0.0035, sides=6), "speckle", BLACK)
     pieces.add(tube([head + (0.046, -0.09, 0), head + (0.052, -0.02, -0.01), head + (0.05, 0.07, -0.02)], 0.005, sides=6), "speckle", BLACK)
-    cable = np.concatenate([catenary(head + (0, -0.13, 0), top - (0.1, 0.02, -0.04), 0.24, 30), [top - (0.02, 0.5, 0), base + (0.02, 0.05, 0)]])
+    cable = np.concatenate(
+        [catenary(head + (0, -0.13, 0), top - (0.1, 0.02, -0.04), 0.24, 30), [top - (0.02, 0.5, 0), base + (0.02, 0.05, 0)]]
+    )
     pieces.add(tube(cable, 0.0042, sides=6), "speckle", (0.35, 0.05, 0.05))
 
 
 def _cup(place: tuple, scale: float = 1.0) -> Surface:
-    profile = np.array([(0.02, 0), (0.026, 0.004), (0.038, 0.035), (0.041, 0.075), (0.038, 0.075), (0.034, 0.035), (0.018, 0.012), (0.001, 0.011)])
+    profile = np.array(
+        [(0.02, 0), (0.026, 0.004), (0.038, 0.035), (0.041, 0.075), (0.038, 0.075), (0.034, 0.035), (0.018, 0.012), (0.001, 0.011)]
+    )
     angle = np.linspace(-1.2, 1.2, 8)
     handle = tube(np.stack([0.030 + 0.026 * np.cos(angle), 0.04 + 0.026 * np.sin(angle), np.zeros(8)], axis=1), 0.0042, sides=6)
     saucer = lathe([(0.03, 0), (0.068, 0.009), (0.070, 0.012), (0.03, 0.004), (0.001, 0.004)], sides=18)
@@ -93,41 +116,77 @@ def _cup(place: tuple, scale: float = 1.0) -> Surface:
 def _on_the_table(pieces: Pieces) -> None:
     x, z = TABLE_CENTRE
     y = TABLE_TOP_M
-    for (dx, dz), tint in zip(((-0.55, 0.2), (-0.1, 0.28), (0.42, 0.22), (0.3, -0.25)), ((0.8, 0.8, 0.78), (0.16, 0.32, 0.5), (0.8, 0.8, 0.78), (0.7, 0.3, 0.2)), strict=True):
+    white, blue, red = (0.8, 0.8, 0.78), (0.16, 0.32, 0.5), (0.7, 0.3, 0.2)
+    for dx, dz, tint in ((-0.55, 0.2, white), (-0.1, 0.28, blue), (0.42, 0.22, white), (0.3, -0.25, red)):
         pieces.add(_cup((x + dx, y, z + dz)), "speckle", tint, double_sided=True)
-    body = [(0.04, 0), (0.075, 0.02), (0.085, 0.06), (0.07, 0.105), (0.035, 0.125), (0.03, 0.13), (0.012, 0.14), (0.014, 0.152), (0.001, 0.16)]
-    pieces.add(lathe(body, (x - 0.28, y, z - 0.02), sides=28), "speckle", (0.10, 0.22, 0.25))
-    spout = tube([(x - 0.22, y + 0.05, z), (x - 0.17, y + 0.08, z + 0.01), (x - 0.15, y + 0.125, z + 0.02)], (0.016, 0.011, 0.008), sides=10)
-    pieces.add(spout, "speckle", (0.10, 0.22, 0.25))
-    angle = np.linspace(0.25, np.pi - 0.25, 14)
-    pieces.add(tube(np.stack([x - 0.28 + 0.07 * np.cos(angle), y + 0.1 + 0.12 * np.sin(angle), np.full(14, z - 0.02)], axis=1), 0.004, sides=6), "speckle", BRASS)
-    bowl = [(0.05, 0), (0.06, 0.008), (0.12, 0.05), (0.155, 0.085), (0.15, 0.085), (0.11, 0.052), (0.001, 0.02)]
-    pieces.add(lathe(bowl, (x + 0.05, y, z - 0.02), sides=32), "wood", (0.8, 0.6, 0.42), double_sided=True)
-    for dx, dy, dz, r, tint in ((0, 0.06, 0, 0.042, (0.75, 0.12, 0.06)), (0.075, 0.075, 0.02, 0.04, (0.8, 0.42, 0.05)), (-0.065, 0.075, 0.03, 0.041, (0.42, 0.55, 0.1)),
-                                (0.01, 0.08, -0.075, 0.04, (0.8, 0.42, 0.05)), (0.01, 0.11, 0.04, 0.039, (0.75, 0.18, 0.08))):  # fmt: skip
-        pieces.add(cushion((x + 0.05 + dx, y + dy, z - 0.02 + dz), (2 * r, 1.9 * r, 2 * r), roundness=1.0, rings=9, sides=14), "speckle", tint)
+    _teapot(pieces, np.array([x - 0.28, y, z - 0.02]))
+    _fruit_bowl(pieces, np.array([x + 0.05, y, z - 0.02]))
     _vase(pieces, (x + 0.58, y, z - 0.12))
-    page = (0.755, 0.1, 0.995, 0.72)
-    for side in (-1, 1):
-        sheet_of_paper = patch((x - 0.02 if side > 0 else x - 0.17, y + 0.008, z + 0.42), (0.15, 0, 0), (0, 0.0, -0.2), cell_m=0.05, uv=page)
-        pieces.add(sheet_of_paper.moved((0, 0.004 * side, 0)), "posters", shades=False)
     pieces.add(box((x - 0.02, y + 0.004, z + 0.32), (0.32, 0.007, 0.21)), "speckle", (0.35, 0.08, 0.06))
+    for left, lift in ((x - 0.02, 0.012), (x - 0.17, 0.009)):
+        page = patch((left, y + lift, z + 0.42), (0.15, 0, 0), (0, 0, -0.2), cell_m=0.05, uv=(0.755, 0.1, 0.995, 0.72))
+        pieces.add(page, "posters", shades=False)
     for i, tint in enumerate(((0.12, 0.2, 0.35), (0.5, 0.12, 0.08), (0.7, 0.6, 0.4))):
-        pieces.add(box((0, 0, 0), (0.22, 0.028, 0.16)).moved((x - 0.58, y + 0.014 + 0.029 * i, z - 0.2), 0.3 - 0.25 * i), "speckle", tint)
+        book = box((0, 0, 0), (0.22, 0.028, 0.16)).moved((x - 0.58, y + 0.014 + 0.029 * i, z - 0.2), 0.3 - 0.25 * i)
+        pieces.add(book, "speckle", tint)
+
+
+def _teapot(pieces: Pieces, foot: np.ndarray) -> None:
+    glaze = (0.10, 0.22, 0.25)
+    body = [
+        (0.04, 0),
+        (0.075, 0.02),
+        (0.085, 0.06),
+        (0.07, 0.105),
+        (0.035, 0.125),
+        (0.03, 0.13),
+        (0.012, 0.14),
+        (0.014, 0.152),
+        (0.001, 0.16),
+    ]
+    spout = tube(foot + [(0.06, 0.05, 0.02), (0.11, 0.08, 0.03), (0.13, 0.125, 0.04)], (0.016, 0.011, 0.008), sides=10)
+    pieces.add(join([lathe(body, foot, sides=28), spout]), "speckle", glaze)
+    angle = np.linspace(0.25, np.pi - 0.25, 14)
+    handle = np.stack([0.07 * np.cos(angle), 0.1 + 0.12 * np.sin(angle), np.zeros(14)], axis=1)
+    pieces.add(tube(foot + handle, 0.004, sides=6), "speckle", BRASS)
+
+
+def _fruit_bowl(pieces: Pieces, foot: np.ndarray) -> None:
+    bowl = [(0.05, 0), (0.06, 0.008), (0.12, 0.05), (0.155, 0.085), (0.15, 0.085), (0.11, 0.052), (0.001, 0.02)]
+    pieces.add(lathe(bowl, foot, sides=32), "wood", (0.8, 0.6, 0.42), double_sided=True)
+    apple, orange, pear = (0.75, 0.12, 0.06), (0.8, 0.42, 0.05), (0.42, 0.55, 0.1)
+    for dx, dy, dz, radius, tint in (
+        (0, 0.06, 0, 0.042, apple),
+        (0.075, 0.075, 0.02, 0.04, orange),
+        (-0.065, 0.075, 0.03, 0.041, pear),
+        (0.01, 0.08, -0.075, 0.04, orange),
+        (0.01, 0.11, 0.04, 0.039, apple),
+    ):
+        size = (2 * radius, 1.9 * radius, 2 * radius)
+        pieces.add(cushion(foot + (dx, dy, dz), size, roundness=1.0, rings=9, sides=14), "speckle", tint)
 
 
 def _vase(pieces: Pieces, place: tuple) -> None:
     rng = np.random.default_rng(7)
     x, y, z = place
-    pieces.add(lathe([(0.035, 0), (0.06, 0.05), (0.055, 0.11), (0.025, 0.17), (0.035, 0.2), (0.030, 0.2), (0.02, 0.17)], place, sides=24), "speckle", (0.75, 0.74, 0.68), double_sided=True)
+    pieces.add(
+        lathe([(0.035, 0), (0.06, 0.05), (0.055, 0.11), (0.025, 0.17), (0.035, 0.2), (0.030, 0.2), (0.02, 0.17)], place, sides=24),
+        "speckle",
+        (0.75, 0.74, 0.68),
+        double_sided=True,
+    )
     for i in range(11):
         away = np.array([np.sin(i * 2.4), 0, np.cos(i * 2.4)]) * rng.uniform(0.04, 0.16)
         tip = np.array([x, y + rng.uniform(0.33, 0.52), z]) + away
-        pieces.add(tube([(x, y + 0.17, z), (x + away[0] * 0.4, y + 0.28, z + away[2] * 0.4), tip], 0.0032, sides=5), "speckle", (0.16, 0.3, 0.1))
+        pieces.add(
+            tube([(x, y + 0.17, z), (x + away[0] * 0.4, y + 0.28, z + away[2] * 0.4), tip], 0.0032, sides=5), "speckle", (0.16, 0.3, 0.1)
+        )
         tint = ((0.85, 0.35, 0.35), (0.9, 0.75, 0.3), (0.85, 0.8, 0.85))[i % 3]
         petals = [leaf(tip, (np.sin(a), 0.45, np.cos(a)), length=0.042, width=0.026, droop=0.25, cells=2) for a in np.arange(6) * 1.047]
         pieces.add(join(petals), "fabric", tint, double_sided=True, shades=False)
-        pieces.add(cushion(tip + (0, 0.005, 0), (0.016, 0.014, 0.016), roundness=1, rings=4, sides=8), "speckle", (0.5, 0.3, 0.05), shades=False)
+        pieces.add(
+            cushion(tip + (0, 0.005, 0), (0.016, 0.014, 0.016), roundness=1, rings=4, sides=8), "speckle", (0.5, 0.3, 0.05), shades=False
+        )
 
 
 def _on_the_sideboard(pieces: Pieces, rng: np.random.Generator) -> None:
@@ -142,7 +201,9 @@ def _on_the_sideboard(pieces: Pieces, rng: np.random.Generator) -> None:
         knob = lathe([(0.022, 0), (0.02, 0.02), (0.001, 0.02)], sides=14)
         turned = Surface(knob.positions[:, [1, 0, 2]] * (-1, 1, 1), knob.normals[:, [1, 0, 2]] * (-1, 1, 1), knob.uv, knob.triangles)
         pieces.add(turned.moved((x - 0.1, y + 0.06 + 0.08 * i, z + 0.05)), "speckle", BRASS)
-    pieces.add(tube([(x, y + 0.2, z - 0.2), (x + 0.02, y + 0.45, z - 0.26), (x + 0.03, y + 0.62, z - 0.31)], 0.003, sides=5), "speckle", STEEL)
+    pieces.add(
+        tube([(x, y + 0.2, z - 0.2), (x + 0.02, y + 0.45, z - 0.26), (x + 0.03, y + 0.62, z - 0.31)], 0.003, sides=5), "speckle", STEEL
+    )
     for i in range(7):
         thick, high = rng.uniform(0.02, 0.04), rng.uniform(0.18, 0.26)
         pieces.add(box((x, y + high / 2, z + 0.62 + 0.042 * i), (0.17, high, thick)), "fabric", tuple(rng.uniform(0.08, 0.6, 3)))
@@ -154,10 +215,21 @@ def _lamps(pieces: Pieces) -> None:
     pieces.add(lathe(shade, PENDANT - (0, 0.04, 0), sides=36), "speckle", (0.05, 0.10, 0.09), double_sided=True, shades=False)
     pieces.add(tube([(x, y + 0.18, z), (x, 2.3, z), (x, 2.8, z)], 0.0045, sides=6), "speckle", BLACK, shades=False)
     pieces.add(cushion(PENDANT, (0.07, 0.09, 0.07), roundness=1), "speckle", (1.0, 0.82, 0.52), place=GLOWING, shades=False)
+    pieces.add(
+        cushion(CEILING_LAMP, (0.26, 0.24, 0.26), roundness=1, rings=12, sides=20), "speckle", (1.0, 0.9, 0.74), place=GLOWING, shades=False
+    )
+    pieces.add(tube([CEILING_LAMP + (0, 0.1, 0), CEILING_LAMP + (0, 0.28, 0)], 0.008, sides=6), "speckle", BRASS, shades=False)
     fx, fy, fz = FLOOR_LAMP
     pieces.add(lathe([(0.15, 0), (0.15, 0.02), (0.02, 0.035)], (fx, 0, fz), sides=24), "speckle", BLACK)
     pieces.add(tube([(fx, 0.03, fz), (fx, 0.8, fz), (fx, fy + 0.1, fz)], 0.010, sides=8), "speckle", BRASS)
-    pieces.add(lathe([(0.21, -0.13), (0.145, 0.16)], FLOOR_LAMP, sides=32, repeats=5), "fabric", (1.0, 0.74, 0.42), double_sided=True, shades=False, place=GLOWING)
+    pieces.add(
+        lathe([(0.21, -0.13), (0.145, 0.16)], FLOOR_LAMP, sides=32, repeats=5),
+        "fabric",
+        (1.0, 0.74, 0.42),
+        double_sided=True,
+        shades=False,
+        place=GLOWING,
+    )
     dx, dy, dz = DESK_LAMP
     base = np.array([2.72, 0.78, dz + 0.3])
     elbow = np.array([2.78, 1.12, dz + 0.36])
@@ -165,7 +237,13 @@ def _lamps(pieces: Pieces) -> None:
     for a, b in ((base, elbow), (elbow, np.array([dx, dy + 0.06, dz]))):
         for side in (-0.012, 0.012):
             pieces.add(tube([a + (0, 0, side), (a + b) / 2 + (0, 0, side), b + (0, 0, side)], 0.0045, sides=6), "speckle", STEEL)
-    pieces.add(lathe([(0.085, -0.03), (0.05, 0.06), (0.02, 0.09), (0.001, 0.095)], DESK_LAMP, sides=24), "speckle", (0.5, 0.07, 0.05), double_sided=True, shades=False)
+    pieces.add(
+        lathe([(0.085, -0.03), (0.05, 0.06), (0.02, 0.09), (0.001, 0.095)], DESK_LAMP, sides=24),
+        "speckle",
+        (0.5, 0.07, 0.05),
+        double_sided=True,
+        shades=False,
+    )
     pieces.add(cushion(DESK_LAMP, (0.05, 0.06, 0.05), roundness=1), "speckle", (1.0, 0.9, 0.7), place=GLOWING, shades=False)
 
 
@@ -179,7 +257,13 @@ def _fairy_lights(pieces: Pieces) -> None:
         pieces.add(tube(wire, 0.0042, sides=5), "speckle", (0.05, 0.09, 0.06), shades=False)
         for i, point in enumerate(wire[2:-2:4]):
             glow = ((1.0, 0.78, 0.42), (1.0, 0.62, 0.32), (1.0, 0.86, 0.60))[i % 3]
-            pieces.add(cushion(point - (0, 0.035, 0), (0.036, 0.052, 0.036), roundness=1, rings=5, sides=6), "speckle", glow, place=GLOWING, shades=False)
+            pieces.add(
+                cushion(point - (0, 0.035, 0), (0.036, 0.052, 0.036), roundness=1, rings=5, sides=6),
+                "speckle",
+                glow,
+                place=GLOWING,
+                shades=False,
+            )
             pieces.add(lathe([(0.009, -0.018), (0.010, 0.004)], point, sides=6), "speckle", BLACK, shades=False)
 
 

@@ -64,8 +64,13 @@ def _outward(surface: Surface) -> Surface:
     return attrs.evolve(surface, normals=-surface.normals, triangles=surface.triangles[:, ::-1])
 
 
-def patch(corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike, *, cell_m: float = 0.25, tile_m: float = 1.0, uv: ArrayLike | None = None) -> Surface:
-    """A parallelogram with vertices every `cell_m`; front is edge_u x edge_v. uv counts tiles of `tile_m`, or spans `uv` (u0, v0, u1, v1)."""
+def patch(
+    corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike, *, cell_m: float = 0.25, tile_m: float = 1.0, uv: ArrayLike | None = None
+) -> Surface:
+    """A parallelogram with vertices every `cell_m`, its front where edge_u x edge_v points.
+
+    uv counts tiles of `tile_m` metres, or spans `uv` (u0, v0, u1, v1).
+    """
     corner, edge_u, edge_v = (np.asarray(x, dtype=np.float64) for x in (corner, edge_u, edge_v))
     lengths = np.linalg.norm(edge_u), np.linalg.norm(edge_v)
     u, v = (np.linspace(0, 1, max(1, round(length / cell_m)) + 1) for length in lengths)
@@ -75,7 +80,9 @@ def patch(corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike, *, cell_m: fl
     return sheet(points, np.stack([u0 + uu * (u1 - u0), v0 + vv * (v1 - v0)], axis=-1))
 
 
-def box(centre: ArrayLike, size: ArrayLike, *, cell_m: float = 0.3, tile_m: float = 1.0, without: str = "", uv: ArrayLike | None = None) -> Surface:
+def box(
+    centre: ArrayLike, size: ArrayLike, *, cell_m: float = 0.3, tile_m: float = 1.0, without: str = "", uv: ArrayLike | None = None
+) -> Surface:
     """A box of full `size`; `without` names faces to leave out (of -x +x -y +y -z +z, as in "-y+z"), such as those on a wall."""
     c, (sx, sy, sz) = np.asarray(centre, dtype=np.float64), size
     x, y, z = np.array([sx, 0, 0.0]), np.array([0, sy, 0.0]), np.array([0, 0, sz])
@@ -124,15 +131,15 @@ def lathe(profile: ArrayLike, centre: ArrayLike = (0, 0, 0), *, sides: int = 24,
     return attrs.evolve(made, normals=-made.normals, triangles=made.triangles[:, ::-1], positions=made.positions + np.asarray(centre))
 
 
-def cushion(centre: ArrayLike, size: ArrayLike, *, roundness: float = 0.35, rings: int = 10, sides: int = 20, tile_m: float = 0.3) -> Surface:
+def cushion(
+    centre: ArrayLike, size: ArrayLike, *, roundness: float = 0.35, rings: int = 10, sides: int = 20, tile_m: float = 0.3
+) -> Surface:
     """A superellipsoid of full `size`: a box with soft edges; roundness 1 is an ellipsoid, towards 0 a box. Source: Barr 1981."""
 
     def power(values: NDArray) -> NDArray:
         return np.sign(values) * np.abs(values) ** roundness
 
-    # Angles crowd towards the soft edges, where such a surface turns.
-    lat = np.linspace(-1, 1, rings + 1)
-    lat = np.sign(lat) * np.abs(lat) ** 1.0 * (np.pi / 2 - 1e-3)
+    lat = np.linspace(-1, 1, rings + 1) * (np.pi / 2 - 1e-3)  # the very poles have no normal
     lon = np.linspace(-np.pi, np.pi, sides + 1)
     aa, oo = np.meshgrid(lat, lon, indexing="ij")
     unit = np.stack([power(np.cos(aa)) * power(np.cos(oo)), power(np.sin(aa)), power(np.cos(aa)) * power(np.sin(oo))], axis=-1)
@@ -143,7 +150,9 @@ def cushion(centre: ArrayLike, size: ArrayLike, *, roundness: float = 0.35, ring
     return attrs.evolve(made, positions=made.positions + np.asarray(centre))
 
 
-def leaf(base: ArrayLike, direction: ArrayLike, *, length: float, width: float, droop: float, cells: int = 6, uv: ArrayLike = (0, 0, 1, 1)) -> Surface:
+def leaf(
+    base: ArrayLike, direction: ArrayLike, *, length: float, width: float, droop: float, cells: int = 6, uv: ArrayLike = (0, 0, 1, 1)
+) -> Surface:
     """A pointed leaf with a folded midrib that starts at `base` along `direction` and droops; two-sided."""
     base, direction = np.asarray(base, dtype=np.float64), np.asarray(direction, dtype=np.float64)
     direction = direction / np.linalg.norm(direction)

@@ -13,7 +13,7 @@ from ._room_furniture import build_furniture
 from ._room_outside import build_outside, daylight
 from ._room_shell import HIGH, LOW, WINDOW, build_shell
 from ._room_sun import GAIN, sun_floor
-from ._room_things import DESK_LAMP, FLOOR_LAMP, PENDANT, build_things
+from ._room_things import CEILING_LAMP, DESK_LAMP, FLOOR_LAMP, PENDANT, build_things
 
 SUMMARY = "a furnished room with a window view: fine texture, thin, near (0.4 m) and far (beyond 20 m) things, baked light"
 SEED = 20
@@ -95,9 +95,9 @@ def _indoor_light(inside: list[Piece]) -> list[np.ndarray]:
         (FLOOR_LAMP, (0.50, 0.33, 0.17)),
         (DESK_LAMP, (0.22, 0.17, 0.11)),
         ((-1.1, 0.25, -2.5), (0.75, 0.62, 0.46)),  # what the sun's patch on the floor throws back
-        ((0.0, 2.6, 1.6), (0.34, 0.31, 0.27)),  # a ceiling light behind the viewer
+        (CEILING_LAMP, (0.42, 0.38, 0.32)),
     ):
-        light = light + lamp_light(room, lamp, colour, points, normals, two_sided)
+        light = light + lamp_light(room, points, normals, two_sided, lamp=lamp, colour=colour)
     light *= room.ambient(points, normals)[:, None]
     light += np.where(painted[:, None], 0, day.sun_light(room, points, normals, two_sided))
     return np.split(light, np.cumsum(counts)[:-1])

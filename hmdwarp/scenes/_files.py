@@ -1,0 +1,203 @@
+"""Somebody's GLB, OBJ or PLY as a scene: node transforms applied, textures and colours kept, a plain light baked in."""
+
+from __future__ import annotations
+
+import logging
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError
+from ..geometry import Pose
+from ._model import Background, Mesh, Scene, Texture
+
+if TYPE_CHECKING:
+    import trimesh
+
+SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
+GREY = 0.5
+_KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
+_STANDING_M = 1.6
+
+
+def scene_from_file(path: Path) -> Scene:
+    """The file's triangles as a Scene; what was survivable (a missing picture, degenerate parts) is said in its notes.
+
+    The file's units are taken as metres and +y as up, as glTF has it. The viewer stands at `viewpoint` (see viewpoint_of).
+    Far from the origin the float64 offset is kept apart (origin_m), so that no digits are lost on the GPU.
+    Errors: SceneError, one line, for a file that is missing, empty, corrupt, without triangles, or with positions that are not finite.
+    """
+    notes: list[str] = []
+    parts = [part for part in _parts_of(path, notes) if len(part.faces)]
+    if not parts:
+        raise SceneError(f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)")
+    for part in parts:
+        _check_finite(path, part)
+    low, high = (np.array([getattr(part.vertices, end)(axis=0) for part in parts]) for end in ("min", "max"))
+    low, high = low.min(axis=0), high.max(axis=0)
+    origin = np.round((low + high) / 2)  # whole metres, so that a scene drawn at the origin keeps its own numbers
+    textures: list[Texture] = []
+    meshes = [_mesh(part, f"{path.stem}-{i}", origin, textures, notes) for i, part in enumerate(parts)]
+    viewpoint, bounds = viewpoint_of(low, high)
+    summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
+    return Scene(
+        path.stem, summary, meshes, textures, SKY, origin_m=origin, viewpoint=viewpoint, walk_bounds_m=bounds, notes=dict.fromkeys(notes)
+    )
+
+
+def viewpoint_of(low: NDArray, high: NDArray) -> tuple[Pose, NDArray]:
+    """Where a viewer stands in a box (3,) low to high of somebody's scene, looking along -z, and the (2, 3) box to walk in.
+
+    Something of a room's size (3 m or more across both ways and 2 m high) is stood in: at its middle, 1.6 m above its floor.
+    Anything else is an object: it is looked at from outside, from the +z side at the height of its middle, far enough away
+    that it fills about 50 degrees.
+    """
+    middle, size = (low + high) / 2, high - low
+    if size[0] >= 3 and size[2] >= 3 and size[1] >= 2:
+        eye = np.array([middle[0], low[1] + min(_STANDING_M, 0.6 * size[1]), middle[2]])
+        reach = np.array([0.25 * size[0], 0.3, 0.25 * size[2]])
+    else:
+        distance = max(float(max(size[0], size[1])) / (2 * np.tan(np.radians(25))), 0.05)
+        eye = np.array([middle[0], middle[1], high[2] + distance])
+        reach = np.full(3, distance / 2)
+    return Pose(eye), np.array([eye - reach, eye + reach])
+
+
+def _parts_of(path: Path, notes: list[str]) -> list[trimesh.Trimesh]:
+    """Every mesh of the file in world coordinates."""
+    import trimesh
+
+    if not path.is_file():
+        raise SceneError(f"{path}: no such scene file; wanted a .glb, .obj or .ply file, or the name of a scene")
+    if path.stat().st_size == 0:
+        raise SceneError(f"{path}: the file is empty; wanted a .glb, .obj or .ply file")
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in ("glb", "obj", "ply"):
+        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; wanted .glb, .obj or .ply")
+    quiet, before = logging.getLogger("trimesh"), logging.getLogger("trimesh").level
+    quiet.setLevel(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            loaded = trimesh.load(path, file_type=kind, process=False, maintain_order=True)
+            found = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
+    except MemoryError:
+        raise
+    except Exception as error:  # trimesh's readers raise whatever their parsing trips over
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise SceneError(f"{path}: not a readable {kind.upper()} file ({type(error).__name__}: {reason}); export it again") from error
+    finally:
+        quiet.setLevel(before)
+    if kind == "obj":
+        notes += _missing_pictures(path)
+    return [part for part in found if isinstance(part, trimesh.Trimesh)]
+
+
+def _missing_pictures(path: Path) -> list[str]:
+    """One note per material library or picture that an OBJ names and that is not there; its surfaces are drawn grey or plain."""
+    notes = []
+    for library in _named_in(path, "mtllib"):
+        if not (path.parent / library).is_file():
+            notes.append(f"{path}: its material file '{library}' is missing; drawn grey")
+            continue
+        for picture in _named_in(path.parent / library, "map_Kd"):
+            if not (path.parent / picture).is_file():
+                notes.append(f"{path}: texture '{picture}' is missing; drawn grey")
+    return notes
+
+
+def _named_in(path: Path, keyword: str) -> list[str]:
+    lines = (line.split(maxsplit=1) for line in path.read_text(encoding="utf-8", errors="replace").splitlines())
+    return list(dict.fromkeys(words[1].strip() for words in lines if len(words) == 2 and words[0] == keyword))
+
+
+def _check_finite(path: Path, part: Any) -> None:
+    bad = ~np.isfinite(part.vertices).all(axis=1)
+    if bad.any():
+        raise SceneError(f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it")
+    if int(part.faces.max()) >= len(part.vertices) or int(part.faces.min()) < 0:
+        raise SceneError(f"{path}: a triangle uses vertex {int(part.faces.max())} of {len(part.vertices)}; the file is damaged")
+
+
+def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes: list[str]) -> Mesh:
+    vertices, faces = np.asarray(part.vertices, np.float64), np.asarray(part.faces)
+    normals = _normals(vertices, faces)
+    colour, uv, texture = _surface(part, len(vertices), textures, notes, name)
+    double_sided = bool(getattr(getattr(part.visual, "material", None), "doubleSided", False)) or not _is_closed(part)
+    lit = 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT) if double_sided else _plain_light(normals)
+    return Mesh(name, vertices - origin, normals, uv, colour * lit[:, None], faces, texture, double_sided)
+
+
+def _plain_light(normals: NDArray) -> NDArray:
+    return 0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0)
+
+
+def _is_closed(part: Any) -> bool:
+    """Closed surfaces may be culled from behind; anything else may be a single sheet, seen from both sides."""
+    return bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
+
+
+def _normals(vertices: NDArray, faces: NDArray) -> NDArray:
+    """Area-weighted vertex normals, unit; +y where a vertex has no triangle of any area."""
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    across = np.cross(b - a, c - a)
+    total = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(total, faces[:, corner], across)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.where(length > 0, total / np.where(length > 0, length, 1), (0.0, 1.0, 0.0))
+
+
+def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], name: str) -> tuple[NDArray, NDArray, int]:
+    """Linear colour (n, 3), uv (n, 2) and texture index of a part: its picture, else its vertex colours, else its material, else grey."""
+    visual, uv = part.visual, np.zeros((count, 2))
+    material = getattr(visual, "material", None)
+    picture = _picture_of(material)
+    found_uv = getattr(visual, "uv", None)
+    if found_uv is not None and np.shape(found_uv) == (count, 2):
+        uv = np.asarray(found_uv, np.float64)
+        if not np.isfinite(uv).all():
+            notes.append(f"{name}: texture coordinates that are not finite numbers were set to 0")
+            uv = np.where(np.isfinite(uv), uv, 0)
+    base = _base_colour(material)
+    if picture is not None and found_uv is not None:
+        textures.append(Texture(name, picture))
+        return np.tile(base if base is not None else (1.0, 1.0, 1.0), (count, 1)), uv, len(textures) - 1
+    colours = getattr(visual, "vertex_colors", None) if visual.kind in ("vertex", "face") else None
+    if colours is None:
+        colours = (getattr(visual, "vertex_attributes", None) or {}).get("color")
+    if colours is not None and np.shape(colours)[0] == count:
+        return linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), uv, -1
+    return np.tile(base if base is not None else (GREY, GREY, GREY), (count, 1)), uv, -1
+
+
+def _picture_of(material: Any) -> NDArray[np.uint8] | None:
+    """The base colour picture of a PBR or simple material as (h, w, 3) bytes."""
+    picture = getattr(material, "baseColorTexture", None)
+    if picture is None:
+        picture = getattr(material, "image", None)
+    if picture is None:
+        return None
+    try:
+        return np.asarray(picture.convert("RGB"), dtype=np.uint8)
+    except (OSError, ValueError, SyntaxError):  # Pillow decodes late: a cut-off picture shows only here
+        return None
+
+
+def _base_colour(material: Any) -> NDArray[np.float64] | None:
+    """Linear base colour: glTF factors are linear already (trimesh keeps them as bytes), an OBJ's Kd is sRGB by custom."""
+    factor = getattr(material, "baseColorFactor", None)
+    if factor is not None:
+        factor = np.asarray(factor)
+        return (factor[:3] / 255.0 if factor.dtype.kind in "ui" else factor[:3]).astype(np.float64)
+    diffuse = getattr(material, "diffuse", None)
+    return None if diffuse is None else linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
+
+
+def linear_from_srgb(values: NDArray) -> NDArray[np.float64]:
+    """sRGB 0..1 to linear light. Source: IEC 61966-2-1."""
+    values = np.asarray(values, np.float64)
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
