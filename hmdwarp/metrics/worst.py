@@ -28,7 +28,7 @@ class WorstKeeper:
     """The `count` pictures with the largest FLIP error, at most one from each bucket (a second of the trace, say).
 
     Whatever the order in which pictures are offered, the same ones are kept: a bucket's worst is only ever dropped for
-    `count` buckets that are worse still, and those can only get worse.
+    `count` buckets that are worse still, and those can only get worse. What has no bucket (None) is never kept.
     """
 
     def __init__(self, count: int, bucket: Callable[[Any], Hashable]) -> None:
@@ -40,6 +40,8 @@ class WorstKeeper:
         if self.count == 0:
             return
         bucket = self._bucket(kept.key)
+        if bucket is None:
+            return
         if bucket in self._best and self._best[bucket].rank >= kept.rank:
             return
         self._best[bucket] = kept

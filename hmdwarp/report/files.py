@@ -115,6 +115,23 @@ def write_png(path: str | os.PathLike, picture: NDArray) -> None:
     write_bytes(path, png_bytes(picture))
 
 
+def write_image_result(path: Path, colour: NDArray, coverage: NDArray, time_ms: Mapping[str, float]) -> None:
+    """A warped image as .npz (colour linear, coverage, time_ms as JSON text) or as .png (sRGB, holes transparent), by the ending.
+
+    Errors: InputError for another ending; else as write_bytes.
+    """
+    if path.suffix == ".npz":
+        with _opened(path) as file:
+            np.savez_compressed(file, colour=colour, coverage=coverage, time_ms=json.dumps(time_ms))
+    elif path.suffix == ".png":
+        from ..colour import srgb8_from_linear
+
+        alpha = np.rint(np.clip(coverage, 0, 1) * 255).astype(np.uint8)
+        write_png(path, np.concatenate([srgb8_from_linear(colour), alpha[..., None]], axis=2))
+    else:
+        raise InputError(f"{path}: wanted a name that ends in .npz or .png")
+
+
 class OutputFolder:
     """A folder of results that appears whole or not at all.
 

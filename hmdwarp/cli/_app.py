@@ -1,0 +1,41 @@
+"""The commands, put together."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from ..version import __version__
+from . import doctor, listing, plan, replay, trace, warp
+
+app = typer.Typer(
+    name="hmdwarp",
+    help="Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"hmdwarp {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")] = False,
+) -> None:
+    """Latency compensation for head-mounted displays."""
+
+
+app.command("replay")(replay.replay)
+app.command("warp")(warp.warp)
+app.command("list")(listing.list_)
+app.command("plan")(plan.plan)
+app.command("doctor")(doctor.doctor)
+app.add_typer(trace.app, name="trace")

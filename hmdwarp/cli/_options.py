@@ -1,0 +1,42 @@
+"""Options that several commands share, with their help; the names offered come from the registries' files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def names_in(folder: str, pattern: str = "*.py") -> str:
+    """The entries of a registry for a help text, from file names alone, so that --help imports nothing."""
+    return ", ".join(sorted(p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_")))
+
+
+Scene = Annotated[str, typer.Option("--scene", help=f"{names_in('scenes/library')}, or a .glb, .obj or .ply file.")]
+Latency = Annotated[float, typer.Option("--latency", help="Milliseconds from drawing a frame to showing it.")]
+Warp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}.")]
+Fill = Annotated[str, typer.Option("--fill", help=f"{names_in('client/fills')}.")]
+Lens = Annotated[str | None, typer.Option("--lens", help=f"{names_in('client/lens')}; by default the headset's own.", show_default=False)]
+Headset = Annotated[str, typer.Option("--headset", help=f"{names_in('headsets', '*.toml')}, or a .toml file.")]
+Size = Annotated[str | None, typer.Option("--size", help="WxH pixels of one eye; by default the headset's.", show_default=False)]
+Guard = Annotated[float, typer.Option("--guard", help="How many times as large (in tangents) the server draws the field of view.")]
+Predict = Annotated[str, typer.Option("--predict", help="Pose the server draws for: none (now's) or constant_velocity.")]
+Horizon = Annotated[float, typer.Option("--horizon", help="Milliseconds to predict ahead at most.")]
+TraceFormat = Annotated[str | None, typer.Option("--format", help="Trace format, instead of finding out.", show_default=False)]
+QuatOrder = Annotated[str | None, typer.Option("--quat-order", help="xyzw or wxyz, where a file does not say.", show_default=False)]
+Up = Annotated[str | None, typer.Option("--up", help="Which axis of the file points up, like y or z.", show_default=False)]
+Scale = Annotated[float | None, typer.Option("--scale", help="Metres per unit of the file's positions.", show_default=False)]
+TraceRate = Annotated[float | None, typer.Option("--trace-rate", help="Samples per second, for files without time.", show_default=False)]
+Segment = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.", show_default=False)]
+
+
+def lens_for(lens: str | None, headset: str) -> str:
+    """The lens asked for, or the one the headset has."""
+    if lens is not None:
+        return lens
+    from ..headsets import load_headset
+
+    return "radial" if load_headset(headset).lens is not None else "none"

@@ -1,0 +1,96 @@
+"""hmdwarp replay: a recorded head trace through the whole pipeline."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import _options as o
+
+
+def replay(
+    trace: Annotated[str, typer.Argument(help="A head trace file, or the name of a recording that comes along, like look-around.")],
+    scene: o.Scene = "room",
+    latency: o.Latency = 200.0,
+    warp: o.Warp = "forward",
+    fill: o.Fill = "interpolate",
+    lens: o.Lens = None,
+    headset: o.Headset = "rift-dk1",
+    size: o.Size = None,
+    rate: Annotated[float | None, typer.Option("--rate", help="Refreshes a second; by default the headset's.", show_default=False)] = None,
+    start: Annotated[float, typer.Option("--start", help="Seconds into the trace to show first.")] = 0.0,
+    seconds: Annotated[float | None, typer.Option("--seconds", help="Seconds to show; by default all.", show_default=False)] = None,
+    guard: o.Guard = 1.0,
+    predict: o.Predict = "none",
+    horizon: o.Horizon = 100.0,
+    out: Annotated[Path, typer.Option("--out", help="Folder for summary.json, frames.csv, images/ and report.html.")] = Path("out/replay"),
+    against: Annotated[str, typer.Option("--against", help="The warp to compare with; '' for none.")] = "none",
+    metrics_every: Annotated[int, typer.Option("--metrics-every", help="Measure every n-th refresh.")] = 10,
+    workers: Annotated[
+        int | None, typer.Option("--workers", help="Measuring processes; 0 measures in the loop. Default: cores - 1.", show_default=False)
+    ] = None,
+    images: Annotated[int, typer.Option("--images", help="About how many refreshes to keep as pictures.")] = 6,
+    video: Annotated[bool, typer.Option("--video", help="Also write replay.mp4: both panels, as the display gets them.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    trace_format: o.TraceFormat = None,
+    quat_order: o.QuatOrder = None,
+    up: o.Up = None,
+    scale: o.Scale = None,
+    trace_rate: o.TraceRate = None,
+    segment: o.Segment = None,
+) -> None:
+    """Replay a head trace with late frames, warp each to the newest pose, and measure it against no latency at all."""
+    from ..options import RunOptions, parse_size
+    from ..poses.options import TraceOptions
+
+    options = RunOptions(
+        trace=trace,
+        scene=scene,
+        latency_ms=latency,
+        warp=warp,
+        fill=fill,
+        lens=o.lens_for(lens, headset),
+        headset=headset,
+        size=None if size is None else parse_size(size),
+        rate_hz=rate,
+        start_s=start,
+        seconds=seconds,
+        guard=guard,
+        predict=predict,
+        horizon_ms=horizon,
+        against=against,
+        metrics_every=metrics_every,
+        workers=workers,
+        images=images,
+        video=video,
+        trace_options=TraceOptions(trace_format, quat_order, up, scale, trace_rate, segment),
+        out=out,
+        command=shlex.join(["hmdwarp", *sys.argv[1:]]),
+    )
+    _run(options, quiet)
+
+
+def _run(options, quiet: bool) -> None:
+    from ..replay import replay as run
+
+    if quiet:
+        run(options)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from ..report.tables import summary_table
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("refreshes", total=None)
+        result = run(options, lambda done, total: bar.update(task, completed=done, total=total))
+    Console().print(summary_table(result.summary, result.against))
+    for note in result.summary["notes"]:
+        typer.echo(f"note: {note}")
+    typer.echo(f"report: {result.report}")

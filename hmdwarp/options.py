@@ -1,0 +1,66 @@
+"""What a run is asked to do, checked before anything is started."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import attrs
+
+from .errors import InputError
+from .poses.options import TraceOptions
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """'640x400' to (640, 400). Errors: InputError."""
+    match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
+    if not match or 0 in map(int, match.groups()):
+        raise InputError(f"size '{text}': wanted WIDTHxHEIGHT in pixels of one eye, like 640x800")
+    return int(match.group(1)), int(match.group(2))
+
+
+def _number(name: str, unit: str, *, least: float = 0.0, above: bool = False):
+    def check(_: object, __: attrs.Attribute, value: float | None) -> None:
+        if value is None:
+            return
+        fits = math.isfinite(value) and (value > least if above else value >= least)
+        if not fits:
+            raise InputError(f"{name} {value:g}{unit}: wanted a number {'above' if above else 'of at least'} {least:g}{unit}")
+
+    return check
+
+
+@attrs.frozen
+class RunOptions:
+    """One run: the same names and defaults as the command line's.
+
+    latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
+    headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
+    draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
+    metrics_every: pictures are measured at every n-th refresh. workers: measuring processes, None for one per core but one.
+    Errors: InputError for a number that cannot be meant.
+    """
+
+    trace: str
+    scene: str = "room"
+    latency_ms: float = attrs.field(default=200.0, validator=_number("latency", " ms"))
+    warp: str = "forward"
+    fill: str = "interpolate"
+    lens: str = "radial"
+    headset: str = "rift-dk1"
+    size: tuple[int, int] | None = None
+    rate_hz: float | None = attrs.field(default=None, validator=_number("rate", " Hz", above=True))
+    start_s: float = attrs.field(default=0.0, validator=_number("start", " s"))
+    seconds: float | None = attrs.field(default=None, validator=_number("seconds", " s", above=True))
+    guard: float = attrs.field(default=1.0, validator=_number("guard", "", least=1.0))
+    predict: str = "none"
+    horizon_ms: float = attrs.field(default=100.0, validator=_number("horizon", " ms"))
+    against: str = "none"
+    metrics_every: int = attrs.field(default=10, validator=_number("metrics-every", "", least=1))
+    workers: int | None = attrs.field(default=None, validator=_number("workers", ""))
+    images: int = attrs.field(default=6, validator=_number("images", ""))
+    video: bool = False
+    trace_options: TraceOptions = attrs.field(factory=TraceOptions)
+    out: Path = attrs.field(default=Path("out/replay"), converter=Path)
+    command: str = ""
