@@ -14,7 +14,7 @@ def main() -> None:
     from ._app import app
 
     try:
-        app(standalone_mode=False)
+        status = app(standalone_mode=False, prog_name="hmdwarp")  # hands back the status of a typer.Exit instead of raising it
     except HmdwarpError as error:
         _leave(str(error), error.exit_status)
     except KeyboardInterrupt:
@@ -24,16 +24,20 @@ def main() -> None:
         sys.exit(0)
     except Exception as error:
         _leave_by_unforeseen(error)
+    else:
+        sys.exit(status if isinstance(status, int) else 0)
 
 
 def _leave_by_unforeseen(error: Exception) -> None:
-    import click
+    import typer
 
-    if isinstance(error, click.exceptions.Exit):
-        sys.exit(error.exit_code)
-    if isinstance(error, click.Abort):
+    if isinstance(error, typer.Abort):
         _leave("interrupted; nothing unfinished was left behind", INTERRUPTED)
-    if isinstance(error, click.ClickException):
+    if type(error).__name__ == "NoArgsIsHelpError":
+        print(error.format_message())
+        sys.exit(0)
+    # Usage errors. Newer typers carry a click of their own, older ones use the real one: there is no one base class to name.
+    if hasattr(error, "format_message"):
         command = getattr(getattr(error, "ctx", None), "command_path", "hmdwarp")
         _leave(f"{error.format_message()} ('{command} --help' shows what there is)", 2)
     if os.environ.get("HMDWARP_DEBUG"):
