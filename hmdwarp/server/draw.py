@@ -85,9 +85,9 @@ class Server:
         clip = clip_from_eye(view.fov) @ eye_from_scene(view, self.scene.origin_m)
         surface.uniforms.set(clip_from_scene=clip)
         self._set_background(background, view, colour=colour)
+        _clear_depth(gl, framebuffer)
         with gl.scope(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
-            _clear_depth(framebuffer)
             self._draw_surfaces(vertices, clip, view, colour=colour)
             gl.disable(moderngl.CULL_FACE)
             empty.render(moderngl.TRIANGLES, vertices=3)
@@ -124,13 +124,13 @@ def _check_same_size(found: tuple[int, int], wanted: tuple[int, int]) -> None:
         raise InputError(f"target is {found[0]}x{found[1]} pixels, the picture {wanted[0]}x{wanted[1]}: they must be the same")
 
 
-def _clear_depth(framebuffer: moderngl.Framebuffer) -> None:
+def _clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:
     """Depth alone: every colour is written by a surface or by the background anyway."""
-    wanted = framebuffer.color_mask
-    nothing = (False,) * 4
+    wanted, nothing = framebuffer.color_mask, (False,) * 4
     framebuffer.color_mask = nothing if len(framebuffer.color_attachments) == 1 else (nothing,) * len(framebuffer.color_attachments)
-    framebuffer.clear(depth=1.0)
-    framebuffer.color_mask = wanted
+    with gl.scope(framebuffer):
+        framebuffer.clear(depth=1.0)
+    framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
 
 
 def _runs(chunks: Chunks, clip: np.ndarray, eye: np.ndarray) -> Iterator[tuple[int, int, int]]:

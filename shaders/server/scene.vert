@@ -3,6 +3,8 @@
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far plane).
 uniform mat4 clip_from_scene;
 
+invariant gl_Position;  // colour and depth alone are two programs and must agree to the last bit
+
 in vec3 in_position;
 #ifdef COLOUR
 in vec2 in_uv;
