@@ -110,8 +110,9 @@ def _missing_pictures(path: Path) -> list[str]:
 
 
 def _named_in(path: Path, keyword: str) -> list[str]:
-    lines = (line.split(maxsplit=1) for line in path.read_text(encoding="utf-8", errors="replace").splitlines())
-    return list(dict.fromkeys(words[1].strip() for words in lines if len(words) == 2 and words[0] == keyword))
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = (line.split(maxsplit=1) for line in file if line.lstrip().startswith(keyword))
+        return list(dict.fromkeys(words[1].strip() for words in lines if len(words) == 2 and words[0] == keyword))
 
 
 def _check_finite(path: Path, part: Any) -> None:

@@ -67,7 +67,7 @@ def _house(pieces: Pieces, index: int, where: tuple[float, float, float, float, 
     gables = []
     for side in (1, -1):
         points = np.array(
-            [[(side * wide / 2, ridge - 0.25, 0)] * 3, [(side * wide / 2, wall - 0.12, z * side) for z in (-deep / 2, 0, deep / 2)]]
+            [[(side * wide / 2, ridge - 0.25, 0)] * 3, [(side * wide / 2, wall - 0.12, z * side) for z in (deep / 2, 0, -deep / 2)]]
         )
         gables.append(sheet(points, np.array([[(0.02, 0.98)] * 3, [(0.0, 0.92), (0.05, 0.92), (0.1, 0.92)]])))
     gable = join(gables)

@@ -1,0 +1,139 @@
+"""What every registered scene promises, and what room promises on top."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import SceneError, UnknownNameError
+from hmdwarp.scenes import Mesh, Scene, SceneEffect, Texture, load_scene, scenes
+
+NAMES = scenes.names()
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def scene(request):
+    return load_scene(request.param)
+
+
+@pytest.fixture(scope="module")
+def room():
+    return load_scene("room")
+
+
+def all_positions(scene: Scene) -> np.ndarray:
+    return np.concatenate([mesh.positions for mesh in scene.meshes]).astype(np.float64) + scene.origin_m
+
+
+def test_the_three_scenes_are_registered():
+    assert {"room", "planes", "spheres"} <= set(NAMES)
+
+
+def test_a_scene_says_what_its_source_says(scene):
+    source = scenes.get(scene.name)
+    assert (source.summary, source.effects) == (scene.summary, scene.effects)
+    assert scene.summary
+    assert isinstance(scene.effects, SceneEffect)
+
+
+def test_meshes_are_drawable(scene):
+    assert scene.triangle_count == sum(len(mesh.triangles) for mesh in scene.meshes) > 0
+    for mesh in scene.meshes:
+        assert np.isfinite(mesh.positions).all()
+        # float32 keeps 7 digits of a unit vector
+        assert np.abs(np.linalg.norm(mesh.normals, axis=1) - 1).max() < 1e-5
+        assert mesh.triangles.max() < len(mesh.positions)
+        assert (mesh.light >= 0).all()
+        assert np.abs(mesh.uv).max() < 1000  # beyond, float32 uv would show texels swimming
+
+
+def test_normals_and_winding_agree(scene):
+    for mesh in scene.meshes:
+        a, b, c = (mesh.positions[mesh.triangles[:, i]].astype(np.float64) for i in range(3))
+        across = np.cross(b - a, c - a)
+        area = np.linalg.norm(across, axis=1)
+        mean = mesh.normals[mesh.triangles].mean(axis=1)
+        agree = np.einsum("ij,ij->i", across, mean) > 0
+        # A corner's normal is a mean over its neighbours, so a sharp fold may turn one of its triangles' means around.
+        assert area[~agree].sum() <= 0.01 * area.sum(), mesh.name
+
+
+def test_the_viewer_stands_where_a_head_may_go(scene):
+    low, high = scene.walk_bounds_m
+    assert (low < high).all()
+    assert ((low <= scene.viewpoint.position_m) & (scene.viewpoint.position_m <= high)).all()
+    assert np.allclose(scene.viewpoint.transform((0, 0, -1)) - scene.viewpoint.position_m, (0, 0, -1))
+
+
+def test_building_twice_gives_the_same_bits(scene):
+    again = load_scene(scene.name)
+    assert [mesh.name for mesh in again.meshes] == [mesh.name for mesh in scene.meshes]
+    for first, second in zip(scene.meshes, again.meshes, strict=True):
+        for field in ("positions", "normals", "uv", "light", "triangles"):
+            assert np.array_equal(getattr(first, field), getattr(second, field))
+    for first, second in zip(scene.textures, again.textures, strict=True):
+        assert np.array_equal(first.image, second.image)
+
+
+def test_room_has_about_75000_triangles(room):
+    assert 70_000 <= room.triangle_count <= 80_000
+
+
+def test_room_has_near_and_far_things(room):
+    points = all_positions(room)
+    distance = np.linalg.norm(points - room.viewpoint.position_m, axis=1)
+    ahead = points[:, 2] < -0.2
+    assert 0.35 < distance[ahead].min() < 0.5
+    assert (distance > 20).sum() > 5000
+
+
+def test_little_stands_where_a_head_walks_in_the_room(room):
+    # Between chest and crown, inside the walk, only thin things: the leaves and the microphone beside the viewer.
+    area = 0.0
+    low, high = room.walk_bounds_m
+    for mesh in room.meshes:
+        corners = mesh.positions[mesh.triangles].astype(np.float64)
+        middle = corners.mean(axis=1)
+        inside = ((middle > (low[0], 1.2, low[2])) & (middle < (high[0], 1.9, high[2]))).all(axis=1)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[inside]
+        area += np.linalg.norm(across, axis=1).sum() / 2
+    assert 0.02 < area < 0.8
+
+
+def test_every_surface_of_the_room_has_texture(room):
+    for mesh in room.meshes:
+        image = room.textures[mesh.texture].image.astype(float)
+        assert image.std(axis=(0, 1)).max() > 3, room.textures[mesh.texture].name
+
+
+def mesh_with(**changes) -> Mesh:
+    ones = np.ones((3, 3))
+    fields = {"positions": ones, "normals": ones, "uv": np.ones((3, 2)), "light": ones, "triangles": [(0, 1, 2)]}
+    return Mesh("bent", **(fields | changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"positions": [(0, 0, 0), (0, np.nan, 0), (1, 1, 1)]}, "positions of vertex 1"),
+        ({"normals": np.full((3, 3), np.inf)}, "normals of vertex 0"),
+        ({"uv": np.ones((2, 2))}, "3 positions but 2 uv"),
+        ({"light": np.ones(3)}, r"wanted an \(n, 3\) array"),
+        ({"triangles": [(0, 1, 3)]}, "vertex 3, but there are only 3"),
+    ],
+)
+def test_impossible_meshes_are_refused_by_name(changes, message):
+    with pytest.raises(SceneError, match=message):
+        mesh_with(**changes)
+
+
+def test_a_mesh_with_an_unknown_texture_and_a_texture_of_the_wrong_type_are_refused():
+    with pytest.raises(SceneError, match="wants texture 2, the scene has 0"):
+        Scene("bent", "", (mesh_with(texture=2),))
+    with pytest.raises(SceneError, match="float64"):
+        Texture("bent", np.zeros((2, 2, 3)))
+
+
+def test_an_unknown_name_is_answered_with_the_nearest():
+    with pytest.raises(UnknownNameError, match="did you mean 'room'"):
+        load_scene("rom")

@@ -1,0 +1,186 @@
+"""Somebody's files: what comes in is what was written, and what is broken is one clear line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from hmdwarp.errors import SceneError
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.textures import download
+from hmdwarp.scenes import Scene, load_scene
+from hmdwarp.scenes._files import linear_from_srgb, viewpoint_of
+from hmdwarp.server import Server
+
+# Red above green on the left, blue above yellow on the right, in 8 x 8 pixels.
+PICTURE = np.zeros((8, 8, 3), np.uint8)
+PICTURE[:4, :4], PICTURE[4:, :4], PICTURE[:4, 4:], PICTURE[4:, 4:] = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)
+
+
+def upright_square() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices, faces and uv of a 2 m square in the plane z = 0 that faces +z."""
+    vertices = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
+    return vertices, np.array([(0, 1, 2), (0, 2, 3)]), np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
+
+
+def textured_square() -> trimesh.Trimesh:
+    vertices, faces, uv = upright_square()
+    material = trimesh.visual.material.PBRMaterial(baseColorTexture=Image.fromarray(PICTURE), doubleSided=True)
+    return trimesh.Trimesh(vertices, faces, visual=trimesh.visual.TextureVisuals(uv=uv, material=material), process=False)
+
+
+def world_corners(scene: Scene) -> np.ndarray:
+    """All triangles' corners in the world, sorted, as a set to compare."""
+    corners = np.concatenate([mesh.positions[mesh.triangles].reshape(-1, 3) for mesh in scene.meshes]) + scene.origin_m
+    return np.array(sorted(map(tuple, corners.round(5) + 0.0)))
+
+
+def test_a_glb_keeps_its_texture_and_its_nodes_transforms(tmp_path, gpu):
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0, 1, 0), (0, 0, 0))
+    turn[:3, 3] = (5, 1, -2)
+    exported = trimesh.Scene()
+    exported.add_geometry(textured_square(), transform=turn)
+    exported.export(tmp_path / "square.glb")
+    scene = load_scene(tmp_path / "square.glb")
+    assert scene.triangle_count == 2
+    vertices, faces, _ = upright_square()
+    expected = trimesh.transform_points(vertices, turn)[faces].reshape(-1, 3)
+    assert np.allclose(world_corners(scene), sorted(map(tuple, expected.round(5) + 0.0)))
+    assert (scene.textures[0].image == PICTURE).all()
+    # The square now faces +x: from there red is at the upper left, as in the picture.
+    server = Server(gpu, scene)
+    seen = server.draw(View(Pose((7, 1, -2), (0, np.sin(np.pi / 4), 0, np.cos(np.pi / 4))), Fov.symmetric(0.8, 0.8)), (20, 20))
+    colour = download(seen.colour)[..., :3].astype(float)
+    server.close()
+    for row, column, strong in ((5, 5, (1, 0, 0)), (14, 5, (0, 1, 0)), (5, 14, (0, 0, 1)), (14, 14, (1, 1, 0))):
+        assert ((colour[row, column] > 0.1) == np.array(strong, bool)).all()
+
+
+def test_an_obj_keeps_its_texture(tmp_path):
+    vertices, faces, uv = upright_square()
+    visual = trimesh.visual.TextureVisuals(uv=uv, image=Image.fromarray(PICTURE))
+    trimesh.Trimesh(vertices, faces, visual=visual, process=False).export(tmp_path / "square.obj")
+    scene = load_scene(tmp_path / "square.obj")
+    assert scene.triangle_count == 2
+    assert (scene.textures[0].image == PICTURE).all()
+    assert scene.notes == ()
+    mesh = scene.meshes[0]
+    assert np.allclose(mesh.uv, (mesh.positions[:, :2] + scene.origin_m[:2] + 1) / 2)
+
+
+def test_an_obj_without_its_texture_is_grey_and_says_so(tmp_path):
+    (tmp_path / "square.mtl").write_text("newmtl a\nmap_Kd gone.png\n")
+    (tmp_path / "square.obj").write_text("mtllib square.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
+    scene = load_scene(tmp_path / "square.obj")
+    assert scene.triangle_count == 1
+    assert len(scene.notes) == 1
+    assert "'gone.png' is missing" in scene.notes[0]
+    assert np.ptp(scene.meshes[0].light, axis=1).max() < 1e-6
+
+
+def test_an_obj_without_its_material_file_is_grey_and_says_so(tmp_path):
+    (tmp_path / "a.obj").write_text("mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    scene = load_scene(tmp_path / "a.obj")
+    assert "'gone.mtl' is missing" in scene.notes[0]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "binary"])
+def test_a_ply_keeps_its_vertex_colours_in_linear_light(tmp_path, encoding):
+    vertices, faces, _ = upright_square()
+    colours = np.array([(255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 255, 255), (128, 128, 128, 255)], np.uint8)
+    trimesh.Trimesh(vertices, faces, vertex_colors=colours, process=False).export(tmp_path / "a.ply", encoding=encoding)
+    mesh = load_scene(tmp_path / "a.ply").meshes[0]
+    expected = linear_from_srgb(colours[:, :3] / 255)
+    # The same plain light falls on all four corners of a flat square: colours are kept up to that factor.
+    factor = mesh.light[0, 0] / expected[0, 0]
+    assert 0.3 < factor < 1.5
+    assert np.allclose(mesh.light, expected * factor, atol=1e-6)
+
+
+def test_a_glb_base_colour_without_a_texture_is_kept(tmp_path):
+    vertices, faces, _ = upright_square()
+    material = trimesh.visual.material.PBRMaterial(baseColorFactor=(255, 51, 0, 255))
+    square = trimesh.Trimesh(vertices, faces, visual=trimesh.visual.TextureVisuals(material=material), process=False)
+    square.export(tmp_path / "a.glb")
+    light = load_scene(tmp_path / "a.glb").meshes[0].light
+    assert np.allclose(light[:, 1] / light[:, 0], 0.2, atol=0.01)  # glTF factors are linear; trimesh keeps them as bytes
+    assert (light[:, 2] == 0).all()
+
+
+def test_a_scene_far_from_the_origin_keeps_its_float64_place(tmp_path):
+    (tmp_path / "far.obj").write_text("v 1000000.125 0 0\nv 1000001.125 0 0\nv 1000000.125 1.5 0\nf 1 2 3\n")
+    scene = load_scene(tmp_path / "far.obj")
+    assert np.abs(scene.meshes[0].positions).max() < 10
+    assert np.allclose(world_corners(scene)[0], (1000000.125, 0, 0), atol=1e-6)
+
+
+@pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
+def test_a_missing_or_empty_file_is_named(tmp_path, ending):
+    path = tmp_path / f"a.{ending}"
+    with pytest.raises(SceneError, match=rf"a\.{ending}: no such scene file"):
+        load_scene(path)
+    path.write_bytes(b"")
+    with pytest.raises(SceneError, match=rf"a\.{ending}: the file is empty"):
+        load_scene(path)
+
+
+def test_another_kind_of_file_is_refused(tmp_path):
+    (tmp_path / "a.stl").write_text("solid a\nendsolid a\n")
+    with pytest.raises(SceneError, match=r"cannot read '\.stl' scenes; wanted \.glb, \.obj or \.ply"):
+        load_scene(tmp_path / "a.stl")
+
+
+def test_files_without_triangles_are_refused(tmp_path):
+    trimesh.PointCloud(np.eye(3)).export(tmp_path / "points.ply")
+    (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\n")
+    for name in ("points.ply", "points.obj"):
+        with pytest.raises(SceneError, match=name):
+            load_scene(tmp_path / name)
+
+
+def test_positions_that_are_not_finite_are_refused(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n")
+    with pytest.raises(SceneError, match="not a finite number"):
+        load_scene(tmp_path / "a.obj")
+
+
+def one_line_error(path) -> None:
+    """Loads, or fails with one line that names the file."""
+    try:
+        load_scene(path)
+    except SceneError as error:
+        assert str(path) in str(error)  # noqa: PT017 (loading may also succeed)
+        assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damaged_and_random_files_load_or_fail_with_one_line(tmp_path, ending, data):
+    whole = tmp_path / f"whole.{ending}"
+    if not whole.exists():
+        mesh = textured_square() if ending == "glb" else trimesh.creation.box()
+        mesh.export(whole)
+    damaged = bytearray(whole.read_bytes())
+    if data.draw(st.booleans()):
+        damaged = damaged[: data.draw(st.integers(1, len(damaged)))]
+    for _ in range(data.draw(st.integers(0, 4))):
+        damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+    for contents in (bytes(damaged), data.draw(st.binary(min_size=1, max_size=200))):
+        path = tmp_path / f"damaged.{ending}"
+        path.write_bytes(contents)
+        one_line_error(path)
+
+
+def test_a_room_is_stood_in_and_an_object_is_looked_at():
+    inside, bounds = viewpoint_of(np.array([-3.0, 0, -4]), np.array([3.0, 2.8, 2]))
+    assert np.allclose(inside.position_m, (0, 1.6, -1))
+    assert (bounds[0] >= (-3, 0, -4)).all()
+    assert (bounds[1] <= (3, 2.8, 2)).all()
+    outside, _ = viewpoint_of(np.full(3, -0.1), np.full(3, 0.1))
+    assert outside.position_m[2] > 0.1
+    assert 2 * np.degrees(np.arctan(0.1 / (outside.position_m[2] - 0.1))) == pytest.approx(50)
