@@ -31,7 +31,7 @@ Trace = Annotated[str, typer.Argument(metavar="TRACE", help="A file, or the bare
 
 
 def _options(
-    format: str | None, quat_order: str | None, up: str | None, scale: float | None, rate: float | None, segment: int | None
+    *, format: str | None, quat_order: str | None, up: str | None, scale: float | None, rate: float | None, segment: int | None
 ) -> TraceOptions:
     from ..poses.options import TraceOptions
 
@@ -41,6 +41,7 @@ def _options(
 @app.command()
 def info(
     trace: Trace,
+    *,
     format: Format = None,
     quat_order: QuatOrder = None,
     up: Up = None,
@@ -54,7 +55,7 @@ def info(
     from ..poses.analysis import analyse
     from ..poses.load import load_trace
 
-    loaded = load_trace(trace, _options(format, quat_order, up, scale, rate, segment))
+    loaded = load_trace(trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment))
     figures = analyse(loaded.track)
     console = Console()
     if not console.is_terminal:
@@ -71,6 +72,7 @@ def info(
 def convert(
     trace: Trace,
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write.")],
+    *,
     to: Annotated[str, typer.Option("--to", help="Format to write: native, tum or euroc.")] = "native",
     format: Format = None,
     quat_order: QuatOrder = None,
@@ -90,7 +92,7 @@ def convert(
     if not target.writes:
         able = ", ".join(f.name for f in FORMATS if f.writes)
         raise InputError(f"format {to} is read, not written: wanted one of {able}")
-    loaded = load_trace(trace, _options(format, quat_order, up, scale, rate, segment))
+    loaded = load_trace(trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment))
     write_whole(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
@@ -101,8 +103,8 @@ def convert(
 def synth(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="still, look-around, reversals, walk or fast-turns.")],
     out: Annotated[Path, typer.Option("--out", help="The file to write.")],
-    seed: Annotated[int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default that of the shipped recording.")] = None,
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default that of the shipped recording.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default the recording's.")] = None,
+    seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default the recording's.")] = None,
     rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 90.0,
 ) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""

@@ -68,9 +68,7 @@ PREDICTORS: dict[str, Callable[[PoseTrack, int, int, int], PoseSample]] = {
 }
 
 
-def predict(
-    track: PoseTrack, now_ns: int, target_ns: int, method: str = "constant_velocity", horizon_ns: int = HORIZON_NS
-) -> PoseSample:
+def predict(track: PoseTrack, now_ns: int, target_ns: int, method: str = "constant_velocity", horizon_ns: int = HORIZON_NS) -> PoseSample:
     """The head at `target_ns` as it can be known at `now_ns`: no sample after `now_ns` is looked at.
 
     method: none or constant_velocity (cav). horizon_ns: how far ahead of the last sample at most; beyond it the pose stays where

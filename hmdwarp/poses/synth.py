@@ -60,7 +60,7 @@ class Motion:
 
 @attrs.frozen
 class Kind:
-    """A kind of made-up motion: `build(rng, seconds, t)` gives the motion at the instants t; seconds and seed are those of the recording."""
+    """A kind of made-up motion: `build(rng, seconds, t)` gives it at the instants t; seconds and seed are the recording's."""
 
     name: str
     summary: str
@@ -139,9 +139,9 @@ def _between(rng: random.Random, low: float, high: float) -> float:
     return low + (high - low) * rng.random()
 
 
-def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_hz: float, count: int = 4) -> Array:
+def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_hz: float) -> Array:
     """A sum of sines with random phases, of peak `amplitude` at most; frequencies spread over the band, amplitudes as 1/f. 0 at t = 0."""
-    out, weights = np.zeros_like(t), 0.0
+    out, weights, count = np.zeros_like(t), 0.0, 4
     for i in range(count):
         hz = low_hz * (high_hz / low_hz) ** ((i + _between(rng, 0.2, 0.8)) / count)
         phase = _between(rng, 0, 2 * math.pi)

@@ -201,7 +201,8 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
     off = np.abs(norm_squared - 1)
     worst = int(np.argmax(off))
     if not abs(np.sqrt(norm_squared[worst]) - 1) <= 1e-2:
-        raise TraceError(f"sample {worst}: a quaternion of length {np.sqrt(norm_squared[worst]):.4g}, wanted 1 within 0.01: {q[worst].tolist()}")
+        length = np.sqrt(norm_squared[worst])
+        raise TraceError(f"sample {worst}: a quaternion of length {length:.4g}, wanted 1 within 0.01: {q[worst].tolist()}")
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]
     elif not (np.einsum("ij,ij->i", q[1:], q[:-1]) < 0).any():

@@ -45,7 +45,7 @@ class TraceFormat:
         if layout.time is None and options.rate is None:
             raise TraceError(f"{head.path} has no time ({head.describe()}): give the samples per second with --rate")
         if options.rate is not None:
-            layout = attrs.evolve(layout, time=None)
+            layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         reader = RowReader(head, layout)
         rows = reader.read()
         layout = attrs.evolve(layout, caveats=(*layout.caveats, *reader.defects))

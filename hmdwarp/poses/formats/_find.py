@@ -20,4 +20,6 @@ def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     if head.names is None and head.width in (5, 6, 7, 8) and options.quat_order is None:
         ordered(head, (0, 0, 0, 0), None)  # says that the order cannot be told
     known = ", ".join(FORMATS.names())
-    raise TraceError(f"{head.path} is in no known trace format ({head.describe()}): name the columns in a header line, or say --format ({known})")
+    raise TraceError(
+        f"{head.path} is in no known trace format ({head.describe()}): name the columns in a header line, or say --format ({known})"
+    )

@@ -20,7 +20,7 @@ def clock_offset_ns(track: PoseTrack) -> int:
 
 
 def write_rows(
-    track: PoseTrack, stream: IO[str], separator: str, stamp: Callable[[int], str], order: str, decimals: tuple[int, int] | None = None
+    track: PoseTrack, stream: IO[str], separator: str, *, stamp: Callable[[int], str], order: str, decimals: tuple[int, int] | None = None
 ) -> None:
     """Time, position and quaternion of every sample.
 

@@ -38,7 +38,7 @@ class Euroc(TraceFormat):
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write(HEADER + "\n")
-        write_rows(track, stream, ",", str, "wxyz")
+        write_rows(track, stream, ",", stamp=str, order="wxyz")
 
 
 FORMAT = FORMATS.register(Euroc())

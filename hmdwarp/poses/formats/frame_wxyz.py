@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ...errors import TraceError
 from ..options import TraceOptions
@@ -12,12 +15,15 @@ from . import FORMATS
 from ._base import TraceFormat, ordered
 from .multiviewpoint import AXES
 
+if TYPE_CHECKING:
+    from ..reading.cleaning import Cleaned
+    from ..track import PoseTrack
+
 
 class FrameWxyz(TraceFormat):
     """The shape alone tells this format: six bare columns, the second a frame number that never falls, the last four of length 1.
 
-    Its order is w first by definition; a file of this shape whose heads would then hang sideways is refused (the z axis of the
-    head, on the first rows, must point up rather than down or level).
+    Its order is w first by definition; a file of this shape whose own motion speaks against that is refused.
     Source: Corbillon et al. 2017, 360-degree video head movement dataset (MMSys).
     """
 
@@ -37,25 +43,31 @@ class FrameWxyz(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.width < 6:
             raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, wanted 6: time, frame and a quaternion")
-        order = options.quat_order
-        if order is None and options.format != self.name and not _upright(head):
+        return Layout(time=0, orientation=ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), unit="s", axes=AXES)
+
+    def read(self, head: Head, options: TraceOptions) -> Cleaned:
+        cleaned = super().read(head, options)
+        if options.quat_order is None and options.format != self.name and _hangs(cleaned.track):
             raise TraceError(
-                f"{head.path} has the shape of 't frame w x y z', but read so the head hangs sideways: "
+                f"{head.path} has the shape of 't frame w x y z', but read so the head hangs upside down: "
                 "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
             )
-        return Layout(time=0, orientation=ordered(head, (2, 3, 4, 5), order or "wxyz"), unit="s", axes=AXES)
+        return cleaned
 
 
 def _quaternion(row: list[str]) -> list[float]:
     return [float(f.replace(",", ".")) for f in row[2:6]]
 
 
-def _upright(head: Head) -> bool:
-    """The head's z axis has a vertical part of more than 0.3 in the mean, with w first; otherwise w last must not do better."""
-    rows = [_quaternion(r) for r in head.rows if len(r) == 6 and all(is_number(f) for f in r)]
-    first = sum(1 - 2 * (r[1] ** 2 + r[2] ** 2) for r in rows) / max(len(rows), 1)
-    last = sum(1 - 2 * (r[0] ** 2 + r[1] ** 2) for r in rows) / max(len(rows), 1)
-    return first > 0.3 or first >= last
+def _hangs(track: PoseTrack) -> bool:
+    """The head is upside down for a tenth of the time, and would be upright had w come last.
+
+    The vertical part of the head's own up is 1 - 2 (x^2 + y^2) in the file's axes. Read in the wrong order it swings with the
+    heading instead: only a head that has turned about can give the order away.
+    """
+    x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
+    as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)
+    return bool(np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5)
 
 
 FORMAT = FORMATS.register(FrameWxyz())

@@ -44,4 +44,4 @@ def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | 
     # One line each: a note with a newline in it would become a row.
     stream.writelines(f"# {' '.join(text.split())}\n" for text in head)
     stream.write(",".join(COLUMNS) + "\n")
-    write_rows(track, stream, ",", str, "xyzw", decimals)
+    write_rows(track, stream, ",", stamp=str, order="xyzw", decimals=decimals)

@@ -39,7 +39,7 @@ class Tum(TraceFormat):
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write("# " + " ".join(COLUMNS) + "\n")
-        write_rows(track, stream, " ", _seconds, "xyzw")
+        write_rows(track, stream, " ", stamp=_seconds, order="xyzw")
 
 
 def need_columns(head: Head, count: int) -> None:

@@ -63,6 +63,7 @@ class Cleaner:
         self.drop_cut_row()
         self.take_one_device()
         self.drop_zero_quaternions()
+        self.need_two_rows()
         self.count_by_rate()
         self.take_one_segment()
         time_ns = self.times()
@@ -75,8 +76,7 @@ class Cleaner:
         self.report_gaps(time_ns)
         jumps = self.find_jumps(time_ns)
         self.report_tilt()
-        if len(self.rows) < 2:
-            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: wanted two or more{self._so_far()}")
+        self.need_two_rows()
         time_ns = time_ns - time_ns[0]
         position = self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3))
         notes = tuple(str(d) for d in self.defects)
@@ -98,6 +98,11 @@ class Cleaner:
     def _so_far(self) -> str:
         said = "; ".join(str(d) for d in self.defects[:3])
         return f" ({said})" if said else ""
+
+    def need_two_rows(self) -> None:
+        """One pose is no motion."""
+        if len(self.rows) < 2:
+            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: wanted two or more{self._so_far()}")
 
     def drop_cut_row(self) -> None:
         """A last line without its newline may end in the middle of a number: then the norm is off, or time falls."""
@@ -147,7 +152,8 @@ class Cleaner:
             return
         if count == len(zero):
             raise TraceError(f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read")
-        self.note("zero-quaternion", f"{count} rows have a zero quaternion, a marker for no tracking", "dropped", count, self._line(int(zero.argmax())))
+        what = f"{count} rows have a zero quaternion, a marker for no tracking"
+        self.note("zero-quaternion", what, "dropped", count, self._line(int(zero.argmax())))
         self.rows.keep(~zero)
 
     def count_by_rate(self) -> None:
@@ -157,9 +163,9 @@ class Cleaner:
         n = len(self.rows)
         step_ns = BILLION / self.options.rate
         if (n - 1) * step_ns > 2**62:
-            raise TraceError(f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last longer than 146 years; give a higher --rate")
+            raise TraceError(f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher --rate")
         stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
-        what = "the file has no time" if self.rows.stamps is None else "the file's own clock is put aside"
+        what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
         self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --rate says")
         self.rows.stamps = Stamps(stamps_ns, np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
@@ -179,7 +185,8 @@ class Cleaner:
         taken = int(np.argmax(span)) if wanted is None else wanted - 1
         listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
         self.segments = [
-            Segment(i + 1, self._line(starts[i]), self._line(ends[i] - 1), int(ends[i] - starts[i]), float(span[i]), i == taken) for i in listed
+            Segment(i + 1, self._line(starts[i]), self._line(ends[i] - 1), int(ends[i] - starts[i]), float(span[i]), i == taken)
+            for i in listed
         ]
         if len(span) > 1:
             why = "the longest" if wanted is None else "as asked"
@@ -213,12 +220,13 @@ class Cleaner:
             steps = stamps.steps()
             rising = steps[steps > 0]
             if not len(rising):
-                raise TraceError(f"{self.where}: time never increases; if the column is no clock, --rate gives the samples per second instead")
+                raise TraceError(f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second instead")
             step = float(np.median(rising))
             unit = guess_unit(stamps, step)
             self.layout = attrs.evolve(self.layout, unit=unit)
             rate = BILLION / (step * UNITS_NS[unit])
-            self.note("unit-guessed", "the file does not say in what unit its time is", f"{UNIT_NAMES[unit]} taken, which makes {rate:.4g} Hz")
+            done = f"{UNIT_NAMES[unit]} taken, which makes {rate:.4g} Hz"
+            self.note("unit-guessed", "the file does not say in what unit its time is", done)
         return self.layout.unit
 
     def times(self) -> NDArray[np.int64]:
@@ -297,7 +305,7 @@ class Cleaner:
             worst = int(off.argmax())
             self.note(
                 "norm-off",
-                f"{int(bad.sum())} quaternions have a length that is off by more than {COARSE_NORM:g}, up to {off[worst]:.3f} in line {self._line(worst)}",
+                f"{int(bad.sum())} quaternions are off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in line {self._line(worst)}",
                 "normalised; do not trust them",
                 int(bad.sum()),
                 self._line(int(bad.argmax())),
@@ -393,7 +401,8 @@ class Cleaner:
         tilt = float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
         if tilt > _TILT_SHOWN_DEG:
             shown = ",".join(f"{a:.2f}" for a in axis)
-            self.note("tilt", f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y", f"kept as it is; --up={shown} sets the world upright")
+            what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
+            self.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
 
 
 def _is_index(text: str) -> bool:

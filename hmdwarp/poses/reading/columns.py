@@ -68,9 +68,9 @@ def find_columns(names: list[str]) -> Columns:
     split = [words(n) for n in names]
     groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
     lengths: dict[tuple[str, ...], float] = {}
-    for i, parts in enumerate(split):
-        unit = parts[-1] if len(parts) > 1 and parts[-1] in _LENGTHS else None
-        parts = parts[:-1] if unit else parts
+    for i, found in enumerate(split):
+        unit = found[-1] if len(found) > 1 and found[-1] in _LENGTHS else None
+        parts = found[:-1] if unit else found
         axis = next((k for k in reversed(range(len(parts))) if parts[k] in "xyzw" and len(parts[k]) == 1), None)
         if axis is None:
             continue

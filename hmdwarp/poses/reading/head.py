@@ -181,7 +181,7 @@ def _separator(row: str, header: tuple[int, str] | None) -> tuple[str | None, bo
     """The separator, and whether numbers have a decimal comma."""
     if ";" in row:
         return ";", _has_decimal_comma(row.split(";"))
-    if "\t" in row:
+    if "\t" in row and not all(f.endswith(",") for f in row.split("\t")[:-1]):
         return "\t", _has_decimal_comma(row.split("\t"))
     if "," in row:
         blank = row.split()

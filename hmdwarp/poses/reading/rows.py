@@ -28,7 +28,8 @@ class Layout:
     """Which columns to read, and what they mean. Positions and orientation in the order x y z (w).
 
     time: column index or None. unit: a key of `times.UNITS_NS`, or None to find out. device: a column that says which of several
-    devices a row is of, or None. axes: what `parse_axes` takes. scale: metres per unit. caveats: defects of every file of the format.
+    devices a row is of, or None. axes: what `parse_axes` takes. scale: metres per unit. clock_ignored: there is a time column, but --rate stands in for it.
+    caveats: defects of every file of the format.
     """
 
     time: int | None
@@ -38,6 +39,7 @@ class Layout:
     device: int | None = None
     axes: str = "y"
     scale: float = 1.0
+    clock_ignored: bool = False
     caveats: tuple[Defect, ...] = ()
 
 
@@ -146,9 +148,11 @@ class RowReader:
             text = text.replace(b"\r", b"\n")
         if self.head.decimal_comma:
             text = text.replace(b",", b".")
-        if self.head.separator is not None and b" " in text:
+        if self.head.separator is not None:
             mark = self.head.separator.encode()
-            text = text.replace(mark + b" ", mark)
+            for blank in (b" ", b"\t"):
+                if blank != mark and blank in text:
+                    text = text.replace(mark + blank, mark)
         return text
 
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
@@ -164,9 +168,8 @@ class RowReader:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
         try:
-            table = np.loadtxt(
-                io.BytesIO(text), dtype=kinds, delimiter=self.head.separator, usecols=columns, comments=None, quotechar='"', ndmin=1, encoding="latin-1"
-            )
+            how = {"delimiter": self.head.separator, "usecols": columns, "comments": None, "ndmin": 1, "encoding": "latin-1"}
+            table = np.loadtxt(io.BytesIO(text), dtype=kinds, **how)
             values = table["v"]
             # min and max are NaN if anything is
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:

@@ -1,0 +1,565 @@
+"""The fifteen kinds of defect that occur in real head-motion files: each survived or refused, never in silence."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import HmdwarpError, TraceError, UnknownNameError
+from hmdwarp.poses import Origin, TraceOptions, load_trace
+from hmdwarp.poses.predict import predict
+
+from .traces import head, kinds, rows, same_motion, write
+
+TRACK = head(200)
+TABLE = rows(TRACK)
+
+
+def found(loaded, kind):
+    (defect,) = [d for d in loaded.defects if d.kind == kind]
+    return defect
+
+
+def refusal(path, **options) -> str:
+    """The one line with which a file is refused."""
+    with pytest.raises(HmdwarpError) as error:
+        load_trace(path, TraceOptions(**options))
+    assert error.value.exit_status == 2
+    assert "\n" not in str(error.value)
+    assert str(path) in str(error.value) or isinstance(error.value, UnknownNameError)
+    return str(error.value)
+
+
+def test_a_clean_file_has_no_defects(tmp_path):
+    loaded = load_trace(write(tmp_path / "clean.csv", TABLE, header="time_s,x,y,z,qx,qy,qz,qw"))
+    assert loaded.defects == []
+    assert same_motion(loaded.track, TRACK)
+
+
+# 1
+
+
+@pytest.mark.parametrize(("segment", "taken"), [(None, 2), (1, 1), (2, 2), (3, 3)])
+def test_1_several_recordings_are_split_where_time_falls(tmp_path, segment, taken):
+    table = TABLE[:50] + TABLE[:120] + TABLE[10:40]
+    loaded = load_trace(write(tmp_path / "three.csv", table), TraceOptions(segment=segment))
+    wanted = {1: (0, 50), 2: (0, 120), 3: (10, 40)}[taken]
+    part = slice(*wanted)
+    assert np.array_equal(loaded.track.time_ns, TRACK.time_ns[part] - TRACK.time_ns[part][0])
+    assert np.array_equal(loaded.track.position_m, TRACK.position_m[part])
+    assert [s.taken for s in loaded.segments] == [i == taken for i in (1, 2, 3)]
+    assert [(s.first_line, s.last_line) for s in loaded.segments] == [(2, 51), (52, 171), (172, 201)]
+    defect = found(loaded, "clock-restart")
+    assert (defect.count, defect.line) == (2, 52)
+    assert "3 recordings" in defect.what
+    assert f"segment {taken} taken" in defect.done
+
+
+def test_1_a_segment_that_is_not_there(tmp_path):
+    path = write(tmp_path / "two.csv", TABLE[:50] + TABLE[:120])
+    assert "holds 2 recordings: there is no segment 3" in refusal(path, segment=3)
+
+
+def test_1_a_header_that_comes_again_between_recordings_is_skipped(tmp_path):
+    again = "time,x,y,z,qx,qy,qz,qw".split(",")
+    loaded = load_trace(write(tmp_path / "two.csv", TABLE[:50] + [again] + TABLE[:120]))
+    assert found(loaded, "header-repeated").line == 52
+    assert found(loaded, "clock-restart").line == 53
+
+
+def test_1_midnight_is_no_new_recording(tmp_path):
+    def clock(ns):
+        ms = (ns // 1_000_000 + 86_399_000) % 86_400_000
+        return f"{ms // 3_600_000:02d}:{ms // 60_000 % 60:02d}:{ms // 1000 % 60:02d}.{ms % 1000:03d}"
+
+    loaded = load_trace(write(tmp_path / "night.csv", rows(TRACK, stamp=clock)))
+    assert len(loaded.segments) == 1
+    assert found(loaded, "midnight").count == 1
+    assert np.array_equal(loaded.track.time_ns, TRACK.time_ns // 1_000_000 * 1_000_000)
+    assert loaded.time_unit == "hours:minutes:seconds"
+
+
+# 2
+
+
+def decimal_commas(table):
+    return [[f.replace(".", ",") for f in r] for r in table]
+
+
+def test_2_a_decimal_comma_among_commas_is_named_not_guessed(tmp_path):
+    message = refusal(write(tmp_path / "de.csv", decimal_commas(TABLE[1:])))
+    assert "line 2: 16 fields where the header names 8" in message
+    assert "decimal commas inside a comma-separated file" in message
+
+
+@pytest.mark.parametrize(("separator", "name"), [(";", ";"), ("\t", "tab"), (" ", "blank"), ("   ", "blanks")])
+def test_2_a_decimal_comma_is_safe_with_another_separator(tmp_path, separator, name):
+    header = separator.join("time_s x y z qx qy qz qw".split())
+    loaded = load_trace(write(tmp_path / "de.csv", decimal_commas(TABLE), header, separator))
+    assert same_motion(loaded.track, TRACK)
+    assert loaded.defects == []
+
+
+# 3
+
+
+@pytest.mark.parametrize(
+    ("last", "word"),
+    [
+        ("3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,0.0", "length 0.3"),  # cut within the last number
+        ("3.3333,0.1,1.6,-0.3,0.2,0", "6 fields"),
+        ("3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,-", "'-'"),
+        ("3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,", "empty"),
+        ("3", "1 fields"),
+        ("3.31,0.1,1.6,-0.3,0.0,0.0,0.0,1.0", "not after"),  # the time was longer: 3.3166.. was before
+        ("3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,0.92\x00\x00\x00", "0.92"),
+    ],
+)
+def test_3_a_last_row_that_is_cut_is_dropped(tmp_path, last, word):
+    loaded = load_trace(write(tmp_path / "cut.csv", [*TABLE, [last]], end=""))
+    assert len(loaded.track) == len(TRACK)
+    defect = found(loaded, "last-row-cut")
+    assert defect.line == 202
+    assert word in defect.what
+    assert defect.done == "dropped"
+
+
+def test_3_a_good_last_row_without_newline_is_kept(tmp_path):
+    loaded = load_trace(write(tmp_path / "whole.csv", TABLE, end=""))
+    assert len(loaded.track) == len(TRACK)
+    assert "last-row-cut" not in kinds(loaded)
+
+
+def test_3_time_in_the_last_column_cut_short(tmp_path):
+    table = [[*r[1:], r[0]] for r in TABLE]
+    table[-1][-1] = table[-1][-1][:1]
+    loaded = load_trace(write(tmp_path / "cut.csv", table, "x,y,z,qx,qy,qz,qw,time", end=""))
+    assert len(loaded.track) == len(TRACK) - 1
+    assert len(loaded.segments) == 1
+    assert "last-row-cut" in kinds(loaded)
+
+
+def test_3_a_bad_row_before_the_last_is_named(tmp_path):
+    table = [*TABLE[:70], TABLE[70][:5], *TABLE[71:]]
+    assert "line 72: 5 fields where the header names 8" in refusal(write(tmp_path / "hole.csv", table))
+
+
+# 4
+
+STAMPS = {
+    "s": (lambda ns: f"{ns // 10**9}.{ns % 10**9:09d}", "seconds", 0),
+    "ms": (lambda ns: f"{ns // 10**6}.{ns % 10**6:06d}", "milliseconds", 0),
+    "us": (lambda ns: f"{ns // 1000}.{ns % 1000:03d}", "microseconds", 0),
+    "ns": (str, "nanoseconds", 0),
+    "epoch s": (lambda ns: f"{ns // 10**9 + 1700000000}.{ns % 10**9:09d}", "seconds", 1_700_000_000 * 10**9),
+    "epoch ns": (lambda ns: str(ns + 17 * 10**17), "nanoseconds", 17 * 10**17),
+    "whole ms": (lambda ns: str(ns // 10**6), "milliseconds", 0),
+    "whole us": (lambda ns: str(ns // 10**3), "microseconds", 0),
+    "ticks": (lambda ns: str(ns // 100 + 638_000_000_000_000_001), "ticks of 100 ns", 63_800_000_000_000_000_100),
+    "exponent": (lambda ns: f"{ns / 1e9:.12e}", "seconds", 0),
+    "clock": (lambda ns: f"13:59:{ns // 10**9 + 50:02d}.{ns % 10**9 // 100000:04d}", "hours:minutes:seconds", 50390 * 10**9),
+    "date": (lambda ns: f"2024-02-29T13:59:{ns // 10**9 + 50:02d}.{ns % 10**9 // 100000:04d}", "hours:minutes:seconds", None),
+}
+RESOLUTION_NS = {"whole ms": 10**6, "whole us": 10**3, "ticks": 100, "clock": 10**5, "date": 10**5}
+
+
+@pytest.mark.parametrize("name", STAMPS)
+def test_4_every_unit_of_time_is_found_and_stated(tmp_path, name):
+    stamp, unit, epoch = STAMPS[name]
+    loaded = load_trace(write(tmp_path / "t.csv", rows(TRACK, stamp=stamp)))
+    step = RESOLUTION_NS.get(name, 1)
+    assert np.array_equal(loaded.track.time_ns, TRACK.time_ns // step * step)
+    assert loaded.time_unit == unit
+    assert epoch is None or loaded.track.epoch_ns == epoch
+    assert abs(loaded.rate_hz - 60) < 4  # whole milliseconds make steps of 16 or 17
+    if name not in ("clock", "date"):
+        assert unit in found(loaded, "unit-guessed").done
+        assert " Hz" in found(loaded, "unit-guessed").done
+
+
+def test_4_ticks_that_differ_below_float64_stay_apart(tmp_path):
+    base = 638_000_000_000_000_000
+    assert float(base) == float(base + 30)
+    table = [[str(base + 30 * i), *r[1:]] for i, r in enumerate(TABLE)]
+    loaded = load_trace(write(tmp_path / "t.csv", table, "timestamp,x,y,z,qx,qy,qz,qw"))
+    assert loaded.format == "ticks"
+    assert loaded.track.time_ns.tolist() == [3000 * i for i in range(200)]
+
+
+# 5
+
+
+@pytest.mark.parametrize("separator", [" ", ","])
+def test_5_without_a_header_the_order_must_be_told(tmp_path, separator):
+    path = write(tmp_path / "bare.txt", TABLE, header="", separator=separator)
+    assert "--quat-order" in refusal(path)
+    assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
+    first = write(tmp_path / "first.txt", rows(TRACK, "wxyz"), header="", separator=separator)
+    assert same_motion(load_trace(first, TraceOptions(quat_order="wxyz")).track, TRACK)
+
+
+def test_5_bare_ticks_must_be_told_too(tmp_path):
+    path = write(tmp_path / "bare.txt", rows(TRACK, stamp=STAMPS["ticks"][0]), header="", separator=" ")
+    assert "--quat-order" in refusal(path)
+    loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
+    assert (loaded.format, loaded.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
+
+
+def test_5_numbered_quaternions_must_be_told(tmp_path):
+    path = write(tmp_path / "q.csv", rows(TRACK, "wxyz"), header="time,x,y,z,q0,q1,q2,q3")
+    assert "--quat-order" in refusal(path)
+    assert same_motion(load_trace(path, TraceOptions(quat_order="wxyz")).track, TRACK)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        "qx qy qz qw",
+        "QuaternionX QuaternionY QuaternionZ QuaternionW",
+        "HeadOrientationX HeadOrientationY HeadOrientationZ HeadOrientationW",
+        "qX qY qZ qW",
+        "UnitQuaternion.x UnitQuaternion.y UnitQuaternion.z UnitQuaternion.w",
+        "RotationX RotationY RotationZ RotationW",
+        "head_rot_x head_rot_y head_rot_z head_rot_w",
+        "q_x q_y q_z q_w",
+        '"quat x" "quat y" "quat z" "quat w"',
+    ],
+)
+@pytest.mark.parametrize("order", ["xyzw", "wxyz"])
+def test_5_names_seen_in_the_wild_tell_the_order(tmp_path, names, order):
+    named = names.replace('" "', '"|"').split("|" if '"' in names else " ")
+    header = ",".join(["time", "px", "py", "pz", *(named["xyzw".index(c)] for c in order)])
+    loaded = load_trace(write(tmp_path / "n.csv", rows(TRACK, order), header))
+    assert same_motion(loaded.track, TRACK)
+
+
+def test_5_an_order_given_against_the_names_is_not_followed_and_said(tmp_path):
+    loaded = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(quat_order="wxyz"))
+    assert same_motion(loaded.track, TRACK)
+    assert "quat-order-named" in kinds(loaded)
+
+
+# 6
+
+
+def test_6_columns_are_found_by_name_in_any_order_and_beside_hands_and_gaze(tmp_path):
+    names = "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time"
+    table = [[r[6], "9", "9", "9", r[7], "0", "0", "0", "1", r[3], r[1], "nan", r[4], r[2], r[5], r[0]] for r in TABLE]
+    assert same_motion(load_trace(write(tmp_path / "o.csv", table, names)).track, TRACK)
+
+
+# 7
+
+
+@pytest.mark.parametrize(
+    ("column", "wanted", "others"), [("ViewIndex", "0", ["1"]), ("Device", "HMD", ["LeftController", "RightController"]), ("eye", "left", ["right"])]
+)
+def test_7_interleaved_devices_are_taken_apart(tmp_path, column, wanted, others):
+    table = []
+    for r in TABLE:
+        table += [[wanted, *r]] + [[o, r[0], "5", "5", "5", "1", "0", "0", "0"] for o in others]
+    loaded = load_trace(write(tmp_path / "d.csv", table, f"{column},time,x,y,z,qx,qy,qz,qw"))
+    assert same_motion(loaded.track, TRACK)
+    defect = found(loaded, "devices-interleaved")
+    assert defect.count == 200 * len(others)
+    assert defect.line == 3
+    assert f"of {wanted} taken" in defect.done
+
+
+# 8
+
+
+def test_8_zero_quaternions_are_dropped(tmp_path):
+    table = [[*r[:4], "0", "0", "0.0", "-0"] if 20 <= i < 23 else r for i, r in enumerate(TABLE)]
+    loaded = load_trace(write(tmp_path / "z.csv", table))
+    assert len(loaded.track) == 197
+    assert (found(loaded, "zero-quaternion").count, found(loaded, "zero-quaternion").line) == (3, 22)
+
+
+def test_8_nothing_but_zero_quaternions_is_refused(tmp_path):
+    assert "every quaternion is zero" in refusal(write(tmp_path / "z.csv", [[*r[:4], "0", "0", "0", "0"] for r in TABLE]))
+
+
+def test_8_a_default_pose_at_the_start_is_trimmed(tmp_path):
+    table = [[r[0], "0", "0", "0", "0", "0", "0", "1"] if i < 7 else r for i, r in enumerate(TABLE)]
+    loaded = load_trace(write(tmp_path / "d.csv", table))
+    assert np.array_equal(loaded.track.position_m, TRACK.position_m[7:])
+    assert loaded.track.start_ns == 0
+    assert loaded.track.epoch_ns == int(TRACK.time_ns[7])
+    assert (found(loaded, "default-start").count, found(loaded, "default-start").line) == (7, 2)
+
+
+def test_8_a_head_that_rests_at_first_is_not_trimmed(tmp_path):
+    table = [[r[0], *TABLE[7][1:]] if i < 7 else r for i, r in enumerate(TABLE)]
+    loaded = load_trace(write(tmp_path / "r.csv", table))
+    assert len(loaded.track) == 200
+    assert "default-start" not in kinds(loaded)
+
+
+# 9
+
+
+def test_9_repeated_poses_are_kept_for_replay_and_left_out_of_speeds(tmp_path):
+    from hmdwarp.poses.analysis import analyse
+
+    table = [[r[0], *TABLE[i // 6 * 6][1:]] for i, r in enumerate(TABLE)]
+    loaded = load_trace(write(tmp_path / "r.csv", table))
+    assert len(loaded.track) == 200
+    defect = found(loaded, "repeated-pose")
+    assert defect.count == 200 - 34
+    assert "83 %" in defect.what
+    repeated, clean = analyse(loaded.track), analyse(TRACK)
+    assert repeated.repeated_share == pytest.approx(0.83)
+    # Steps of 100 ms flatten this motion's speed by a few per cent; differentiating the steps would give a median of 0.
+    assert repeated.angular_speed_deg_s[0] == pytest.approx(clean.angular_speed_deg_s[0], rel=0.1)
+
+
+# 10
+
+
+def test_10_sign_flips_are_joined(tmp_path):
+    flips = {30, 31, 90}
+    table, sign = [], 1
+    for i, (t, p, q) in enumerate(zip(TRACK.time_ns, TRACK.position_m, TRACK.orientation_xyzw, strict=True)):
+        sign = -sign if i in flips else sign
+        table.append([repr(int(t) / 1e9), *map(repr, p.tolist()), *map(repr, (sign * q).tolist())])
+    loaded = load_trace(write(tmp_path / "f.csv", table))
+    assert same_motion(loaded.track, TRACK)
+    assert (np.einsum("ij,ij->i", loaded.track.orientation_xyzw[1:], loaded.track.orientation_xyzw[:-1]) > 0).all()
+    assert (found(loaded, "sign-flip").count, found(loaded, "sign-flip").line) == (3, 32)
+
+
+# 11
+
+
+def scaled(length: float, at: int = 60):
+    table = [list(r) for r in TABLE]
+    table[at][4:] = [repr(length * float(f)) for f in table[at][4:]]
+    return table
+
+
+def test_11_three_decimals_are_normalised_silently(tmp_path):
+    table = [[r[0], *(f"{float(f):.3f}" for f in r[1:])] for r in TABLE]
+    loaded = load_trace(write(tmp_path / "c.csv", table, header="time_s,x,y,z,qx,qy,qz,qw"))
+    assert "norm-off" not in kinds(loaded)
+    # Four components off by 0.0005 each at most: 0.001 as a vector, twice that as an angle.
+    assert same_motion(loaded.track, TRACK, atol=2.1e-3)
+
+
+@pytest.mark.parametrize(("length", "warned"), [(0.991, False), (1.0099, False), (0.989, True), (1.02, True), (0.51, True)])
+def test_11_lengths_off_by_more_than_a_hundredth_are_warned_of(tmp_path, length, warned):
+    loaded = load_trace(write(tmp_path / "n.csv", scaled(length)))
+    assert ("norm-off" in kinds(loaded)) == warned
+    assert same_motion(loaded.track, TRACK)
+    if warned:
+        assert found(loaded, "norm-off").line == 62
+
+
+@pytest.mark.parametrize("length", [0.49, 0.001, 3.0, 1e6])
+def test_11_lengths_below_a_half_are_refused(tmp_path, length):
+    assert "line 62: a quaternion of length" in refusal(write(tmp_path / "n.csv", scaled(length)))
+
+
+# 12
+
+
+def test_12_of_duplicate_stamps_the_last_is_kept(tmp_path):
+    other = [TABLE[40][0], "7.5", "1.6", "0", "0", "0", "0", "1"]
+    loaded = load_trace(write(tmp_path / "d.csv", [*TABLE[:40], other, TABLE[40], *TABLE[40:]]))
+    assert same_motion(loaded.track, TRACK)
+    defect = found(loaded, "duplicate-stamp")
+    assert (defect.count, defect.line) == (2, 42)
+    assert "1 of them with another pose" in defect.what
+
+
+def test_12_steps_of_30_us_do_no_harm(tmp_path):
+    from hmdwarp.poses.analysis import analyse
+
+    extra = [repr(float(TABLE[40][0]) + 30e-6), *TABLE[41][1:]]
+    loaded = load_trace(write(tmp_path / "s.csv", [*TABLE[:41], extra, *TABLE[41:]]))
+    assert "short-step" in kinds(loaded)
+    assert max(analyse(loaded.track).angular_speed_deg_s) < 300  # over one such step it would be 60,000
+
+
+def test_12_gaps_are_reported_and_never_crossed(tmp_path):
+    table = [*TABLE[:50], *([repr(float(r[0]) + 2.9), *r[1:]] for r in TABLE[50:])]
+    loaded = load_trace(write(tmp_path / "g.csv", table))
+    assert "2.917 s" in found(loaded, "gap").what
+    assert found(loaded, "gap").line == 52
+    middle = loaded.track.at(int(loaded.track.time_ns[49]) + 1_000_000_000)
+    assert middle.origin is Origin.HELD
+    assert middle.pose.isclose(TRACK.pose(49), atol=1e-15)
+
+
+# 13
+
+
+def test_13_teleports_are_reported_and_never_crossed(tmp_path):
+    table = [*TABLE[:50], *([r[0], repr(float(r[1]) + 8), *r[2:]] for r in TABLE[50:])]
+    loaded = load_trace(write(tmp_path / "t.csv", table))
+    assert (found(loaded, "jump").count, found(loaded, "jump").line) == (1, 52)
+    assert loaded.track.jumps == (49,)
+    half = (int(loaded.track.time_ns[49]) + int(loaded.track.time_ns[50])) // 2
+    assert loaded.track.at(half).origin is Origin.HELD
+    now = int(loaded.track.time_ns[51])
+    assert abs(predict(loaded.track, now, now + 100_000_000).pose.position_m[0] - loaded.track.position_m[51, 0]) < 0.1
+
+
+def test_13_scene_units_are_scaled_when_told(tmp_path):
+    table = [[r[0], *(repr(float(f) / 0.36) for f in r[1:4]), *r[4:]] for r in TABLE]
+    loaded = load_trace(write(tmp_path / "s.csv", table), TraceOptions(scale=0.36))
+    assert same_motion(loaded.track, TRACK, atol=1e-14)
+
+
+def test_13_tilted_gravity_is_reported_and_set_upright_when_told(tmp_path):
+    from scipy.spatial.transform import Rotation
+
+    track = head(2000)
+    tilt = Rotation.from_euler("X", 17, degrees=True)
+    turned = track.evolve(
+        position_m=tilt.apply(track.position_m.copy()), orientation_xyzw=(tilt * Rotation.from_quat(track.orientation_xyzw)).as_quat()
+    )
+    path = write(tmp_path / "g.csv", rows(turned))
+    defect = found(load_trace(path), "tilt")
+    # The head rolls by up to 6 degrees, which an average over a few turns leaves a third of.
+    assert abs(float(defect.what.split(" degrees")[0].split()[-1]) - 17) <= 2
+    up = defect.done.split("--up=")[1].split(" ")[0]
+    assert "tilt" not in kinds(load_trace(path, TraceOptions(up=up)))
+    exact = ",".join(map(repr, tilt.apply([0, 1, 0]).tolist()))
+    assert same_motion(load_trace(path, TraceOptions(up=exact)).track, track, atol=1e-14)
+
+
+def test_13_positions_of_an_eye_are_said_to_be(real_traces):
+    assert "eye-position" in kinds(load_trace(real_traces / "eyenavgs_rutgers" / "user116_drjohnson.csv"))
+
+
+# 14
+
+
+@pytest.mark.parametrize("header", ["time,x,y,z,yaw,pitch,roll", "time,x,y,z,RotationX,RotationY,RotationZ", "time,x,y,z,EulerX,EulerY,EulerZ"])
+def test_14_euler_angles_only_are_refused(tmp_path, header):
+    assert "Euler angles only" in refusal(write(tmp_path / "e.csv", [r[:7] for r in TABLE], header))
+
+
+def test_14_no_time_is_refused_unless_the_rate_is_told(tmp_path):
+    path = write(tmp_path / "n.csv", [r[1:] for r in TABLE], "x,y,z,qx,qy,qz,qw")
+    assert "--rate" in refusal(path)
+    loaded = load_trace(path, TraceOptions(rate=60))
+    assert same_motion(loaded.track, TRACK)
+    assert "clock-by-rate" in kinds(loaded)
+
+
+def test_14_time_that_never_rises_is_no_time(tmp_path):
+    path = write(tmp_path / "n.csv", [["7", *r[1:]] for r in TABLE])
+    assert "--rate" in refusal(path)
+    assert same_motion(load_trace(path, TraceOptions(rate=60)).track, TRACK)
+
+
+def test_14_a_rate_overrides_a_clock_and_says_so(tmp_path):
+    loaded = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(rate=30))
+    assert loaded.rate_hz == pytest.approx(30)
+    assert "put aside" in found(loaded, "clock-by-rate").what
+
+
+# 15
+
+
+def test_15_an_odd_number_of_rows_per_eye_is_fine(tmp_path):
+    table = [[str(i % 2), *TABLE[i // 2]] for i in range(199)]
+    loaded = load_trace(write(tmp_path / "odd.csv", table, "ViewIndex,time,x,y,z,qx,qy,qz,qw"))
+    assert len(loaded.track) == 100
+
+
+@pytest.mark.parametrize("separator", [", ", " ,", ",\t", ";  "])
+def test_15_blanks_around_separators(tmp_path, separator):
+    header = separator.join("time x y z qx qy qz qw".split())
+    assert same_motion(load_trace(write(tmp_path / "b.csv", TABLE, header, separator)).track, TRACK)
+
+
+@pytest.mark.parametrize("end", [b"\r\n", b"\r", b"\n\n", b"\n# a remark\n", b",\n"])
+def test_15_line_ends_blank_lines_remarks_and_trailing_commas(tmp_path, end):
+    path = write(tmp_path / "e.csv", TABLE)
+    path.write_bytes(path.read_bytes().replace(b"\n", end))
+    assert same_motion(load_trace(path).track, TRACK)
+
+
+def test_15_a_byte_order_mark(tmp_path):
+    path = write(tmp_path / "bom.csv", TABLE)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert same_motion(load_trace(path).track, TRACK)
+
+
+@pytest.mark.parametrize("value", ["nan", "NaN", "inf", "-inf", "", "x", "1e400", "1_0", "0x10"])
+@pytest.mark.parametrize("column", [1, 5])
+@pytest.mark.parametrize("row", [0, 60, 199])
+def test_15_a_value_that_is_no_number_is_named_with_its_line(tmp_path, value, column, row):
+    table = [list(r) for r in TABLE]
+    table[row][column] = value
+    path = write(tmp_path / "nan.csv", table)
+    if row == 199 and "n" not in value.lower():
+        assert "last-row-cut" in kinds(load_trace(path))
+        return
+    message = refusal(path)
+    assert f"line {row + 2}" in message
+    assert ("x" if column == 1 else "qy") in message
+
+
+@pytest.mark.parametrize("value", ["nan", "soon", "1e30"])
+def test_15_a_time_that_is_none_is_named_with_its_line(tmp_path, value):
+    table = [list(r) for r in TABLE]
+    table[60][0] = value
+    message = refusal(write(tmp_path / "t.csv", table))
+    assert "line 62" in message
+    assert value in message
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (b"", "is empty"),
+        (b" \n\n \n", "is empty"),
+        (b"time,x,y,z,qx,qy,qz,qw\n", "only a header"),
+        (b"# nothing\n# here\n", "only comments"),
+        (b"time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n", "1 usable row"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "is no text"),
+        (b"\x00" * 1000, "is no text"),
+        (b"\x1f\x8b\x08\x00 gzip", "compressed"),
+        ("time,x\n".encode("utf-16"), "UTF-16"),
+        (b"a" * 600_000, "longer than"),
+        (b"hello world\n", "only a header"),
+        (b"time,temperature\n1,20\n2,21\n", "no head orientation"),
+        (b"1,2,3\n4,5,6\n", "no known trace format"),
+    ],
+)
+def test_15_what_is_no_trace_is_refused_in_one_line(tmp_path, content, word):
+    path = tmp_path / "what.csv"
+    path.write_bytes(content)
+    assert word in refusal(path)
+
+
+def test_15_a_directory_a_missing_file_and_a_device(tmp_path):
+    write(tmp_path / "inside.csv", TABLE)
+    assert "is a directory" in refusal(tmp_path)
+    assert "inside.csv" in refusal(tmp_path)
+    assert "no such file" in refusal(tmp_path / "missing.csv")
+    import os
+
+    os.mkfifo(tmp_path / "pipe.csv")
+    assert "a device or a pipe" in refusal(tmp_path / "pipe.csv")
+
+
+def test_15_an_unknown_recording_is_offered_the_nearest():
+    assert "did you mean 'look-around'" in refusal("look-arround")
+    with pytest.raises(UnknownNameError, match="trace format"):
+        load_trace("walk", TraceOptions(format="tumm"))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"quat_order": "wzyx"}, {"scale": 0.0}, {"scale": float("nan")}, {"rate": -1.0}, {"rate": float("inf")}, {"segment": 0}, {"up": "up"}, {"up": "x,x,y"}, {"up": "0,0,0"}, {"up": "nan,1,0"}],
+)
+def test_options_that_cannot_be_are_refused(wrong):
+    with pytest.raises(HmdwarpError) as error:
+        load_trace("walk", TraceOptions(**wrong))
+    assert error.value.exit_status == 2
+    assert isinstance(error.value, (TraceError, HmdwarpError))

@@ -1,0 +1,202 @@
+"""Trace formats: a contract over all of them, what is written comes back bit for bit, and axes come out as OpenXR's."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import InputError, TraceError
+from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
+from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.reading.axes import parse_axes
+from hmdwarp.poses.reading.columns import find_columns
+
+from .traces import head, kinds, rows, same_motion, unit_quaternions, write
+
+TRACK = head(100)
+WRITERS = [f.name for f in FORMATS if f.writes]
+
+
+@pytest.mark.parametrize("name", FORMATS.names())
+def test_every_format_says_what_it_is(name):
+    entry = FORMATS.get(name)
+    assert entry.name == name
+    assert 20 < len(entry.summary) < 100
+    if not entry.writes:
+        with pytest.raises(TraceError, match="read, not written"):
+            entry.write(TRACK, io.StringIO())
+
+
+def test_the_three_that_are_written():
+    assert WRITERS == ["euroc", "native", "tum"]
+
+
+@pytest.mark.parametrize("name", WRITERS)
+@given(
+    times=st.lists(st.integers(-(2**60), 2**60), min_size=2, max_size=6, unique=True).map(sorted),
+    quaternions=st.lists(unit_quaternions, min_size=6, max_size=6),
+    places=st.lists(st.floats(-1e6, 1e6), min_size=18, max_size=18),
+)
+def test_what_is_written_comes_back_bit_for_bit(tmp_path_factory, name, times, quaternions, places):
+    n = len(times)
+    # A place apart from 0 at first: a default pose before a jump would be trimmed, rightly.
+    place = np.array(places).reshape(6, 3)[:n] + [[3.5, 0, 0]]
+    q = np.array(quaternions)[:n]
+    q[0] = [0.5, 0.5, 0.5, 0.5]
+    track = PoseTrack(np.array(times), place, q, origin="a test")
+    path = tmp_path_factory.mktemp("w") / "out.txt"
+    with path.open("w") as stream:
+        FORMATS.get(name).write(track, stream)
+    back = load_trace(path)
+    assert back.format == name
+    assert np.array_equal(back.track.time_ns + back.track.epoch_ns, track.time_ns)
+    assert np.array_equal(back.track.position_m, track.position_m)
+    assert np.array_equal(back.track.orientation_xyzw, track.orientation_xyzw)
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_written_twice_is_the_same_text(tmp_path, name):
+    first = io.StringIO()
+    FORMATS.get(name).write(TRACK, first)
+    path = tmp_path / "test.txt"
+    path.write_text(first.getvalue())
+    again = io.StringIO()
+    FORMATS.get(name).write(load_trace(path).track.evolve(origin="", notes=()), again)
+    assert again.getvalue() == first.getvalue()
+
+
+def test_native_tells_origin_rate_and_what_was_done(tmp_path):
+    stream = io.StringIO()
+    FORMATS.get("native").write(TRACK.evolve(origin="a test\nwith a line break", notes=("something was mended",)), stream)
+    text = stream.getvalue()
+    assert text.startswith("# hmdwarp head trace\n# origin: a test with a line break\n# rate: 60 Hz\n")
+    assert "# something was mended\n" in text
+    path = tmp_path / "n.csv"
+    path.write_text(text)
+    assert load_trace(path).track.origin == "a test with a line break"
+
+
+def test_stamps_too_large_for_a_file_are_written_from_zero():
+    stream = io.StringIO()
+    FORMATS.get("euroc").write(TRACK.evolve(epoch_ns=638 * 10**17), stream)
+    assert stream.getvalue().splitlines()[1].startswith("0,")
+
+
+def test_frame_wxyz_is_found_by_its_shape(tmp_path):
+    table = [[r[0], str(i // 2), *r[4:]] for i, r in enumerate(rows(upright_zup(), "wxyz"))]
+    path = write(tmp_path / "f.txt", table, header="", separator=" ")
+    loaded = load_trace(path)
+    assert (loaded.format, loaded.time_unit) == ("frame_wxyz", "seconds")
+    assert kinds(loaded) == {"no-position"}
+    assert np.allclose(loaded.track.orientation_xyzw, TRACK.orientation_xyzw, rtol=0, atol=1e-15)
+
+
+def test_frame_wxyz_with_w_last_is_refused_where_the_motion_shows_it(tmp_path):
+    angles = np.stack([np.linspace(0, 6, 100), np.full(100, 0.1), np.full(100, 0.05)], axis=1)
+    about = TRACK.evolve(orientation_xyzw=Rotation.from_euler("YXZ", angles).as_quat())
+    table = [[r[0], str(i // 2), *r[4:]] for i, r in enumerate(rows(upright_zup(about), "xyzw"))]
+    path = write(tmp_path / "f.txt", table, header="", separator=" ")
+    with pytest.raises(TraceError, match="--quat-order"):
+        load_trace(path)
+    loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
+    assert np.allclose(loaded.track.orientation_xyzw, about.orientation_xyzw, rtol=0, atol=1e-15)
+    first = write(tmp_path / "w.txt", [[r[0], "0", *r[4:]] for r in rows(upright_zup(about), "wxyz")], header="", separator=" ")
+    assert np.allclose(load_trace(first).track.orientation_xyzw, about.orientation_xyzw, rtol=0, atol=1e-15)
+
+
+def upright_zup(track: PoseTrack = TRACK) -> PoseTrack:
+    """The track in axes with x forward, y left, z up, by rotation matrices (the reader goes by quaternion parts)."""
+    file_from_openxr = np.array([[0, 0, -1.0], [-1, 0, 0], [0, 1, 0]])
+    matrices = file_from_openxr @ Rotation.from_quat(track.orientation_xyzw).as_matrix() @ file_from_openxr.T
+    return track.evolve(orientation_xyzw=Rotation.from_matrix(matrices).as_quat())
+
+
+AXES = ["y", "+y", "-y", "z", "-z", "x", "-x", "-y,z,x", "x,y,z", "x,z,y", "z,-x,y", "X, Z, Y"]
+
+
+@pytest.mark.parametrize("text", AXES)
+@given(unit_quaternions, st.lists(st.floats(-10, 10), min_size=3, max_size=3))
+def test_axes_carry_points_of_the_head_along(text, q, place):
+    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the converted point."""
+    axes = parse_axes(text)
+    point = np.array([0.3, -0.2, 0.5])
+    in_file = Rotation.from_quat(q).apply(point) + place
+    position, orientation = np.array([place]), np.array([q])
+    axes.apply(position, orientation)
+    assert np.allclose(Rotation.from_quat(orientation[0]).apply(axes.basis @ point) + position[0], axes.basis @ in_file, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(("text", "up"), [("y", 1), ("-y", -1), ("z", 2), ("-z", -2), ("x", 0), ("-y,z,x", 2), ("x,z,y", 2)])
+def test_the_named_axis_becomes_up(text, up):
+    vector = np.zeros(3)
+    vector[abs(up)] = -1.0 if text.startswith("-") and "," not in text else 1.0
+    assert np.array_equal(parse_axes(text).basis @ vector, [0, 1, 0])
+
+
+def test_z_up_is_the_quarter_turn_everybody_means():
+    position, orientation = np.array([[1.0, 2, 3]]), np.array([[0, 0, np.sin(0.2), np.cos(0.2)]])
+    parse_axes("z").apply(position, orientation)
+    assert np.array_equal(position, [[1, 3, -2]])
+    assert np.array_equal(orientation, [[0, np.sin(0.2), 0, np.cos(0.2)]])
+
+
+def test_a_left_handed_file():
+    """Unity: x right, y up, z forward; a positive turn about y is to the right."""
+    position, orientation = np.array([[1.0, 2, 3]]), np.array([[0, np.sin(0.2), 0, np.cos(0.2)]])
+    parse_axes("x,y,z").apply(position, orientation)
+    assert np.array_equal(position, [[1, 2, -3]])
+    forward = Rotation.from_quat(orientation[0]).apply([0, 0, -1])
+    assert np.allclose(forward, [np.sin(0.4), 0, -np.cos(0.4)], rtol=0, atol=1e-15)
+
+
+@given(st.lists(st.floats(-1, 1), min_size=3, max_size=3).filter(lambda v: np.linalg.norm(v) > 0.01))
+def test_three_numbers_set_that_direction_upright_by_the_smallest_turn(v):
+    v = np.array(v) / np.linalg.norm(v)
+    axes = parse_axes(",".join(map(repr, v.tolist())))
+    position, orientation = v[None].copy(), np.array([[0, 0, 0, 1.0]])
+    axes.apply(position, orientation)
+    assert np.allclose(position, [[0, 1, 0]], rtol=0, atol=1e-7)  # within 1e-6 of straight down the half-way vector has few digits
+    assert abs(Rotation.from_quat(orientation[0]).magnitude() - np.arccos(np.clip(v[1], -1, 1))) < 1e-6
+
+
+@pytest.mark.parametrize("text", ["", "w", "x,y", "x,x,y", "1,2", "up,right,forward", "0,0,0", "inf,0,1", "1,2,3,4"])
+def test_axes_that_are_none(text):
+    with pytest.raises(InputError):
+        parse_axes(text)
+
+
+def test_up_z_changes_nothing_where_the_format_has_z_up(tmp_path):
+    table = [[r[0], "0", *r[4:]] for r in rows(upright_zup(), "wxyz")]
+    path = write(tmp_path / "m.txt", table, "timestamp viewpoint w x y z", " ")
+    plain, told = load_trace(path), load_trace(path, TraceOptions(up="z"))
+    assert plain.format == "multiviewpoint"
+    assert same_motion(plain.track, told.track, atol=0)
+    assert same_motion(plain.track, load_trace(path, TraceOptions(up="-y,z,x")).track, atol=0)
+    assert not same_motion(plain.track, load_trace(path, TraceOptions(up="y")).track, atol=0.1)
+
+
+def test_lengths_in_the_column_names(tmp_path):
+    table = [[r[0], *(repr(1000 * float(f)) for f in r[1:4]), *r[4:]] for r in rows(TRACK)]
+    loaded = load_trace(write(tmp_path / "mm.csv", table, "time_s,pos_x [mm],pos_y [mm],pos_z [mm],qx,qy,qz,qw"))
+    assert same_motion(loaded.track, TRACK, atol=1e-12)
+
+
+def test_words_of_column_names():
+    euroc = "timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]"
+    found = find_columns(euroc.split(","))
+    assert (found.time, found.time_unit, found.position, found.orientation) == (0, "ns", (1, 2, 3), (5, 6, 7, 4))
+    hmd = "frame,utc_date,TimeStamp,left_hand_pos_x,left_hand_pos_y,left_hand_pos_z,head_pos_x,head_pos_y,head_pos_z,head_rot_x,head_rot_y,head_rot_z,head_rot_w"
+    found = find_columns(hmd.split(","))
+    assert (found.time, found.position, found.orientation) == (2, (6, 7, 8), (9, 10, 11, 12))
+
+
+def test_a_format_asked_for_is_not_second_guessed(tmp_path):
+    path = write(tmp_path / "tum.txt", rows(TRACK), header="", separator=" ")
+    assert same_motion(load_trace(path, TraceOptions(format="tum")).track, TRACK)
+    with pytest.raises(TraceError, match="no header"):
+        load_trace(path, TraceOptions(format="native"))

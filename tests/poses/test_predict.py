@@ -1,0 +1,121 @@
+"""Prediction: exact for a constant velocity, causal, capped, honest about where a pose came from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.geometry import Pose
+from hmdwarp.poses import Origin, PoseTrack
+from hmdwarp.poses.predict import PREDICTORS, predict, predict_many
+from .traces import head
+
+MS = 1_000_000
+SPIN_RAD_S = np.array([0.3, 1.5, -0.2])
+SPEED_M_S = np.array([0.5, 0.0, -1.0])
+
+
+def steady(n: int = 100, step_ns: int = 11 * MS) -> PoseTrack:
+    t = np.arange(n) * step_ns
+    start = Rotation.from_euler("YXZ", [1.0, 0.3, 0.1])
+    q = (Rotation.from_rotvec(t[:, None] * 1e-9 * SPIN_RAD_S) * start).as_quat()
+    return PoseTrack(t, t[:, None] * 1e-9 * SPEED_M_S, q)
+
+
+def truth(t_ns: int) -> Pose:
+    start = Rotation.from_euler("YXZ", [1.0, 0.3, 0.1])
+    return Pose(t_ns * 1e-9 * SPEED_M_S, (Rotation.from_rotvec(t_ns * 1e-9 * SPIN_RAD_S) * start).as_quat())
+
+
+@given(st.integers(60 * MS, 1000 * MS), st.integers(1, 100 * MS))
+def test_a_constant_velocity_is_predicted_exactly(now, ahead):
+    track = steady()
+    sample = predict(track, now, now + ahead, horizon_ns=10**12)
+    assert sample.origin is Origin.PREDICTED
+    assert sample.time_ns == now + ahead
+    # Angles of 0.08 rad over 50 ms, known to 1e-16, carried on over at most 111 ms: a few 1e-16 per pose, times 3.
+    assert sample.pose.isclose(truth(now + ahead), atol=1e-14)
+
+
+def test_the_horizon_caps_the_prediction():
+    track = steady()
+    now = int(track.time_ns[50])
+    far = predict(track, now, now + 800 * MS)
+    assert far.pose.isclose(truth(now + 100 * MS), atol=1e-14)
+    assert far.time_ns == now + 800 * MS
+    assert predict(track, now, now + 800 * MS, horizon_ns=0).origin is Origin.HELD
+
+
+@pytest.mark.parametrize("method", sorted(PREDICTORS))
+@given(now=st.integers(-20 * MS, 1700 * MS), ahead=st.integers(-50 * MS, 900 * MS))
+def test_no_sample_after_now_is_looked_at(method, now, ahead):
+    track = head(100)
+    known = max(track.index_at(now), 0) + 1
+    past = track.evolve(time_ns=track.time_ns[:known], position_m=track.position_m[:known], orientation_xyzw=track.orientation_xyzw[:known])
+    a, b = predict(track, now, now + ahead, method), predict(past, now, now + ahead, method)
+    assert a.origin is b.origin
+    assert a.pose.isclose(b.pose, atol=0)
+
+
+def test_none_holds_the_last_known_sample():
+    track = head(100)
+    now = int(track.time_ns[40]) + 3 * MS
+    sample = predict(track, now, now + 20 * MS, "none")
+    assert sample.origin is Origin.HELD
+    assert sample.pose.isclose(track.pose(40), atol=0)
+
+
+def test_a_known_instant_is_looked_up():
+    track = head(100)
+    now = int(track.time_ns[40])
+    assert predict(track, now, int(track.time_ns[38])).origin is Origin.MEASURED
+    assert predict(track, now, int(track.time_ns[38]) + 5).origin is Origin.INTERPOLATED
+
+
+def test_nothing_is_predicted_within_a_gap_or_across_a_jump():
+    track = head(100)
+    late = track.time_ns + np.where(np.arange(100) > 50, 900 * MS, 0)
+    gapped = track.evolve(time_ns=late)
+    within = int(late[50]) + 300 * MS
+    assert predict(gapped, within, within + 50 * MS).origin is Origin.HELD
+    after = int(late[51])
+    assert predict(gapped, after, after + 50 * MS).origin is Origin.HELD
+    jumped = track.evolve(jumps=(50,))
+    at = int(track.time_ns[52])
+    only_after = predict(jumped, at, at + 50 * MS)
+    alone = predict(track.evolve(time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]), at, at + 50 * MS)
+    assert only_after.pose.isclose(alone.pose, atol=0)
+
+
+def test_repeated_poses_do_not_slow_the_prediction_down():
+    track = steady(step_ns=5 * MS)
+    keep = np.arange(100) // 2 * 2
+    held = track.evolve(position_m=track.position_m[keep], orientation_xyzw=track.orientation_xyzw[keep])
+    now = int(track.time_ns[61])  # repeats the pose of sample 60
+    # The window runs from sample 60 back, at the true velocity; the pose is carried on from now, 5 ms late.
+    assert predict(held, now, now + 50 * MS).pose.isclose(truth(int(track.time_ns[60]) + 50 * MS), atol=1e-14)
+
+
+def test_a_head_at_rest_stays():
+    track = head(100)
+    still = np.minimum(np.arange(100), 50)
+    rested = track.evolve(position_m=track.position_m[still], orientation_xyzw=track.orientation_xyzw[still])
+    now = int(track.time_ns[80])
+    assert predict(rested, now, now + 50 * MS).pose.isclose(track.pose(50), atol=0)
+
+
+@given(st.integers(200 * MS, 900 * MS), st.sampled_from([20 * MS, 100 * MS]))
+def test_many_at_once_are_exact_for_a_constant_velocity_too(now, ahead):
+    q = predict_many(steady(), np.array([now]), ahead)[0]
+    assert Pose(truth(now + ahead).position_m, q).isclose(truth(now + ahead), atol=1e-14)
+
+
+def test_bad_arguments():
+    with pytest.raises(UnknownNameError, match="constant_velocity"):
+        predict(head(), 0, 1, "constant-velocity")
+    with pytest.raises(InputError, match="horizon -1 ms"):
+        predict(head(), 0, 1, horizon_ns=-MS)
