@@ -45,9 +45,9 @@ def _headsets() -> list[dict[str, str]]:
 
 
 def _formats() -> list[dict[str, str]]:
-    from .poses.formats import formats
+    from .poses.formats import FORMATS
 
-    return [{"name": f.name, "summary": f.summary} for f in formats]
+    return [{"name": f.name, "summary": f.summary} for f in FORMATS]
 
 
 def _recordings() -> list[dict[str, str]]:
