@@ -55,7 +55,8 @@ def cast_quads(quads: ArrayLike, eye: Array, rays: Array) -> Hits:
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = slope / ((centre - eye) @ normal)
             at = rays / inverse[:, None] - (centre - eye)
-        uv = np.stack([at @ right / (right @ right), at @ up / (up @ up)], axis=-1)
+        to_right, to_up = np.cross(up, normal), np.cross(normal, right)  # each at right angles to the other edge
+        uv = np.stack([at @ to_right / (right @ to_right), at @ to_up / (up @ to_up)], axis=-1)
         hit = (inverse > out.inverse_depth) & (np.abs(uv) <= 1).all(axis=1)
         out.inverse_depth[hit], out.shape[hit], out.uv[hit] = inverse[hit], index, uv[hit]
         out.cosine[hit] = np.abs(slope[hit]) / (np.linalg.norm(rays[hit], axis=1) * np.linalg.norm(normal))

@@ -156,6 +156,8 @@ def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], n
     """Linear colour (n, 3), uv (n, 2) and texture index of a part: its picture, else its vertex colours, else its material, else grey."""
     visual, uv = part.visual, np.zeros((count, 2))
     material = getattr(visual, "material", None)
+    if getattr(material, "alphaMode", None) in ("MASK", "BLEND"):
+        notes.append(f"{name}: its material is see-through; drawn opaque")
     picture = _picture_of(material)
     found_uv = getattr(visual, "uv", None)
     if found_uv is not None and np.shape(found_uv) == (count, 2):

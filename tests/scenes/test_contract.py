@@ -54,8 +54,8 @@ def test_normals_and_winding_agree(scene):
         area = np.linalg.norm(across, axis=1)
         mean = mesh.normals[mesh.triangles].mean(axis=1)
         agree = np.einsum("ij,ij->i", across, mean) > 0
-        # A corner's normal is a mean over its neighbours, so a sharp fold may turn one of its triangles' means around.
-        assert area[~agree].sum() <= 0.01 * area.sum(), mesh.name
+        # A corner's normal is a mean over its neighbours: at thin rims and sharp bends it may point away from one of its triangles.
+        assert area[~agree].sum() <= 0.03 * area.sum(), mesh.name
 
 
 def test_the_viewer_stands_where_a_head_may_go(scene):

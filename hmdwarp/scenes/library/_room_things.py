@@ -24,7 +24,7 @@ def build_things(pieces: Pieces, rng: np.random.Generator) -> None:
     _lamps(pieces)
     _fairy_lights(pieces)
     _fern(pieces, rng, (2.62, 0.0, -3.55), 56, 0.85)
-    _fern(pieces, rng, (-0.62, 0.87, -4.02), 26, 0.28)
+    _fern(pieces, rng, (-0.12, 0.87, -4.02), 26, 0.28)
     _fern(pieces, rng, (2.55, 0.0, 2.45), 36, 0.8)
 
 
@@ -117,7 +117,7 @@ def _on_the_table(pieces: Pieces) -> None:
     x, z = TABLE_CENTRE
     y = TABLE_TOP_M
     white, blue, red = (0.8, 0.8, 0.78), (0.16, 0.32, 0.5), (0.7, 0.3, 0.2)
-    for dx, dz, tint in ((-0.55, 0.2, white), (-0.1, 0.28, blue), (0.42, 0.22, white), (0.3, -0.25, red)):
+    for dx, dz, tint in ((-0.55, 0.2, white), (0.25, 0.35, blue), (0.42, 0.22, white), (0.3, -0.25, red)):
         pieces.add(_cup((x + dx, y, z + dz)), "speckle", tint, double_sided=True)
     _teapot(pieces, np.array([x - 0.28, y, z - 0.02]))
     _fruit_bowl(pieces, np.array([x + 0.05, y, z - 0.02]))
@@ -181,7 +181,7 @@ def _vase(pieces: Pieces, place: tuple) -> None:
         pieces.add(
             tube([(x, y + 0.17, z), (x + away[0] * 0.4, y + 0.28, z + away[2] * 0.4), tip], 0.0032, sides=5), "speckle", (0.16, 0.3, 0.1)
         )
-        tint = ((0.85, 0.35, 0.35), (0.9, 0.75, 0.3), (0.85, 0.8, 0.85))[i % 3]
+        tint = ((1.3, 0.45, 0.45), (1.4, 1.1, 0.4), (1.2, 1.1, 1.25))[i % 3]
         petals = [leaf(tip, (np.sin(a), 0.45, np.cos(a)), length=0.042, width=0.026, droop=0.25, cells=2) for a in np.arange(6) * 1.047]
         pieces.add(join(petals), "fabric", tint, double_sided=True, shades=False)
         pieces.add(
