@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import atexit
+import operator
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .client.compensator import Compensator
-from .client.plan import build_plan
+from .client.plan import Plan, build_plan
 from .colour import linear_from_srgb
 from .errors import InputError
 from .frame import EyeImage
@@ -47,19 +50,44 @@ def warp_image(
 
     colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres along -z; inf is infinitely far;
     0, negative or NaN is no depth: a hole, counted and never spread. size: (w, h) of the result, by default the late picture's.
-    gpu: a context of one's own; by default one is made at the first call and kept. Two threads need two of them.
-    Errors: InputError for arrays that do not fit; PlanError for a warp that needs more than a picture with depth;
+    gpu: a context of one's own, made in the calling thread; by default one is made at the first call and kept, which threads
+    use one after the other.
+    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a picture with depth;
     UnknownNameError; MachineError without OpenGL 4.3.
     """
     linear, inverse_depth = checked(colour, depth_m)
+    for name, view in (("rendered", rendered), ("shown", shown)):
+        if not isinstance(view, View):
+            raise InputError(f"{name} is a {type(view).__name__}: wanted a hmdwarp.View")
     plan = build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False)
-    gpu = gpu if gpu is not None else _shared_gpu()
     late_size = inverse_depth.shape[1::-1]
-    shown_size = late_size if size is None else size
-    check_size(gpu.gl, late_size)
+    shown_size = late_size if size is None else checked_size(size)
+    with _shared_gpu() if gpu is None else gpu.current() as current:
+        return _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+
+
+@attrs.frozen(eq=False)
+class _Late:
+    linear: NDArray[np.float32]
+    inverse_depth: NDArray[np.float32]
+    view: View
+
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.inverse_depth.shape[1::-1]
+
+    def upload(self, gpu: Gpu) -> EyeImage:
+        colour, depth = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
+        upload(colour, self.linear)
+        upload(depth, self.inverse_depth)
+        return EyeImage(self.view, colour, depth)
+
+
+def _warp(gpu: Gpu, plan: Plan, given: _Late, shown: View, shown_size: tuple[int, int]) -> WarpedImage:
+    check_size(gpu.gl, given.size)
     check_size(gpu.gl, shown_size)
-    late = _uploaded(gpu, linear, inverse_depth, rendered)
-    compensator = Compensator(gpu, plan, None, late_size, shown_size)
+    late = given.upload(gpu)
+    compensator = Compensator(gpu, plan, None, given.size, shown_size)
     try:
         gpu.timer.collect()
         result = compensator.run(late, shown)
@@ -75,7 +103,7 @@ def warp_image(
 
 def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """(h, w, 4) linear colour with coverage and (h, w) inverse depth, top row first. Errors: InputError."""
-    colour, depth_m = np.asarray(colour), np.asarray(depth_m)
+    colour, depth_m = _array("colour", colour), _array("depth_m", depth_m)
     if colour.ndim != 3 or colour.shape[2] != 3 or 0 in colour.shape:
         raise InputError(f"colour has shape {colour.shape}: wanted (h, w, 3)")
     if colour.dtype != np.uint8 and colour.dtype.kind != "f":
@@ -93,20 +121,34 @@ def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32],
     return rgba.astype(np.float32), np.where(covered, inverse, NO_DEPTH).astype(np.float32)
 
 
-def _uploaded(gpu: Gpu, linear: NDArray[np.float32], inverse_depth: NDArray[np.float32], view: View) -> EyeImage:
-    size = inverse_depth.shape[1::-1]
-    colour, depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
-    upload(colour, linear)
-    upload(depth, inverse_depth)
-    return EyeImage(view, colour, depth)
+def _array(name: str, value: ArrayLike) -> NDArray:
+    try:
+        return np.asarray(value)
+    except ValueError as error:
+        raise InputError(f"{name} is no array: {error}") from error
 
 
-_local = threading.local()
+def checked_size(size: object) -> tuple[int, int]:
+    """(w, h) as plain integers. Errors: InputError for anything else; whether the GPU can do it is asked later."""
+    try:
+        width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"size is {size!r}: wanted (width, height) in whole pixels") from error
+    return width, height
 
 
-def _shared_gpu() -> Gpu:
-    """One context per thread, closed at exit: GL contexts do not travel between threads."""
-    if not hasattr(_local, "gpu"):
-        _local.gpu = Gpu()
-        atexit.register(_local.gpu.close)
-    return _local.gpu
+_shared: Gpu | None = None
+_turn = threading.Lock()
+
+
+@contextmanager
+def _shared_gpu() -> Iterator[Gpu]:
+    """The one context of all callers, in the hands of this thread alone while the block lasts."""
+    global _shared  # noqa: PLW0603 (made late, because importing must not start a GL driver)
+    with _turn:
+        if _shared is None:
+            _shared = Gpu()
+            _shared.step_aside()
+            atexit.register(_shared.close)
+        with _shared.current():
+            yield _shared

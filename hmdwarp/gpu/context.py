@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import moderngl
 
@@ -48,10 +51,15 @@ def can_load_egl() -> bool:
     return True
 
 
+_thread = threading.local()  # .gpu: the one whose context GL calls of this thread go to
+
+
 class Gpu:
     """A context, its limits and its caches; the one object that every pass is given.
 
     Use as a context manager, or call close(). gl: the moderngl context. info: renderer, version, limits.
+    The newest one of a thread is current there; close() gives the place back to the one before. One that is not the newest
+    is used inside `with gpu.current():`, or its GL calls would go to another context, which answers with black pictures.
     """
 
     def __init__(self, gl: moderngl.Context | None = None) -> None:
@@ -59,6 +67,9 @@ class Gpu:
         from .timers import StageTimer
 
         self.gl = gl if gl is not None else create_context()
+        self._before: Gpu | None = getattr(_thread, "gpu", None)
+        self._closed = False
+        _thread.gpu = self
         self.renderer: str = self.gl.info["GL_RENDERER"]
         self.version: str = self.gl.info["GL_VERSION"]
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
@@ -70,8 +81,31 @@ class Gpu:
         """Whether the pictures come from a CPU (llvmpipe, softpipe, SwiftShader)."""
         return any(name in self.renderer.lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
 
+    @contextmanager
+    def current(self) -> Iterator[Gpu]:
+        """GL calls of this thread go here inside the block, and where they went before after it."""
+        before = getattr(_thread, "gpu", None)
+        _make_current(self)
+        try:
+            yield self
+        finally:
+            _make_current(before)
+
+    def step_aside(self) -> None:
+        """Make the one before current, so that any one thread may use this one inside `with gpu.current():`."""
+        _make_current(self._before)
+
     def close(self) -> None:
-        """Free what the context holds."""
+        """Free what the context holds. May be called again."""
+        if self._closed:
+            return
+        before = getattr(_thread, "gpu", None)
+        _make_current(self)
+        self._release()
+        self._closed, _thread.gpu = True, None
+        _make_current(self._before if before is self else before)
+
+    def _release(self) -> None:
         # What was released by hand is queued once more when it dies, as a husk without release(), and gc() trips over it.
         living = [thing for thing in self.gl.objects if hasattr(thing, "release")]
         self.gl.objects.clear()
@@ -84,3 +118,15 @@ class Gpu:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _make_current(gpu: Gpu | None) -> None:
+    """`gpu`, or where that is closed the one before it, or none at all."""
+    while gpu is not None and gpu._closed:
+        gpu = gpu._before
+    now = getattr(_thread, "gpu", None)
+    if now is not None and now is not gpu:
+        now.gl.__exit__(None, None, None)  # in EGL that leaves no context current, whatever was before
+    if gpu is not None:
+        gpu.gl.__enter__()
+    _thread.gpu = gpu
