@@ -32,7 +32,7 @@ _HOME = {
     "warp_image": "image",
 }
 
-__all__ = ["__version__", *_HOME]
+__all__ = ["__version__", *_HOME]  # noqa: PLE0604 (the keys are strings)
 
 
 def __getattr__(name: str) -> Any:
