@@ -11,7 +11,7 @@ HEADSET = rift-dk1
 OUT = out/replay
 # How much of the trace; empty means all of it.
 SECONDS =
-# Anything else that 'hmdwarp replay' takes, for instance OPTIONS="--seconds 2 --video".
+# Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
 OPTIONS =
 # llvmpipe keeps both cores of a small machine busy by itself; a second worker fills the gaps in between.
 PYTEST_OPTIONS = -n 2 --dist loadfile
@@ -33,3 +33,6 @@ replay: setup  ## the main job: replay a recorded head trace 200 ms late and rep
 
 test: setup  ## all tests, as CI runs them
 	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)
+
+bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
+	@.venv/bin/python tests/bench_quick.py $(OPTIONS)
