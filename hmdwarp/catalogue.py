@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import attrs
+
+if TYPE_CHECKING:
+    from .headsets import Headset
+    from .poses import PoseTrack
 
 
 def entries(kind: str) -> list[dict[str, str]]:
@@ -40,22 +48,44 @@ def _scenes() -> list[dict[str, str]]:
 def _headsets() -> list[dict[str, str]]:
     from .headsets import headset_names, load_headset
 
-    found = [load_headset(name) for name in headset_names()]
-    return [{"name": h.name, "summary": h.summary, "source": h.source} for h in found]
+    return [_headset_row(load_headset(name)) for name in headset_names()]
+
+
+def _headset_row(headset: Headset) -> dict[str, str]:
+    angles = (math.degrees(angle) for angle in attrs.astuple(headset.left_fov))
+    return {
+        "name": headset.name,
+        "summary": headset.summary,
+        "eye_size": "x".join(map(str, headset.eye_size_px)),
+        "refresh_hz": f"{headset.refresh_hz:g}",
+        "left_fov_deg": ", ".join(f"{side} {angle:.1f}" for side, angle in zip(("left", "right", "down", "up"), angles, strict=True)),
+        "lens": "radial" if headset.lens is not None else "none",
+        "source": headset.source,
+    }
 
 
 def _formats() -> list[dict[str, str]]:
     from .poses.formats import FORMATS
 
-    return [{"name": f.name, "summary": f.summary} for f in FORMATS]
+    return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in FORMATS]
 
 
 def _recordings() -> list[dict[str, str]]:
     from .poses import load_trace
     from .resources import recording_names
 
-    tracks = [load_trace(name).track for name in recording_names()]
-    return [{"name": t.name, "summary": f"{t.duration_ns * 1e-9:.1f} s at {t.rate_hz:.0f} Hz: {t.origin}"} for t in tracks]
+    return [_recording_row(load_trace(name).track) for name in recording_names()]
+
+
+def _recording_row(track: PoseTrack) -> dict[str, str]:
+    made_by, _, what = track.origin.rpartition("; ")  # as 'hmdwarp trace synth' writes it into the file
+    return {
+        "name": track.name,
+        "summary": what,
+        "seconds": f"{track.duration_ns * 1e-9:.1f}",
+        "rate_hz": f"{track.rate_hz:.0f}",
+        "origin": made_by or track.origin,
+    }
 
 
 _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {

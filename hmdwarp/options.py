@@ -20,13 +20,14 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match.group(1)), int(match.group(2))
 
 
-def _number(name: str, unit: str, *, least: float = 0.0, above: bool = False):
+def _number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False, most: float = math.inf):
+    wanted = f"{'above' if above else 'of at least'} {least:g}{unit}" + (f" and at most {most:g}{unit}" if math.isfinite(most) else "")
+
     def check(_: object, __: attrs.Attribute, value: float | None) -> None:
         if value is None:
             return
-        fits = math.isfinite(value) and (value > least if above else value >= least)
-        if not fits:
-            raise InputError(f"{name} {value:g}{unit}: wanted a number {'above' if above else 'of at least'} {least:g}{unit}")
+        if not math.isfinite(value) or value > most or not (value > least if above else value >= least):
+            raise InputError(f"{name} {value:g}{unit}: wanted a number {wanted}")
 
     return check
 
@@ -50,16 +51,16 @@ class RunOptions:
     lens: str = "radial"
     headset: str = "rift-dk1"
     size: tuple[int, int] | None = None
-    rate_hz: float | None = attrs.field(default=None, validator=_number("rate", " Hz", above=True))
+    rate_hz: float | None = attrs.field(default=None, validator=_number("rate", " Hz", above=True, most=1000))
     start_s: float = attrs.field(default=0.0, validator=_number("start", " s"))
     seconds: float | None = attrs.field(default=None, validator=_number("seconds", " s", above=True))
-    guard: float = attrs.field(default=1.0, validator=_number("guard", "", least=1.0))
+    guard: float = attrs.field(default=1.0, validator=_number("guard", least=1.0))
     predict: str = "none"
     horizon_ms: float = attrs.field(default=100.0, validator=_number("horizon", " ms"))
     against: str = "none"
-    metrics_every: int = attrs.field(default=10, validator=_number("metrics-every", "", least=1))
-    workers: int | None = attrs.field(default=None, validator=_number("workers", ""))
-    images: int = attrs.field(default=6, validator=_number("images", ""))
+    metrics_every: int = attrs.field(default=10, validator=_number("metrics-every", least=1))
+    workers: int | None = attrs.field(default=None, validator=_number("workers", most=256))
+    images: int = attrs.field(default=6, validator=_number("images"))
     video: bool = False
     trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     out: Path = attrs.field(default=Path("out/replay"), converter=Path)

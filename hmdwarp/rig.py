@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from contextlib import ExitStack
 
@@ -10,8 +11,8 @@ import attrs
 import numpy as np
 
 from .client.compensator import Compensator
-from .client.plan import Plan, build_plan
-from .errors import InputError
+from .client.plan import BYTES_PER_PIXEL, Plan, build_plan
+from .errors import InputError, MachineError
 from .geometry import Pose
 from .gpu.context import Gpu
 from .gpu.textures import check_size
@@ -31,7 +32,7 @@ class Requested:
     """Which head poses the server and the display ask for, and how much the server draws."""
 
     track: PoseTrack
-    latency_ns: int
+    age_ns: int
     predictor: str
     horizon_ns: int
     size: tuple[int, int]
@@ -41,49 +42,75 @@ class Requested:
         """The pose a frame drawn now is meant for: now's, or the one predicted for when it will be seen."""
         if self.predictor == "none":
             return self.track.at(now_ns)
-        return predict(self.track, now_ns, now_ns + self.latency_ns, self.predictor, self.horizon_ns)
+        return predict(self.track, now_ns, now_ns + self.age_ns, self.predictor, self.horizon_ns)
 
     def for_display(self, shown_ns: int) -> PoseSample:
         """The head when the picture is seen."""
         return self.track.at(shown_ns)
 
 
+# A latency this near to a whole number of refreshes means that number: 16.67 ms is one refresh at 60 Hz, not a little more.
+_SAME_REFRESH = 1e-3
+
+
+def refreshes_of(latency_ms: float, rate_hz: float) -> int:
+    """How many refreshes after it was drawn a frame is shown: it waits for the next one after it has arrived."""
+    return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
+
+
+def frames_held(options: RunOptions, rate_hz: float) -> int:
+    """The most frames there are at a time: under way, shown, and being drawn."""
+    return refreshes_of(options.latency_ms, rate_hz) + 2
+
+
 @attrs.frozen
 class Timetable:
-    """When the display refreshes: integer nanoseconds on the trace's clock, evenly spaced from `first_ns`."""
+    """When the display refreshes: integer nanoseconds on the trace's clock, evenly spaced.
+
+    first_ns: of the first shown refresh; `count` are shown. age: how many refreshes after it was drawn a frame is shown.
+    """
 
     first_ns: int
     rate_hz: float
     count: int
-    warm_up: int
+    age: int
+
+    @property
+    def age_ns(self) -> int:
+        """From drawing to showing, within 1 ns."""
+        return round(self.age * 1e9 / self.rate_hz)
+
+    def link_latency_ns(self, latency_ms: float) -> int:
+        """What the link delays by: no more than lies between any two refreshes `age` apart, which are rounded to whole ns."""
+        return min(round(latency_ms * 1e6), max(0, self.age_ns - 2))
 
     def instants(self) -> Iterator[tuple[int, bool]]:
         """(time_ns, shown): the refreshes before the first shown one only draw, so that a frame has arrived by then."""
-        for k in range(-self.warm_up, self.count):
+        for k in range(-self.age, self.count):
             yield self.first_ns + round(k * 1e9 / self.rate_hz), k >= 0
 
 
 def timetable(track: PoseTrack, options: RunOptions, rate_hz: float) -> Timetable:
-    """The refreshes of a run. Errors: InputError if nothing of the trace would be shown."""
+    """The refreshes of a run: from the start asked for, or from when the first frame can have arrived where that is later, for
+    as many whole refreshes as fit into the seconds asked for and into the trace, but one at least.
+
+    Errors: InputError if nothing of the trace would be shown.
+    """
     length_s = track.duration_ns * 1e-9
+    if length_s == 0:
+        raise InputError(f"the trace '{track.name}' has a single sample: wanted head motion over time")
     if options.start_s >= length_s:
         raise InputError(f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end")
-    if options.latency_ms * 1e-3 >= length_s:
+    age = refreshes_of(options.latency_ms, rate_hz)
+    if age / rate_hz > length_s:
         raise InputError(
             f"latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame would arrive; "
             "use a shorter latency or a longer trace"
         )
-    # Shown from the start asked for, or from when the first frame can have arrived, whichever is later.
-    start_s = max(options.start_s, options.latency_ms * 1e-3)
-    left_s = length_s - start_s
-    seconds = left_s if options.seconds is None else min(options.seconds, left_s)
-    first_ns = track.start_ns + round(start_s * 1e9)
-    warm_up = math.floor((first_ns - track.start_ns) * 1e-9 * rate_hz + 1e-6)
-    needed = math.ceil(options.latency_ms * 1e-3 * rate_hz - 1e-6)
-    if needed > warm_up:  # between two refreshes: the first frame then arrives one refresh later
-        first_ns += round((needed - warm_up) * 1e9 / rate_hz)
-        warm_up, seconds = needed, seconds - (needed - warm_up) / rate_hz
-    return Timetable(first_ns, rate_hz, max(1, math.floor(seconds * rate_hz + 1e-6)), min(warm_up, needed))
+    start_s = max(options.start_s, age / rate_hz)
+    seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
+    # 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes, whatever its last bits say.
+    return Timetable(track.start_ns + round(start_s * 1e9), rate_hz, max(1, math.floor(seconds * rate_hz + 1e-6)), age)
 
 
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
@@ -143,7 +170,7 @@ class Rig:
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset, size: tuple[int, int], guard: float, server: Server) -> Compensator:
-    late_size = headset.fov(0).guarded(guard, size)[1]
+    late_size = guarded_size(guard, headset, size)
     return Compensator(gpu, plan, headset, late_size, size, server.draw_depth)
 
 
@@ -152,29 +179,58 @@ def build_rig(options: RunOptions) -> Rig:
     if options.predict not in PREDICTORS:
         raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
     headset = load_headset(options.headset)
-    plan = build_plan_for(options, headset, None)
+    build_plan_for(options, headset, None)
     trace = load_trace(options.trace, options.trace_options)
     times = timetable(trace.track, options, options.rate_hz or headset.refresh_hz)
+    size = options.size or headset.eye_size_px
+    late_size = guarded_size(options.guard, headset, size)
     scene = load_scene(options.scene)
     plan = build_plan_for(options, headset, scene)
     track, notes = placed(trace.track, scene)
-    size = options.size or headset.eye_size_px
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
-        late_size = headset.fov(0).guarded(options.guard, size)[1]
         check_size(gpu.gl, size)
-        check_size(gpu.gl, late_size)
+        _check_room(gpu, options, times.rate_hz, late_size)
         server = Server(gpu, scene)
         stack.callback(server.close)
-        latency_ns = round(options.latency_ms * 1e6)
-        link: ConstantLink = ConstantLink(latency_ns, server.recycle)
+        link: ConstantLink = ConstantLink(times.link_latency_ns(options.latency_ms), server.recycle)
         stack.callback(link.close)
         compensator = _compensator(gpu, plan, headset, size, options.guard, server)
         stack.callback(compensator.close)
-        requested = Requested(track, latency_ns, options.predict, round(options.horizon_ms * 1e6), size, options.guard)
+        requested = Requested(track, times.age_ns, options.predict, round(options.horizon_ms * 1e6), size, options.guard)
         loop = Loop(requested, server, link, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
         return Rig(options, trace, track, scene, headset, size, plan, times, gpu, server, link, loop, notes, stack.pop_all())
+
+
+def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple[int, int]:
+    """(w, h) of what the server draws for one eye. Errors: InputError for a guard that leaves the half-space in front of the eye."""
+    try:
+        return headset.fov(0).guarded(guard, size)[1]
+    except InputError as error:
+        raise InputError(f"guard {guard:g} on headset '{headset.name}': {error}; use a smaller guard") from error
+
+
+def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int]) -> None:
+    """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
+    if max(late_size) > gpu.max_texture_size:
+        found = f"guard {options.guard:g} makes frames of {late_size[0]}x{late_size[1]} pixels"
+        raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
+    frames = frames_held(options, rate_hz)
+    needed = frames * 2 * late_size[0] * late_size[1] * sum(BYTES_PER_PIXEL.values())
+    if gpu.is_software and needed > memory_bytes():
+        raise MachineError(
+            f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, and this "
+            f"machine has {memory_bytes() / 1e9:.1f} GB: use a smaller size, a shorter latency or a lower rate"
+        )
+
+
+def memory_bytes() -> float:
+    """Of the whole machine; infinite where it does not say."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):
+        return math.inf
 
 
 def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -> Plan:
@@ -184,7 +240,6 @@ def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -
     if options.lens != "none" and headset.lens is None:
         raise InputError(f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none")
     effects = scene.effects if scene is not None else SceneEffect.NONE
+    if options.against:
+        build_plan(effects, options.against, "none", "none", client_geometry=True)
     return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True)
-
-
-__all__ = ["Pose", "Requested", "Rig", "RunOptions", "Timetable", "build_plan_for", "build_rig", "placed", "timetable"]

@@ -2,37 +2,81 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import signal
 import sys
+from contextlib import suppress
+from typing import NoReturn
 
-INTERRUPTED = 130  # the shells' status for Ctrl-C
+INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
+NOTHING_LEFT = "nothing unfinished was left behind"
+
+
+class _Ended(BaseException):
+    """SIGTERM or SIGHUP, as an exception, so that everything on the way out cleans up as it does after Ctrl-C."""
 
 
 def main() -> None:
     """Run the command line and leave with its exit status; every error of ours is one line on stderr."""
     from ..errors import HmdwarpError
-    from ._app import app
 
+    _end_cleanly_by_signals()
     try:
+        from ._app import app
+
         status = app(standalone_mode=False, prog_name="hmdwarp")  # hands back the status of a typer.Exit instead of raising it
+        if sys.stdout is not None:
+            sys.stdout.flush()  # here, where a full disk still gets its line
     except HmdwarpError as error:
         _leave(str(error), error.exit_status)
     except KeyboardInterrupt:
-        _leave("interrupted; nothing unfinished was left behind", INTERRUPTED)
+        _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
+    except _Ended as error:
+        number = error.args[0]
+        _leave(f"ended by {signal.Signals(number).name}; {NOTHING_LEFT}", 128 + number)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains once more at exit
-        sys.exit(0)
+        _nobody_reads()
+    except SystemExit as error:
+        if isinstance(error.__context__, BrokenPipeError):  # rich and newer typers make an exit of status 1 of it
+            _nobody_reads()
+        raise
     except Exception as error:
         _leave_by_unforeseen(error)
     else:
+        if status == INTERRUPTED:  # how newer typers hand on Ctrl-C
+            _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
         sys.exit(status if isinstance(status, int) else 0)
 
 
-def _leave_by_unforeseen(error: Exception) -> None:
+def _end_cleanly_by_signals() -> None:
+    def end(number: int, _: object) -> None:
+        signal.signal(number, signal.SIG_IGN)  # cleaning up is under way
+        raise _Ended(number)
+
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP, and is obeyed
+            signal.signal(number, end)
+
+
+def _nobody_reads() -> NoReturn:
+    """The reader of standard output has gone, as `head` does: no fault of anybody's."""
+    _forget_stdout()
+    sys.exit(0)
+
+
+def _forget_stdout() -> None:
+    """Let what is still buffered go nowhere, else Python complains at exit."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _leave_by_unforeseen(error: Exception) -> NoReturn:
     import typer
 
     if isinstance(error, typer.Abort):
-        _leave("interrupted; nothing unfinished was left behind", INTERRUPTED)
+        _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
     if type(error).__name__ == "NoArgsIsHelpError":
         print(error.format_message())
         sys.exit(0)
@@ -42,9 +86,16 @@ def _leave_by_unforeseen(error: Exception) -> None:
         _leave(f"{error.format_message()} ('{command} --help' shows what there is)", 2)
     if os.environ.get("HMDWARP_DEBUG"):
         raise error
+    if isinstance(error, OSError) and error.filename is None and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+        _forget_stdout()
+        _leave(f"cannot print the results ({error.strerror or error}): make room where standard output goes", 3)
+    if isinstance(error, MemoryError):
+        _leave("out of memory: use a smaller --size, a shorter --latency or fewer --images", 3)
     _leave(f"a fault of hmdwarp, please report it: {type(error).__name__}: {error} (HMDWARP_DEBUG=1 shows where)", 1)
 
 
-def _leave(message: str, status: int) -> None:
-    print(f"hmdwarp: {' '.join(message.split())}", file=sys.stderr)
+def _leave(message: str, status: int) -> NoReturn:
+    if sys.stderr is not None:
+        with suppress(OSError):
+            print(f"hmdwarp: {' '.join(message.split())}", file=sys.stderr, flush=True)
     sys.exit(status)

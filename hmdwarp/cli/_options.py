@@ -22,6 +22,7 @@ Fill = Annotated[str, typer.Option("--fill", help=f"{names_in('client/fills')}."
 Lens = Annotated[str | None, typer.Option("--lens", help=f"{names_in('client/lens')}; by default the headset's own.", show_default=False)]
 Headset = Annotated[str, typer.Option("--headset", help=f"{names_in('headsets', '*.toml')}, or a .toml file.")]
 Size = Annotated[str | None, typer.Option("--size", help="WxH pixels of one eye; by default the headset's.", show_default=False)]
+Rate = Annotated[float | None, typer.Option("--rate", help="Refreshes a second; by default the headset's.", show_default=False)]
 Guard = Annotated[float, typer.Option("--guard", help="How many times as large (in tangents) the server draws the field of view.")]
 Predict = Annotated[str, typer.Option("--predict", help="Pose the server draws for: none (now's) or constant_velocity.")]
 Horizon = Annotated[float, typer.Option("--horizon", help="Milliseconds to predict ahead at most.")]

@@ -11,40 +11,61 @@ KINDS = ("warps", "fills", "lenses", "scenes", "headsets", "formats", "recording
 
 def list_(
     kind: Annotated[str, typer.Argument(help=f"One of {', '.join(KINDS)}.")],
-    json: Annotated[bool, typer.Option("--json", help="As a JSON array of objects.")] = False,
-    markdown: Annotated[bool, typer.Option("--markdown", help="As a Markdown table.")] = False,
+    name: Annotated[str | None, typer.Argument(help="Tell everything about this one.", show_default=False)] = None,
+    json: Annotated[bool, typer.Option("--json", help="Everything, as a JSON array of objects.")] = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Everything, as a Markdown table.")] = False,
 ) -> None:
     """List the warps, fills, lenses, scenes, headsets, trace formats or recordings there are."""
-    from ..catalogue import entries
+    from ..errors import InputError
     from ..registry import unknown_name
 
     if kind not in KINDS:
         raise unknown_name("list", kind, list(KINDS))
-    rows = entries(kind)
+    if json and markdown:
+        raise InputError("--json and --markdown: wanted one of the two")
+    rows = _rows(kind, name)
     if json:
         import json as json_
 
-        typer.echo(json_.dumps(rows, indent=2))
+        typer.echo(json_.dumps(rows, indent=2, ensure_ascii=False))
     elif markdown:
         typer.echo(_markdown(rows))
+    elif name is not None:
+        _print_all_of(rows[0])
     else:
-        _print_table(kind, rows)
+        _print_summaries(kind, rows)
 
 
-def _markdown(rows: list[dict]) -> str:
+def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
+    from ..catalogue import entries
+    from ..registry import unknown_name
+
+    rows = entries(kind)
+    if name is None:
+        return rows
+    chosen = [row for row in rows if row["name"] == name]
+    if not chosen:
+        raise unknown_name(kind.removesuffix("es") if kind == "lenses" else kind.removesuffix("s"), name, [row["name"] for row in rows])
+    return chosen
+
+
+def _markdown(rows: list[dict[str, str]]) -> str:
     names = list(rows[0])
     lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
-    lines += ["| " + " | ".join([f"`{row['name']}`", *(str(row[n]) for n in names[1:])]) + " |" for row in rows]
+    lines += ["| " + " | ".join([f"`{row['name']}`", *(row[n].replace("|", "\\|") for n in names[1:])]) + " |" for row in rows]
     return "\n".join(lines)
 
 
-def _print_table(kind: str, rows: list[dict]) -> None:
-    from rich.console import Console
-    from rich.table import Table
+def _print_summaries(kind: str, rows: list[dict[str, str]]) -> None:
+    from ._show import in_columns
 
-    table = Table(title=kind, title_justify="left")
-    for name in rows[0]:
-        table.add_column(name.replace("_", " "), no_wrap=name == "name")
-    for row in rows:
-        table.add_row(*(str(value) for value in row.values()))
-    Console().print(table)
+    in_columns((row["name"], row["summary"]) for row in rows)
+    if len(rows[0]) > 2:
+        typer.echo(f"\n'hmdwarp list {kind} NAME' tells the rest of one: {', '.join(key.replace('_', ' ') for key in list(rows[0])[2:])}.")
+
+
+def _print_all_of(row: dict[str, str]) -> None:
+    from ._show import in_columns
+
+    typer.echo(row["name"])
+    in_columns(((key.replace("_", " "), text) for key, text in row.items() if key != "name"), indent=2)

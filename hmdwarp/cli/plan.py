@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import typer
 
 from . import _options as o
+
+if TYPE_CHECKING:
+    from ..client.plan import Step
 
 
 def plan(
@@ -15,28 +20,35 @@ def plan(
     lens: o.Lens = None,
     headset: o.Headset = "rift-dk1",
     size: o.Size = None,
+    rate: o.Rate = None,
     guard: o.Guard = 1.0,
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
-    from rich.console import Console
-
-    from ..client.plan import build_plan
     from ..headsets import load_headset
     from ..options import RunOptions, parse_size
-    from ..report.tables import plan_tables
+    from ..rig import build_plan_for, frames_held, guarded_size
     from ..scenes import load_scene
+    from ._show import in_columns
 
     chosen = load_headset(headset)
-    options = RunOptions(
-        "", scene, latency, warp, fill, o.lens_for(lens, headset), headset, None if size is None else parse_size(size), guard=guard
-    )
-    built = build_plan(load_scene(scene).effects, warp, fill, options.lens, client_geometry=True)
-    shown_size = options.size or chosen.eye_size_px
-    late_size = chosen.fov(0).guarded(guard, shown_size)[1]
-    console = Console()
-    for table in plan_tables(built.steps, built.left_out):
-        console.print(table)
+    wanted_size = None if size is None else parse_size(size)
+    options = RunOptions("", scene, latency, warp, fill, o.lens_for(lens, headset), headset, size=wanted_size, rate_hz=rate, guard=guard)
+    built = build_plan_for(options, chosen, load_scene(scene))
+    typer.echo("Passes, in order:")
+    in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
+    typer.echo("Left out; nothing is compiled or allocated for them:")
+    in_columns(built.left_out, indent=2)
+    rate_hz = rate or chosen.refresh_hz
+    late_size = guarded_size(guard, chosen, options.size or chosen.eye_size_px)
     frame_bytes = 2 * late_size[0] * late_size[1] * built.bytes_per_pixel()
-    frames = int(latency * 1e-3 * chosen.refresh_hz) + 2
-    typer.echo(f"A frame: 2 eyes x {late_size[0]}x{late_size[1]} px, {', '.join(built.layers)}: {frame_bytes / 1e6:.1f} MB uncompressed.")
-    typer.echo(f"The link at {latency:g} ms and {chosen.refresh_hz:g} Hz holds at most {frames} frames.")
+    in_columns(
+        [
+            ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(built.layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),
+            ("The link", f"holds at most {frames_held(options, rate_hz)} of them at {latency:g} ms and {rate_hz:g} Hz"),
+        ]
+    )
+
+
+def _told(step: Step) -> str:
+    reads = f"reads {', '.join(step.reads)}; " if step.reads else ""
+    return f"{step.reason}\n{reads}writes {', '.join(step.writes)}"

@@ -21,7 +21,7 @@ def replay(
     lens: o.Lens = None,
     headset: o.Headset = "rift-dk1",
     size: o.Size = None,
-    rate: Annotated[float | None, typer.Option("--rate", help="Refreshes a second; by default the headset's.", show_default=False)] = None,
+    rate: o.Rate = None,
     start: Annotated[float, typer.Option("--start", help="Seconds into the trace to show first.")] = 0.0,
     seconds: Annotated[float | None, typer.Option("--seconds", help="Seconds to show; by default all.", show_default=False)] = None,
     guard: o.Guard = 1.0,
@@ -80,17 +80,16 @@ def _run(options, quiet: bool) -> None:
     if quiet:
         run(options)
         return
-    from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     from ..report.tables import summary_table
+    from ._show import console
 
-    console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=console(stderr=True), transient=True) as bar:
         task = bar.add_task("refreshes", total=None)
         result = run(options, lambda done, total: bar.update(task, completed=done, total=total))
-    Console().print(summary_table(result.summary, result.against))
+    console().print(summary_table(result.summary, result.against))
     for note in result.summary["notes"]:
         typer.echo(f"note: {note}")
     typer.echo(f"report: {result.report}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -13,7 +13,6 @@ from ..metrics.summary import HIGHER_IS_BETTER
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..client.plan import Step
 
 Summary = Mapping[str, Any]
 
@@ -92,8 +91,6 @@ def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
     The better column of each quality line is bold and starred, so that it reads without colour too.
     """
     from rich.table import Table
-
-    from ..client.plan import Step
     from rich.text import Text
 
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, scene {summary['scene']}, {summary['frames']} frames"
@@ -122,18 +119,3 @@ def _caption(summary: Summary, baseline: Summary | None) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     text = f"mean over measured pictures; times: median per eye, {clock};\np95: the worst 5 % begin there"
     return text if baseline is None else f"{text}; *: better of the two"
-
-
-def plan_tables(steps: Sequence[Step], left_out: Sequence[tuple[str, str]]) -> list[Table]:
-    """The passes that run and those left out, each with its reason, to be printed with rich."""
-    from rich.table import Table
-
-    from ..client.plan import Step
-
-    runs = Table("pass", "why it runs", "reads", "writes", title="Passes, in order", title_justify="left")
-    for step in steps:
-        runs.add_row(step.name, step.reason, "\n".join(step.reads), "\n".join(step.writes))
-    absent = Table("left out", "why", title="Left out: nothing is compiled or allocated for these", title_justify="left")
-    for name, reason in left_out:
-        absent.add_row(name, reason)
-    return [runs, absent]

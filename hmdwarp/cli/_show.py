@@ -1,0 +1,39 @@
+"""Plain layouts that read well in 80 columns, with more room or less."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_WIDEST = 110  # longer lines are hard to read
+
+
+def console(*, stderr: bool = False) -> Console:
+    """A rich console; a reader that has gone is an ordinary BrokenPipeError, which the command line knows how to leave by."""
+    from rich.console import Console
+
+    class Terminal(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    return Terminal(stderr=stderr, highlight=False)
+
+
+def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
+    """Names on the left, their texts wrapped beside them, line by line."""
+    rows = list(rows)
+    left = indent + max((len(name) for name, _ in rows), default=0) + 2
+    width = max(left + 24, min(shutil.get_terminal_size((80, 24)).columns, _WIDEST))
+    for name, text in rows:
+        lines = [part for line in text.splitlines() for part in textwrap.wrap(line, width - left, break_on_hyphens=False)] or [""]
+        head = " " * indent + typer.style(name, bold=True) + " " * (left - indent - len(name))
+        typer.echo(head + lines[0])
+        for line in lines[1:]:
+            typer.echo(" " * left + line)
