@@ -7,45 +7,56 @@ layout(rgba16f) writeonly uniform image2D filled;
 uniform ivec2 shown_size;
 uniform int minimum_count;
 
-const float FAR_AWAY = 1e30; // sorts after every colour
+const vec3 ABSENT = vec3(1e30); // sorts after every colour
 
-#define ORDER(a, b) { vec3 low = min(n[a], n[b]); n[b] = max(n[a], n[b]); n[a] = low; }
+// Three texels of one row of the picture; those outside it are empty.
+struct Row {
+    vec4 left, middle, right;
+};
 
-vec3 at(vec3 n[8], int i) {
-    return i < 4 ? (i < 2 ? (i == 0 ? n[0] : n[1]) : (i == 2 ? n[2] : n[3]))
-                 : (i < 6 ? (i == 4 ? n[4] : n[5]) : (i == 6 ? n[6] : n[7]));
+vec4 texel(ivec2 p) {
+    vec4 c = texelFetch(warped, clamp(p, ivec2(0), shown_size - 1), 0);
+    return p == clamp(p, ivec2(0), shown_size - 1) && c.a > 0.0 ? c : vec4(ABSENT, 0.0);
 }
 
-vec4 interpolated(ivec2 p) {
-    vec3 n[8];
-    int count = 0, k = 0;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
-            if (x == 0 && y == 0) continue;
-            ivec2 q = p + ivec2(x, y);
-            vec4 c = texelFetch(warped, clamp(q, ivec2(0), shown_size - 1), 0);
-            bool covered = c.a > 0.0 && all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, shown_size));
-            n[k++] = covered ? c.rgb : vec3(FAR_AWAY);
-            count += int(covered);
-        }
-    // Batcher's odd-even merge sort of eight, 19 exchanges, no branch.
-    ORDER(0, 1) ORDER(2, 3) ORDER(4, 5) ORDER(6, 7)
-    ORDER(0, 2) ORDER(1, 3) ORDER(4, 6) ORDER(5, 7)
-    ORDER(1, 2) ORDER(5, 6)
-    ORDER(0, 4) ORDER(1, 5) ORDER(2, 6) ORDER(3, 7)
-    ORDER(2, 4) ORDER(3, 5)
-    ORDER(1, 2) ORDER(3, 4) ORDER(5, 6)
-    if (count < minimum_count) return vec4(0.0);
-    return vec4(0.5 * (at(n, (count - 1) / 2) + at(n, count / 2)), 1.0);
+Row row_at(ivec2 p) {
+    return Row(texel(p - ivec2(1, 0)), texel(p), texel(p + ivec2(1, 0)));
+}
+
+#define ORDER(a, b) { vec3 low = min(a, b); b = max(a, b); a = low; }
+
+// The mean of the two middle ones of the first `count` of eight sorted values, count 3 to 8 (one and the same if it is odd).
+vec3 middle(int count, vec3 b, vec3 c, vec3 d, vec3 e) {
+    vec3 low = count >= 7 ? d : count >= 5 ? c : b;
+    vec3 high = count >= 8 ? e : count >= 6 ? d : c;
+    high = (count & 1) == 1 ? low : high;
+    return 0.5 * (low + high);
+}
+
+vec4 interpolated(Row below, Row beside, Row above) {
+    vec3 a = below.left.rgb, b = below.middle.rgb, c = below.right.rgb, d = beside.left.rgb;
+    vec3 e = beside.right.rgb, f = above.left.rgb, g = above.middle.rgb, h = above.right.rgb;
+    vec4 four = vec4(below.left.a, below.middle.a, below.right.a, beside.left.a);
+    int count = int(dot(four, vec4(1.0)) + beside.right.a + above.left.a + above.middle.a + above.right.a);
+    // Batcher's odd-even merge sort of eight: 19 exchanges, no branch.
+    ORDER(a, b) ORDER(c, d) ORDER(e, f) ORDER(g, h)
+    ORDER(a, c) ORDER(b, d) ORDER(e, g) ORDER(f, h)
+    ORDER(b, c) ORDER(f, g)
+    ORDER(a, e) ORDER(b, f) ORDER(c, g) ORDER(d, h)
+    ORDER(c, e) ORDER(d, f)
+    ORDER(b, c) ORDER(d, e) ORDER(f, g)
+    return count >= minimum_count ? vec4(middle(count, b, c, d, e), 1.0) : vec4(0.0);
 }
 
 void main() {
-    ivec2 first = first_pixel();
-    if (first.x >= shown_size.x) return;
-    for (int row = 0; row < ROWS; ++row) {
-        ivec2 p = first + ivec2(0, row);
+    ivec2 p = first_pixel();
+    if (p.x >= shown_size.x) return;
+    Row below = row_at(p - ivec2(0, 1)), beside = row_at(p);
+    for (int row = 0; row < ROWS; ++row, ++p.y) {
         if (p.y >= shown_size.y) break;
-        vec4 own = texelFetch(warped, p, 0);
-        imageStore(filled, p, own.a > 0.0 ? own : interpolated(p));
+        Row above = row_at(p + ivec2(0, 1));
+        imageStore(filled, p, beside.middle.a > 0.0 ? beside.middle : interpolated(below, beside, above));
+        below = beside;
+        beside = above;
     }
 }

@@ -1,18 +1,28 @@
 // Where one drawn pixel lands in the shown picture, and the key that orders what lands there: nearer is larger.
-// The key is the bit pattern of the shown inverse depth (non-negative floats sort as integers), 0 = nothing landed here.
-// Everything infinitely far would tie; there the key is a denormal number, no real inverse depth, that falls with the index
-// of the drawn pixel, so that the lowest index wins as everywhere else.
+//
+// A key holds the shown inverse depth as a float32 with all 24 bits of its significand, for depths from 0.5 mm to 1000 km
+// (31 exponents), and below them four bits that tell neighbours apart: (row mod 4, column mod 4) of the drawn pixel, the
+// lower wins. So pixels of one surface, which often have the very same depth, do not tie. What is farther is ordered by
+// the index of the drawn pixel alone, the lower wins; what is nearer counts as 0.5 mm. 0 = nothing landed here.
 uniform sampler2D late_inverse_depth;
 uniform ivec2 late_size;
 uniform ivec2 shown_size;
 
-const uint SMALLEST_NORMAL = 0x00800000u; // the bits of 2^-126
+const uint NEAREST_BITS = 0x44FFFFFFu;  // the largest float32 below 2^11 1/m
+const uint FARTHEST_BITS = 0x35800000u; // 2^-20 1/m
+const uint FAR_KEYS = 0x08000000u;      // keys below this one are farther than that
+
+uint depth_key(float inverse_depth, ivec2 drawn, uint source) {
+    uint bits = min(floatBitsToUint(inverse_depth), NEAREST_BITS);
+    uint neighbour = 15u - (uint(drawn.y & 3) * 4u + uint(drawn.x & 3));
+    return bits < FARTHEST_BITS ? FAR_KEYS - 1u - source : FAR_KEYS + (bits - FARTHEST_BITS) * 16u + neighbour;
+}
 
 struct Landing {
     bool lands;
     ivec2 pixel;
     uint slot;   // index of the pixel in the shown picture
-    uint source; // index of the drawn pixel in the late picture
+    uint source; // index of the drawn pixel in the late picture, at most 2^27 - 2
     uint key;
 };
 
@@ -27,9 +37,7 @@ Landing landing(ivec2 drawn, vec3 base) {
     to.pixel = ivec2(p);
     to.slot = uint(to.pixel.y) * uint(shown_size.x) + uint(to.pixel.x);
     to.source = uint(drawn.y) * uint(late_size.x) + uint(drawn.x);
-    uint bits = floatBitsToUint(shown_inverse_depth);
-    to.key = bits < SMALLEST_NORMAL ? SMALLEST_NORMAL - 1u - (to.source & (SMALLEST_NORMAL - 1u)) : bits;
-    to.key += 1u;
+    to.key = depth_key(shown_inverse_depth, drawn, to.source);
     return to;
 }
 

@@ -5,6 +5,7 @@
 // PASS 0 finds the nearest key of each shown pixel, PASS 1 copies the colour of the drawn pixel that holds it. If two hold
 // it, PASS 2 finds the lowest index among them, PASS 3 copies that one again and PASS 4 forgets the winners: these three are
 // dispatched indirectly, by a count that is 0 when nothing tied.
+#define ROWS 8
 #include "lib/rows.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/scatter.glsl"

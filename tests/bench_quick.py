@@ -1,0 +1,137 @@
+"""How long one eye takes, against OpenCV on the same frame in the same process: `make bench-quick`.
+
+Prints ratios, which carry over between machines better than times do. Each round runs every method once, so that a machine
+that slows down slows all of them; the figures are medians over the rounds. OpenCV uses two threads.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from hmdwarp.client.fills import fills
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.warps import warps
+from hmdwarp.colour import picture_from_linear
+from hmdwarp.geometry import Fov, View
+from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu.textures import SCALAR, Canvas, allocate, download
+from hmdwarp.headsets import load_headset
+from hmdwarp.poses import load_trace
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
+
+LATENCY_NS = 200_000_000
+# Against which OpenCV function each warp is held, and the ratio it must not exceed, per size.
+LIMITS = {
+    (1280, 800): {"rotation": ("remap", 3.0), "backward": ("remap", 3.0), "forward": ("warpFrame", 1.2)},
+    (2064, 2208): {"forward": ("warpFrame", 0.75)},
+}
+
+
+class Case:
+    """One late frame of `room` and the view 200 ms later, on the GPU and as OpenCV wants it."""
+
+    def __init__(self, gpu: Gpu, server: Server, size: tuple[int, int], time_s: float) -> None:
+        self.gpu, self.size = gpu, size
+        track = load_trace("look-around").track
+        now = track.start_ns + round(time_s * 1e9)
+        half = np.arctan(np.tan(np.deg2rad(48)) * np.array([1, size[1] / size[0]]))
+        fov = Fov(-half[0], half[0], -half[1], half[1])
+        self.shown = View(track.at(now).pose, fov)
+        self.late = server.draw(View(track.at(now - LATENCY_NS).pose, fov), size)
+        self.client_depth = server.draw_depth(self.shown, size, allocate(gpu.gl, size, SCALAR))
+        self.canvas, self.other = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
+
+    def methods(self) -> dict[str, Callable[[], object]]:
+        made: dict[str, Callable[[], object]] = dict(self._opencv())
+        for name in warps.names():
+            warp = warps.get(name)(self.gpu, self.size, self.size)
+            made[name] = lambda warp=warp: warp.run(self.late, self.shown, self.canvas, self.client_depth)
+        for entry in fills:
+            if entry.is_pass:
+                fill = entry(self.gpu, self.size)
+                made[f"fill {entry.name}"] = lambda fill=fill: fill.run(self.canvas, self.other)
+        lens = lenses.get("radial")(self.gpu, load_headset("rift-dk1"), self.size)
+        made["lens radial"] = lambda: lens.run(self.canvas, self.shown.fov, 0, self.other)
+        return made
+
+    def _opencv(self) -> dict[str, Callable[[], object]]:
+        picture = picture_from_linear(download(self.late.colour))
+        with np.errstate(divide="ignore"):
+            depth = np.float32(1) / download(self.late.inverse_depth)
+        depth[~np.isfinite(depth)] = 1e4
+        wide, high = self.size
+        to_pixel = np.diag([1.0, -1.0, -1.0])  # OpenCV looks along +z with y down
+        focal = wide / (self.shown.fov.tangents[1] - self.shown.fov.tangents[0])
+        camera = np.array([[focal, 0, wide / 2], [0, focal, high / 2], [0, 0, 1]])
+        relative = self.late.view.pose.relative_to(self.shown.pose).matrix()
+        motion = np.eye(4)
+        motion[:3, :3] = to_pixel @ relative[:3, :3] @ to_pixel
+        motion[:3, 3] = to_pixel @ relative[:3, 3]
+        mask = np.full((high, wide), 255, np.uint8)
+        x, y = np.meshgrid(np.arange(wide, dtype=np.float32), np.arange(high, dtype=np.float32))
+        turned = np.stack([x, y, np.ones_like(x)], axis=-1) @ (camera @ motion[:3, :3].T @ np.linalg.inv(camera)).T.astype(np.float32)
+        map_x, map_y = (np.ascontiguousarray(turned[..., k] / turned[..., 2]) for k in (0, 1))
+        out = np.empty_like(picture)
+        return {
+            "remap": lambda: cv2.remap(picture, map_x, map_y, cv2.INTER_LINEAR, dst=out),
+            "warpFrame": lambda: cv2.warpFrame(depth, picture, mask, motion, camera),
+        }
+
+
+def measure(gpu: Gpu, methods: dict[str, Callable[[], object]], rounds: int) -> dict[str, np.ndarray]:
+    """Milliseconds of each method in each round, after two rounds to warm up."""
+    times: dict[str, list[float]] = {name: [] for name in methods}
+    for number in range(rounds + 2):
+        for name, run in methods.items():
+            gpu.gl.finish()
+            started = time.perf_counter_ns()
+            run()
+            gpu.gl.finish()
+            if number >= 2:
+                times[name].append((time.perf_counter_ns() - started) * 1e-6)
+    return {name: np.array(values) for name, values in times.items()}
+
+
+def table(size: tuple[int, int], times: dict[str, np.ndarray]) -> tuple[Table, list[str]]:
+    """What was measured at one size, and which limits were missed."""
+    out = Table("method", "median ms", "least ms", "against", "ratio", "limit", title=f"{size[0]}x{size[1]}, one eye", title_justify="left")
+    missed = []
+    for name, values in times.items():
+        other, limit = LIMITS[size].get(name, (None, None))
+        ratio = float(np.median(values) / np.median(times[other])) if other else None
+        cells = (other, f"{ratio:.2f}", f"{limit:g}") if other else ("", "", "")
+        out.add_row(name, f"{np.median(values):.2f}", f"{values.min():.2f}", *cells)
+        if other and ratio > limit:
+            missed.append(f"{name} at {size[0]}x{size[1]}: {ratio:.2f} times {other}, limit {limit:g}")
+    return out, missed
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--time", type=float, default=3.0, help="seconds into look-around")
+    arguments = parser.parse_args()
+    cv2.setNumThreads(2)
+    console, missed = Console(), []
+    with Gpu() as gpu:
+        server = Server(gpu, load_scene("room"))
+        console.print(f"{gpu.renderer}, OpenCV {cv2.__version__}, {arguments.rounds} rounds")
+        for size in LIMITS:
+            shown, late = table(size, measure(gpu, Case(gpu, server, size, arguments.time).methods(), arguments.rounds))
+            console.print(shown)
+            missed += late
+        server.close()
+    for line in missed:
+        console.print(f"missed: {line}")
+
+
+if __name__ == "__main__":
+    main()
