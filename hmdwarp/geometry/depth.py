@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 
+HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest there is
+
 
 def inverse_depth_from_metres(depth_m: ArrayLike) -> NDArray[np.float64]:
     """Metres along -z to inverse depth; inf gives 0; 0, negative and NaN (no depth) give NaN, which is never spread."""
@@ -53,11 +55,16 @@ class DepthLayer:
             raise InputError(f"depth range {self.min_depth}..{self.max_depth}: wanted min < max within 0..1 (or -1..1 for clip space)")
 
     def inverse_depth(self, d: ArrayLike) -> NDArray[np.float64]:
-        """Buffer values to inverse depth in 1/m; values outside min_depth..max_depth and NaN give NaN (no depth)."""
-        d = np.asarray(d, dtype=np.float64)
-        share = (d - self.min_depth) / (self.max_depth - self.min_depth)
-        inverse = (1 - share) / self.near_z + share / self.far_z
-        return np.where((share >= 0) & (share <= 1), inverse, np.nan)
+        """Buffer values to inverse depth in 1/m; values outside min_depth..max_depth and NaN give NaN (no depth).
+
+        An end of the range that a 16-bit or float32 buffer has rounded outwards still counts as that end.
+        """
+        span = self.max_depth - self.min_depth
+        share = (np.asarray(d, dtype=np.float64) - self.min_depth) / span
+        slack = min(HALF_STEP / span, 0.01)
+        within = np.clip(share, 0, 1)
+        inverse = (1 - within) / self.near_z + within / self.far_z
+        return np.where((share >= -slack) & (share <= 1 + slack), inverse, np.nan)
 
     def encode(self, inverse_depth: ArrayLike) -> NDArray[np.float64]:
         """The way back; inverse depths outside the two planes are clamped to them, as a rasteriser's clipping would."""
@@ -66,7 +73,9 @@ class DepthLayer:
         return self.min_depth + np.clip(share, 0, 1) * (self.max_depth - self.min_depth)
 
 
-def inverse_depth_from_clip(d: ArrayLike, near_m: float, far_m: float = math.inf, *, ndc: str = "zero_to_one", reversed_z: bool = False) -> NDArray[np.float64]:
+def inverse_depth_from_clip(
+    d: ArrayLike, near_m: float, far_m: float = math.inf, *, ndc: str = "zero_to_one", reversed_z: bool = False
+) -> NDArray[np.float64]:
     """Clip depth of GL, D3D or Vulkan to inverse depth.
 
     d: buffer values. near_m < far_m in metres, far may be inf. ndc: "zero_to_one" (D3D, Vulkan, a GL depth buffer) or

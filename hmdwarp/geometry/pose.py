@@ -14,7 +14,10 @@ Vector = NDArray[np.float64]
 
 def _frozen_vector(length: int):
     def convert(value: ArrayLike) -> Vector:
-        array = np.array(value, dtype=np.float64)
+        try:
+            array = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError) as error:  # text, ragged lists
+            raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
         if array.shape != (length,) or not np.isfinite(array).all():
             raise InputError(f"wanted {length} finite numbers, found {value!r}")
         array.flags.writeable = False
@@ -24,14 +27,15 @@ def _frozen_vector(length: int):
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
-    array = np.array(_frozen_vector(4)(value))
-    largest = np.abs(array).max()
-    if largest < 1e-9:
-        raise InputError(f"a quaternion of length {largest:.3g} is no rotation: {value!r}")
-    array /= largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
-    norm_squared = float(array @ array)
+    given = _frozen_vector(4)(value)
+    largest = float(np.abs(given).max())
+    if largest == 0:
+        raise InputError(f"a quaternion of length 0 is no rotation: {value!r}")
     # A quaternion already unit to the last bits stays as it is: q -> Pose -> q is then bit-exact.
-    array = np.array(value, dtype=np.float64) if abs(norm_squared * largest**2 - 1) < 4e-16 else array / np.sqrt(norm_squared)
+    if largest <= 1 and abs(float(given @ given) - 1) < 4e-16:
+        return given
+    array = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
+    array /= np.sqrt(array @ array)
     array.flags.writeable = False
     return array
 

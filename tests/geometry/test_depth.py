@@ -1,0 +1,265 @@
+"""Foreign depth to inverse depth and back, against the 4x4 matrices that other renderers draw with."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres
+from hmdwarp.geometry.depth import metres_from_inverse_depth
+
+UNIT = 2.0**-53
+PLANES = [0.01, 0.1, 1.0, 50.0, 1e4, math.inf]
+RANGES = [(0.0, 1.0), (0.1, 0.7), (0.0, 0.3), (0.5, 1.0), (0.25, 0.250001), (-1.0, 1.0)]
+LAYERS = [DepthLayer(low, high, near, far) for (low, high), near, far in itertools.product(RANGES, PLANES, PLANES) if near != far]
+
+
+def layer_id(layer: DepthLayer) -> str:
+    return f"{layer.min_depth:g}..{layer.max_depth:g},{layer.near_z:g},{layer.far_z:g}"
+
+
+def tolerance(layer: DepthLayer) -> float:
+    """In 1/m: a buffer value of at most 1 is good to 8 units, which the range and the span of inverse depths magnify."""
+    span = abs(1 / layer.near_z - 1 / layer.far_z)
+    return 8 * UNIT * (span / (layer.max_depth - layer.min_depth) + 1 / layer.near_z + 1 / layer.far_z)
+
+
+def depths_between(layer: DepthLayer) -> np.ndarray:
+    """Metres from one plane to the other, both included, evenly in inverse depth and evenly in its logarithm."""
+    near, far = sorted((layer.near_z, layer.far_z))
+    inverse = np.concatenate([np.linspace(1 / far, 1 / near, 33), np.geomspace(max(1 / far, 1e-12), 1 / near, 33)])
+    return metres_from_inverse_depth(np.clip(inverse, 1 / far, 1 / near))
+
+
+# --- the matrices of others: column vectors, eye looks along -z ---------------------------------------------------------------
+
+
+def gl_matrix(n: float, f: float) -> np.ndarray:
+    """glFrustum's: depth to -1..1. OpenGL 4.6 compatibility specification, section 12.1.1."""
+    if math.isinf(f):
+        return np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, -2 * n], [0, 0, -1, 0]])
+    return np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -(f + n) / (f - n), -2 * f * n / (f - n)], [0, 0, -1, 0]])
+
+
+def d3d_matrix(n: float, f: float) -> np.ndarray:
+    """D3DXMatrixPerspectiveRH's, transposed to column vectors: depth to 0..1."""
+    if math.isinf(f):
+        return np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, -n], [0, 0, -1, 0]])
+    return np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, f / (n - f), n * f / (n - f)], [0, 0, -1, 0]])
+
+
+def vulkan_matrix(n: float, f: float) -> np.ndarray:
+    """As D3D's, with y downwards."""
+    return np.diag([1, -1, 1, 1]) @ d3d_matrix(n, f)
+
+
+def reversed_matrix(n: float, f: float) -> np.ndarray:
+    """near to 1, far to 0; infinite far has z_clip = n (Reed 2015, Depth Precision Visualized)."""
+    if math.isinf(f):
+        return np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, n], [0, 0, -1, 0]])
+    return np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, n / (f - n), n * f / (f - n)], [0, 0, -1, 0]])
+
+
+def gl_reversed_matrix(n: float, f: float) -> np.ndarray:
+    """near to 1, far to -1."""
+    return np.diag([1, 1, -1, 1]) @ gl_matrix(n, f)
+
+
+def clip_depth(matrix: np.ndarray, metres: np.ndarray) -> np.ndarray:
+    """z / w of points straight and aslant ahead at these depths."""
+    points = np.stack([0.3 * metres, -0.2 * metres, -metres, np.ones_like(metres)])
+    clip = matrix @ points
+    return clip[2] / clip[3]
+
+
+CLIP = {
+    "gl": (gl_matrix, {"ndc": "minus_one_to_one"}),
+    "gl reversed": (gl_reversed_matrix, {"ndc": "minus_one_to_one", "reversed_z": True}),
+    "d3d": (d3d_matrix, {}),
+    "vulkan": (vulkan_matrix, {}),
+    "reversed": (reversed_matrix, {"reversed_z": True}),
+}
+
+
+@pytest.mark.parametrize("far", [2.0, 100.0, 1e5, math.inf])
+@pytest.mark.parametrize("near", [0.01, 0.1, 1.0])
+@pytest.mark.parametrize("api", CLIP)
+def test_clip_depth_of_a_projection_matrix(api, near, far):
+    make, options = CLIP[api]
+    metres = np.geomspace(near, min(far, 1e6), 41)[1:-1]
+    got = inverse_depth_from_clip(clip_depth(make(near, far), metres), near, far, **options)
+    # z_clip and w carry terms of at most far / (far - near) <= 2 times the depth: clip depth is good to 32 units.
+    assert np.abs(got - 1 / metres).max() <= 32 * UNIT / near
+
+
+@pytest.mark.parametrize("far", [2.0, 100.0, math.inf])
+@pytest.mark.parametrize("near", [0.05, 1.0])
+def test_a_gl_depth_buffer(near, far):
+    metres = np.geomspace(near, min(far, 1e6), 41)[1:-1]
+    window = 0.5 * clip_depth(gl_matrix(near, far), metres) + 0.5
+    assert np.abs(inverse_depth_from_clip(window, near, far) - 1 / metres).max() <= 32 * UNIT / near
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (0.1, 0.7), (0.5, 1.0)])
+@pytest.mark.parametrize("far", [2.0, 100.0, math.inf])
+@pytest.mark.parametrize("reverse", [False, True])
+def test_an_openxr_layer_with_a_depth_range(low, high, far, reverse):
+    """What glDepthRange(low, high) or a D3D viewport stores of a matrix, and what XR_KHR_composition_layer_depth calls it."""
+    near = 0.1
+    metres = np.geomspace(near, min(far, 1e6), 41)[1:-1]
+    ndc = clip_depth((reversed_matrix if reverse else d3d_matrix)(near, far), metres)
+    layer = DepthLayer(low, high, *((far, near) if reverse else (near, far)))
+    assert np.abs(layer.inverse_depth(low + (high - low) * ndc) - 1 / metres).max() <= 32 * UNIT / near / (high - low)
+
+
+def test_known_values():
+    # Reversed with infinite far: d = near / depth. D3D 0.1..100 at 0.2 m: 100/99.9 (1 - 0.1/0.2) = 0.5005...
+    assert DepthLayer(0, 1, math.inf, 0.1).inverse_depth([1, 0.5, 0.1, 0]) == pytest.approx([10, 5, 1, 0], abs=1e-14)
+    assert DepthLayer(0, 1, 0.1, 100).inverse_depth(100 / 99.9 / 2) == pytest.approx(5, abs=1e-13)
+    assert inverse_depth_from_clip([-1, 1], 0.5, 8, ndc="minus_one_to_one") == pytest.approx([2, 0.125], abs=1e-14)
+    assert inverse_depth_from_clip([0, 1], 0.5, 8, reversed_z=True) == pytest.approx([0.125, 2], abs=1e-14)
+    assert inverse_depth_from_clip([0, 1], 0.5) == pytest.approx([2, 0], abs=1e-14)
+
+
+# --- every legal combination ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+def test_the_ends_of_the_range_are_the_planes(layer):
+    ends = layer.inverse_depth([layer.min_depth, layer.max_depth])
+    assert np.abs(ends - [1 / layer.near_z, 1 / layer.far_z]).max() <= tolerance(layer)
+
+
+@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+def test_round_trip(layer):
+    metres = depths_between(layer)
+    inverse = inverse_depth_from_metres(metres)
+    stored = layer.encode(inverse)
+    assert ((stored >= layer.min_depth - UNIT) & (stored <= layer.max_depth + UNIT)).all()
+    again = layer.inverse_depth(stored)
+    assert np.abs(again - inverse).max() <= tolerance(layer)
+
+
+@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+def test_nearer_is_always_on_the_same_side(layer):
+    inverse = layer.inverse_depth(np.linspace(layer.min_depth, layer.max_depth, 101))
+    steps = np.diff(inverse)
+    assert (steps < 0).all() if layer.near_z < layer.far_z else (steps > 0).all()
+    assert (inverse >= 0).all()
+
+
+@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+def test_what_lies_beyond_the_planes_is_clamped_when_written(layer):
+    near, far = sorted((layer.near_z, layer.far_z))
+    ends = {layer.near_z: layer.min_depth, layer.far_z: layer.max_depth}
+    assert layer.encode(1 / near * 3) == pytest.approx(ends[near], abs=2 * UNIT)
+    assert layer.encode(1 / far / 3) == pytest.approx(ends[far], abs=2 * UNIT)
+
+
+@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+def test_no_depth_stays_no_depth(layer):
+    margin = 0.05 * (layer.max_depth - layer.min_depth)
+    got = layer.inverse_depth([layer.min_depth - margin, layer.max_depth + margin, math.nan, math.inf, -math.inf])
+    assert np.isnan(got).all()
+    assert np.isnan(layer.encode(math.nan))
+
+
+def stored(kind: str, value: float) -> float:
+    """The number that a buffer of this kind holds for `value`."""
+    if kind == "float32":
+        return float(np.float32(value))
+    steps = 2 ** int(kind.removeprefix("unorm")) - 1
+    return round(value * steps) / steps
+
+
+@pytest.mark.parametrize("kind", ["unorm16", "unorm24", "float32"])
+@pytest.mark.parametrize("ends", [(0.0, 1.0), (0.1, 0.7), (0.0, 0.3), (1 / 3, 2 / 3), (0.2, 0.9)])
+@pytest.mark.parametrize("planes", [(0.1, math.inf), (math.inf, 0.1), (0.1, 20.0)])
+def test_a_cleared_buffer_is_at_its_plane_and_not_without_depth(kind, ends, planes):
+    """float32(0.3) is above 0.3: the sky of such a buffer must not turn into holes."""
+    layer = DepthLayer(*ends, *planes)
+    got = layer.inverse_depth([stored(kind, end) for end in ends])
+    half_step = 0.5 / (2**16 - 1)
+    assert np.abs(got - [1 / planes[0], 1 / planes[1]]).max() <= 10.1 * half_step / (ends[1] - ends[0])
+
+
+@given(st.floats(0, 0.98), st.floats(0.01, 1), st.floats(1e-3, 1e6), st.floats(1e-3, 1e6), st.floats(0, 1))
+def test_any_layer_round_trips(low, width, near, far, share):
+    high = min(low + width, 1.0)
+    if abs(near - far) < 1e-3 * near:
+        far = 2 * near
+    layer = DepthLayer(low, high, near, far)
+    inverse = (1 - share) / near + share / far
+    assert abs(layer.inverse_depth(layer.encode(inverse)) - inverse) <= tolerance(layer)
+
+
+def test_shapes_are_kept():
+    layer = DepthLayer()
+    assert layer.inverse_depth(np.zeros((2, 3, 4))).shape == (2, 3, 4)
+    assert layer.encode(np.zeros((5, 0))).shape == (5, 0)
+    assert np.ndim(layer.inverse_depth(0.5)) == 0
+
+
+# --- what is refused -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("near", "far"), [(0, 1), (1, 0), (-0.1, 1), (0.1, -1), (1, 1), (math.inf, math.inf), (math.nan, 1), (1, math.nan), (-math.inf, 1)]
+)
+def test_planes_that_are_none(near, far):
+    with pytest.raises(InputError, match="two different positive distances"):
+        DepthLayer(0, 1, near, far)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(0.5, 0.5), (0.7, 0.1), (-1.1, 1), (0, 1.1), (math.nan, 1), (0, math.nan), (-math.inf, 1), (0, math.inf)]
+)
+def test_ranges_that_are_none(low, high):
+    with pytest.raises(InputError, match="wanted min < max"):
+        DepthLayer(low, high, 0.1, 10)
+
+
+@pytest.mark.parametrize(("near", "far"), [(10, 0.1), (1, 1), (math.nan, 1), (0.1, math.nan), (math.inf, math.inf)])
+def test_clip_planes_in_the_wrong_order(near, far):
+    with pytest.raises(InputError, match="reversed_z=True"):
+        inverse_depth_from_clip(0.5, near, far)
+
+
+@pytest.mark.parametrize("near", [0, -1])
+def test_clip_planes_at_or_behind_the_eye(near):
+    with pytest.raises(InputError, match="positive"):
+        inverse_depth_from_clip(0.5, near, 10)
+
+
+def test_an_unknown_clip_range():
+    with pytest.raises(InputError, match="zero_to_one or minus_one_to_one"):
+        inverse_depth_from_clip(0.5, 0.1, 10, ndc="gl")
+
+
+# --- metres --------------------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(1e-6, 1e30))
+def test_metres_round_trip(depth):
+    assert float(metres_from_inverse_depth(inverse_depth_from_metres(depth))) == pytest.approx(depth, rel=4 * UNIT)
+
+
+def test_metres_at_the_edges():
+    smallest = 1 / float(np.finfo(np.float32).max)
+    got = inverse_depth_from_metres([math.inf, 0, -0.0, -1, math.nan, -math.inf, smallest / 2, 5e-324, smallest * 2, 4])
+    assert np.array_equal(got[[0, 9]], [0, 0.25])
+    assert np.isnan(got[1:8]).all()
+    assert np.isfinite(np.float32(got[8]))
+    assert np.array_equal(metres_from_inverse_depth([0, -0.0, 2]), [math.inf, math.inf, 0.5])
+    assert np.isnan(metres_from_inverse_depth(math.nan))
+
+
+def test_metres_of_any_number_type():
+    assert np.array_equal(inverse_depth_from_metres(np.array([2, 4], np.uint16)), [0.5, 0.25])
+    assert inverse_depth_from_metres(np.float32(2)).dtype == np.float64

@@ -1,0 +1,168 @@
+"""Poses are a group, q and -q are one rotation, and nothing is lost far from the origin."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from strategies import QUATERNIONS, UNIFORM_QUATERNIONS, poses, vectors
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
+
+UNIT = 2.0**-53
+# Positions here stay below 60 m after three products; a rotation is a sum of three products of unit entries, each good to a few
+# units in the last place, and at most six of them are chained: 6 x 8 units of 60 m is 3.2e-13.
+ATOL = 4e-13
+
+
+@given(poses())
+def test_identity(pose):
+    assert (Pose() @ pose).isclose(pose, ATOL)
+    assert (pose @ Pose()).isclose(pose, ATOL)
+
+
+@given(poses())
+def test_inverse(pose):
+    assert (pose @ pose.inverse()).isclose(Pose(), ATOL)
+    assert (pose.inverse() @ pose).isclose(Pose(), ATOL)
+    assert pose.inverse().inverse().isclose(pose, ATOL)
+
+
+@given(poses(), poses(), poses())
+def test_associativity(a_from_b, b_from_c, c_from_d):
+    assert ((a_from_b @ b_from_c) @ c_from_d).isclose(a_from_b @ (b_from_c @ c_from_d), ATOL)
+
+
+@given(poses(), poses(), vectors())
+def test_neighbouring_names_cancel(a_from_b, b_from_c, point_in_c):
+    through = a_from_b.transform(b_from_c.transform(point_in_c))
+    assert np.abs((a_from_b @ b_from_c).transform(point_in_c) - through).max() <= ATOL
+
+
+@given(poses(), poses())
+def test_the_product_turns_the_way_matrices_do(a_from_b, b_from_c):
+    # Not its own inverse: a wrong order of factors or a transposed rotation passes every axiom above.
+    assert np.abs((a_from_b @ b_from_c).matrix() - a_from_b.matrix() @ b_from_c.matrix()).max() <= ATOL
+
+
+def test_a_known_turn():
+    # 90 degrees about +y takes -z (ahead) to -x (left): a positive yaw looks left in right-handed axes with y up.
+    left = Pose((1, 2, 3), (0, math.sqrt(0.5), 0, math.sqrt(0.5)))
+    assert np.abs(left.transform((0, 0, -2)) - (-1, 2, 3)).max() <= 4 * UNIT
+
+
+@given(poses(), vectors())
+def test_distances_and_handedness_stay(pose, point):
+    assert abs(np.linalg.norm(pose.transform(point) - pose.position_m) - np.linalg.norm(point)) <= ATOL
+    assert abs(np.linalg.det(pose.matrix()) - 1) <= ATOL
+
+
+@given(vectors(), QUATERNIONS, poses(), vectors())
+def test_q_and_minus_q_are_the_same_pose(position, q, other, point):
+    plus, minus = Pose(position, q), Pose(position, -np.asarray(q))
+    assert plus.isclose(minus, 0)
+    assert np.array_equal(plus.transform(point), minus.transform(point))
+    assert np.array_equal(plus.matrix(), minus.matrix())
+    assert (other @ plus).isclose(other @ minus, ATOL)
+    assert plus.relative_to(other).isclose(minus.relative_to(other), ATOL)
+
+
+@given(UNIFORM_QUATERNIONS, st.integers(-200, 200))
+def test_the_length_of_a_quaternion_does_not_matter(q, exponent):
+    # Scaling rounds each component by half a unit, normalising by a few more.
+    got = Pose(orientation_xyzw=q * 10.0**exponent).orientation_xyzw
+    assert np.abs(got - q / np.linalg.norm(q)).max() <= 8 * UNIT
+    assert abs(got @ got - 1) <= 4 * UNIT
+
+
+@given(QUATERNIONS, vectors())
+def test_a_stored_pose_is_read_back_bit_for_bit(q, position):
+    once = Pose(position, q)
+    twice = Pose(once.position_m, once.orientation_xyzw)
+    # Normalising may need a second step to settle; from then on nothing moves.
+    settled = Pose(twice.position_m, twice.orientation_xyzw)
+    assert np.array_equal(settled.orientation_xyzw, twice.orientation_xyzw)
+    assert np.array_equal(settled.position_m, np.array(position))
+
+
+@given(poses(), poses())
+def test_relative_to_is_the_inverse_product_near_the_origin(pose, other):
+    assert pose.relative_to(other).isclose(other.inverse() @ pose, ATOL)
+    assert pose.relative_to(pose).isclose(Pose(), ATOL)
+    assert np.array_equal(pose.relative_to(pose).position_m, np.zeros(3))
+
+
+@given(vectors(st.sampled_from([1e6, -1e6, 999_999.875])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS)
+def test_relative_to_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
+    """Steps of 1/1024 m are representable at 1e6 m, so the difference is known exactly and only the turn rounds."""
+    eye, other = Pose(np.array(origin) + step, q), Pose(origin, q)
+    wanted = other.rotation.as_matrix().T @ np.array(step)
+    assert np.abs(eye.relative_to(other).position_m - wanted).max() <= 8 * UNIT * 8 / 1024
+
+
+def test_the_product_loses_there_what_relative_to_keeps():
+    rng = np.random.default_rng(1)
+    lost = []
+    for _ in range(20):
+        q, step = rng.normal(size=4), rng.integers(-8, 9, 3) / 1024
+        eye, other = Pose(np.full(3, 1e6) + step, q), Pose(np.full(3, 1e6), q)
+        lost.append(np.abs((other.inverse() @ eye).position_m - eye.relative_to(other).position_m).max())
+    assert max(lost) > 1e-11, "then relative_to would not be needed"
+
+
+@given(poses())
+def test_matrix_and_transform_agree(pose):
+    points = np.random.default_rng(0).normal(size=(5, 2, 3))
+    homogeneous = np.concatenate([points, np.ones((5, 2, 1))], axis=-1) @ pose.matrix().T
+    assert np.abs(pose.transform(points) - homogeneous[..., :3]).max() <= ATOL
+    assert np.array_equal(pose.matrix()[3], (0, 0, 0, 1))
+
+
+@pytest.mark.parametrize("axis", range(4))
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_numbers_that_are_not_finite_are_refused(axis, bad):
+    q, p = [0.1, 0.2, 0.3, 0.9], [1.0, 2.0, 3.0]
+    q[axis] = bad
+    with pytest.raises(InputError, match="4 finite numbers"):
+        Pose(p, q)
+    p[axis % 3] = bad
+    with pytest.raises(InputError, match="3 finite numbers"):
+        Pose(p)
+
+
+@pytest.mark.parametrize("zero", [(0, 0, 0, 0), (0.0, -0.0, 0.0, -0.0)])
+def test_the_zero_quaternion_is_refused(zero):
+    with pytest.raises(InputError, match="no rotation"):
+        Pose((0, 0, 0), zero)
+
+
+@pytest.mark.parametrize("value", [(1, 2), [[1, 2, 3]], 3.0, "abc", ("1", "x", "2"), (1, (2, 3), 4), None, ()])
+def test_positions_of_another_shape_are_refused(value):
+    with pytest.raises(InputError, match="3 finite numbers"):
+        Pose(value)
+
+
+def test_a_pose_cannot_be_changed_and_does_not_follow_what_it_was_made_of():
+    position, q = np.zeros(3), np.array([0, 0, 0, 1.0])
+    pose = Pose(position, q)
+    position[0], q[0] = 5, 5
+    assert np.array_equal(pose.position_m, (0, 0, 0))
+    assert np.array_equal(pose.orientation_xyzw, (0, 0, 0, 1))
+    for array in (pose.position_m, pose.orientation_xyzw, Pose((0, 0, 0), (1, 2, 3, 4)).orientation_xyzw):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+@given(poses(), st.floats(1e-6, 3), st.floats(1e-6, 3))
+def test_isclose_sees_angle_and_distance(pose, angle, distance):
+    turned = Pose(pose.position_m, (pose.rotation * Rotation.from_rotvec([0, angle, 0])).as_quat())
+    assert not pose.isclose(turned, angle * 0.99)
+    assert pose.isclose(turned, angle * 1.01)
+    moved = Pose(pose.position_m + (0, distance, 0), pose.orientation_xyzw)
+    assert not pose.isclose(moved, distance * 0.99)
+    assert pose.isclose(moved, distance * 1.01)

@@ -1,0 +1,156 @@
+"""Fields of view: what is refused, where pixels lie, and guard bands that keep the pixel grid."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import FOVS, SIZES
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov, Pose, View
+
+UNIT = 2.0**-53
+SIDES = ("left", "right", "down", "up")
+LIMIT = math.radians(89.5)
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, LIMIT + 1e-6, -LIMIT - 1e-6, 2.0])
+def test_angles_beyond_a_picture_are_refused(side, bad):
+    with pytest.raises(InputError, match="no field of view"):
+        Fov(**{"left": -0.5, "right": 0.5, "down": -0.5, "up": 0.5, side: bad})
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "down", "up"), [(0.5, -0.5, -0.5, 0.5), (0.1, 0.1, -1, 1), (-0.5, 0.5, 0.3, 0.3), (-0.5, 0.5, 0.5, -0.5)]
+)
+def test_an_empty_or_mirrored_view_is_refused(left, right, down, up):
+    with pytest.raises(InputError, match="left < right, down < up"):
+        Fov(left, right, down, up)
+
+
+@given(FOVS)
+def test_tangents_and_back(fov):
+    again = Fov.from_tangents(fov.tangents)
+    # d(atan)/dt <= 1, tan and atan are good to 2 units of tangents below 2.2.
+    assert max(abs(getattr(again, s) - getattr(fov, s)) for s in SIDES) <= 16 * UNIT
+
+
+def test_symmetric_takes_full_angles():
+    assert Fov.symmetric(1.0, 0.6) == Fov(-0.5, 0.5, -0.3, 0.3)
+
+
+@given(FOVS, SIZES)
+def test_pixel_from_tangent_puts_the_corners_at_the_corners(fov, size):
+    left, right, down, up = fov.tangents
+    corners = np.array([[left, down, 1], [right, up, 1]]) @ fov.pixel_from_tangent(size).T
+    # Corners are differences of numbers below 1e5 pixels (a view off its own axis starts far from tangent 0).
+    assert np.abs(corners - [[0, 0, 1], [*size, 1]]).max() <= 8 * UNIT * 1e5
+
+
+@given(FOVS, st.tuples(st.integers(1, 60), st.integers(1, 60)))
+def test_rays_go_through_the_pixel_centres(fov, size):
+    rays = View(Pose(), fov).rays(size)
+    assert rays.shape == (size[1], size[0], 3)
+    assert (rays[..., 2] == -1).all()
+    on_plane = np.concatenate([rays[..., :2], np.ones((*rays.shape[:2], 1))], axis=-1)
+    pixels = on_plane @ fov.pixel_from_tangent(size).T
+    y, x = np.mgrid[: size[1], : size[0]]
+    # Bottom row first, column by column; positions below 1e3 pixels from tangent 0.
+    assert np.abs(pixels[..., 0] - (x + 0.5)).max() <= 16 * UNIT * 1e3
+    assert np.abs(pixels[..., 1] - (y + 0.5)).max() <= 16 * UNIT * 1e3
+
+
+def test_a_known_view():
+    # 90 degrees over 4 pixels: tangents -1..1, pixel centres at -0.75, -0.25, 0.25, 0.75; the first row is the bottom one.
+    rays = View(Pose(), Fov.symmetric(math.pi / 2, math.pi / 2)).rays((4, 2))
+    assert np.abs(rays[0, :, 0] - [-0.75, -0.25, 0.25, 0.75]).max() <= 4 * UNIT
+    assert np.abs(rays[:, 0, 1] - [-0.5, 0.5]).max() <= 4 * UNIT
+
+
+@given(FOVS, SIZES)
+def test_pixels_per_degree_is_what_a_small_turn_moves(fov, size):
+    left, right, down, up = fov.tangents
+    per_px, step = fov.pixel_from_tangent(size), math.radians(1e-4)
+    x, y = math.atan(min(max(0, left), right)), math.atan(min(max(0, down), up))
+    moved = [per_px[0, 0] * (math.tan(x + step) - math.tan(x - step)), per_px[1, 1] * (math.tan(y + step) - math.tan(y - step))]
+    # A central difference over 2e-4 degrees: the cubic term is below 1e-9, cancellation below 1e-9.
+    assert fov.pixels_per_degree(size) == pytest.approx(np.mean(moved) / 2e-4, rel=1e-8)
+
+
+# --- guard bands ---------------------------------------------------------------------------------------------------------
+
+FACTORS = st.one_of(st.sampled_from([1.0, 1 + 1e-12, 1.1, 1.25, 1.5, 2.0]), st.floats(1, 2))
+# Up to 50 degrees: twice the tangent of 65 would be fine, but thrice is not tested here.
+GUARDABLE = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), *[st.floats(0.1, math.radians(50))] * 4)
+
+
+def pads(fov: Fov, size, grown: Fov) -> np.ndarray:
+    """Pixels added on each side, from the tangents alone."""
+    per = np.repeat([size[0] / (fov.tangents[1] - fov.tangents[0]), size[1] / (fov.tangents[3] - fov.tangents[2])], 2)
+    return (grown.tangents - fov.tangents) * per * (-1, 1, -1, 1)
+
+
+@given(GUARDABLE, SIZES, FACTORS)
+def test_a_guard_adds_whole_pixels_and_keeps_the_grid(fov, size, factor):
+    grown, grown_size = fov.guarded(factor, size)
+    added = pads(fov, size, grown)
+    # tan(atan(t)) is good to 8 units of tangents below 2.4, times up to 4096 / 0.2 pixels per tangent, on both edges.
+    assert np.abs(added - np.round(added)).max() <= 4e-11
+    added = np.round(added)
+    assert grown_size == (size[0] + added[0] + added[1], size[1] + added[2] + added[3])
+    assert all(isinstance(n, int) for n in grown_size)
+
+
+@given(GUARDABLE, SIZES, FACTORS)
+def test_a_guard_is_at_least_the_factor_and_less_than_a_pixel_more(fov, size, factor):
+    grown, _ = fov.guarded(factor, size)
+    per = np.repeat([size[0] / (fov.tangents[1] - fov.tangents[0]), size[1] / (fov.tangents[3] - fov.tangents[2])], 2)
+    over = (np.abs(grown.tangents) - np.abs(fov.tangents) * factor) * per
+    # 1e-9 pixels: what guarded() itself gives away so that rounding adds no pixel.
+    assert over.min() >= -1.1e-9
+    assert over.max() < 1 + 1e-9
+
+
+@given(GUARDABLE, SIZES, FACTORS, FACTORS)
+def test_a_larger_factor_never_guards_less(fov, size, a, b):
+    small, large = (fov.guarded(f, size) for f in sorted((a, b)))
+    assert (np.abs(large[0].tangents) - np.abs(small[0].tangents)).min() >= -16 * UNIT
+    assert large[1][0] >= small[1][0]
+    assert large[1][1] >= small[1][1]
+
+
+@given(FOVS, SIZES)
+def test_factor_one_changes_nothing(fov, size):
+    assert fov.guarded(1, size) == (fov, size)
+    assert fov.guarded(1.0, size)[0] is fov
+
+
+def test_known_guards():
+    square = Fov.symmetric(math.pi / 2, math.pi / 2)
+    # A quarter of 50 pixels a side is 12.5, so 13; a fifth of 50 is 10 whatever the rounding of 1.2 - 1 says.
+    assert square.guarded(1.25, (100, 100))[1] == (126, 126)
+    assert square.guarded(1.2, (100, 100))[1] == (120, 120)
+    assert square.guarded(1.1, (100, 100))[1] == (110, 110)
+
+
+def test_a_view_beside_its_axis_grows_on_both_sides():
+    # Both edges right of the axis: the pad is the edge's distance from the axis on either side.
+    grown, size = Fov.from_tangents([0.5, 1.5, -1, 1]).guarded(1.1, (100, 100))
+    assert grown.tangents[:2] == pytest.approx([0.45, 1.65], abs=1e-12)
+    assert size == (120, 110)
+
+
+@pytest.mark.parametrize("factor", [0.999, 0, -1, math.nan, math.inf])
+def test_factors_that_do_not_enlarge_are_refused(factor):
+    with pytest.raises(InputError, match="guard"):
+        Fov(-0.5, 0.5, -0.5, 0.5).guarded(factor, (10, 10))
+
+
+def test_a_guard_out_of_every_picture_is_refused():
+    with pytest.raises(InputError, match="no field of view"):
+        Fov(-1.2, 1.2, -1.2, 1.2).guarded(60, (10, 10))
