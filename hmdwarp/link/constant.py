@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -20,7 +21,7 @@ class ConstantLink(Generic[Payload]):
     """
 
     def __init__(self, latency_ns: int, discard: Callable[[Payload], None] = lambda frame: None) -> None:
-        if latency_ns < 0:
+        if not 0 <= latency_ns < math.inf:  # NaN too
             raise InputError(f"latency {latency_ns / 1e6:g} ms: wanted 0 or more")
         self.latency_ns, self._discard = latency_ns, discard
         self._under_way: deque[tuple[int, Payload]] = deque()
