@@ -61,7 +61,7 @@ def test_1_a_segment_that_is_not_there(tmp_path):
 
 
 def test_1_a_header_that_comes_again_between_recordings_is_skipped(tmp_path):
-    again = "time,x,y,z,qx,qy,qz,qw".split(",")
+    again = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"]
     loaded = load_trace(write(tmp_path / "two.csv", TABLE[:50] + [again] + TABLE[:120]))
     assert found(loaded, "header-repeated").line == 52
     assert found(loaded, "clock-restart").line == 53
@@ -94,7 +94,7 @@ def test_2_a_decimal_comma_among_commas_is_named_not_guessed(tmp_path):
 
 @pytest.mark.parametrize(("separator", "name"), [(";", ";"), ("\t", "tab"), (" ", "blank"), ("   ", "blanks")])
 def test_2_a_decimal_comma_is_safe_with_another_separator(tmp_path, separator, name):
-    header = separator.join("time_s x y z qx qy qz qw".split())
+    header = separator.join(["time_s", "x", "y", "z", "qx", "qy", "qz", "qw"])
     loaded = load_trace(write(tmp_path / "de.csv", decimal_commas(TABLE), header, separator))
     assert same_motion(loaded.track, TRACK)
     assert loaded.defects == []
@@ -252,7 +252,8 @@ def test_6_columns_are_found_by_name_in_any_order_and_beside_hands_and_gaze(tmp_
 
 
 @pytest.mark.parametrize(
-    ("column", "wanted", "others"), [("ViewIndex", "0", ["1"]), ("Device", "HMD", ["LeftController", "RightController"]), ("eye", "left", ["right"])]
+    ("column", "wanted", "others"),
+    [("ViewIndex", "0", ["1"]), ("Device", "HMD", ["LeftController", "RightController"]), ("eye", "left", ["right"])],
 )
 def test_7_interleaved_devices_are_taken_apart(tmp_path, column, wanted, others):
     table = []
@@ -436,7 +437,9 @@ def test_13_positions_of_an_eye_are_said_to_be(real_traces):
 # 14
 
 
-@pytest.mark.parametrize("header", ["time,x,y,z,yaw,pitch,roll", "time,x,y,z,RotationX,RotationY,RotationZ", "time,x,y,z,EulerX,EulerY,EulerZ"])
+@pytest.mark.parametrize(
+    "header", ["time,x,y,z,yaw,pitch,roll", "time,x,y,z,RotationX,RotationY,RotationZ", "time,x,y,z,EulerX,EulerY,EulerZ"]
+)
 def test_14_euler_angles_only_are_refused(tmp_path, header):
     assert "Euler angles only" in refusal(write(tmp_path / "e.csv", [r[:7] for r in TABLE], header))
 
@@ -472,7 +475,7 @@ def test_15_an_odd_number_of_rows_per_eye_is_fine(tmp_path):
 
 @pytest.mark.parametrize("separator", [", ", " ,", ",\t", ";  "])
 def test_15_blanks_around_separators(tmp_path, separator):
-    header = separator.join("time x y z qx qy qz qw".split())
+    header = separator.join(["time", "x", "y", "z", "qx", "qy", "qz", "qw"])
     assert same_motion(load_trace(write(tmp_path / "b.csv", TABLE, header, separator)).track, TRACK)
 
 
@@ -556,7 +559,18 @@ def test_15_an_unknown_recording_is_offered_the_nearest():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"quat_order": "wzyx"}, {"scale": 0.0}, {"scale": float("nan")}, {"rate": -1.0}, {"rate": float("inf")}, {"segment": 0}, {"up": "up"}, {"up": "x,x,y"}, {"up": "0,0,0"}, {"up": "nan,1,0"}],
+    [
+        {"quat_order": "wzyx"},
+        {"scale": 0.0},
+        {"scale": float("nan")},
+        {"rate": -1.0},
+        {"rate": float("inf")},
+        {"segment": 0},
+        {"up": "up"},
+        {"up": "x,x,y"},
+        {"up": "0,0,0"},
+        {"up": "nan,1,0"},
+    ],
 )
 def test_options_that_cannot_be_are_refused(wrong):
     with pytest.raises(HmdwarpError) as error:

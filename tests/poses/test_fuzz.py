@@ -22,7 +22,9 @@ TABLE = rows(head(30), "wxyz")
 SMALL_FILES = [
     "\n".join(["timestamp,x,y,z,qw,qx,qy,qz"] + [",".join(r) for r in TABLE]) + "\n",
     "\n".join(["# timestamp tx ty tz qx qy qz qw"] + [" ".join(r) for r in TABLE]) + "\n",
-    "\n".join(["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"] + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(TABLE)]),
+    "\n".join(
+        ["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"] + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(TABLE)]
+    ),
     "\n".join(" ".join([r[0], str(i), *r[4:]]) for i, r in enumerate(TABLE)) + "\n",
     "\n".join(["timestamp viewpoint w x y z"] + [" ".join([r[0], "0", *r[4:]]) for r in TABLE]) + "\n",
     "\n".join(",".join([str(638 * 10**15 + i * 166667), *r[1:]]) for i, r in enumerate(TABLE)) + "\n",
@@ -71,12 +73,21 @@ def test_random_text_of_numbers(tmp_path, content, opts):
 fields = st.one_of(
     st.floats(allow_nan=True, allow_infinity=True).map(repr),
     st.integers(-(10**25), 10**25).map(str),
-    st.sampled_from(["", "0", "1", "-0", "1e999", "1e-999", "nan", "12:34:56.7", "2020-01-01T00:00:00", "9" * 19, "0,5", "HMD", '"1"', "0x1"]),
+    st.sampled_from(
+        ["", "0", "1", "-0", "1e999", "1e-999", "nan", "12:34:56.7", "2020-01-01T00:00:00", "9" * 19, "0,5", "HMD", '"1"', "0x1"]
+    ),
     st.text(string.printable, max_size=5),
 )
 separators = st.sampled_from([",", ";", " ", "\t", ", "])
 headers = st.sampled_from(
-    ["", "time,x,y,z,qx,qy,qz,qw", "timestamp viewpoint w x y z", "t;qw;qx;qy;qz", "Device,time_ns,x_m,y_m,z_m,qx,qy,qz,qw", "timestamp,q0,q1,q2,q3"]
+    [
+        "",
+        "time,x,y,z,qx,qy,qz,qw",
+        "timestamp viewpoint w x y z",
+        "t;qw;qx;qy;qz",
+        "Device,time_ns,x_m,y_m,z_m,qx,qy,qz,qw",
+        "timestamp,q0,q1,q2,q3",
+    ]
 )
 
 

@@ -12,6 +12,7 @@ from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseTrack
 from hmdwarp.poses.predict import PREDICTORS, predict, predict_many
+
 from .traces import head
 
 MS = 1_000_000
@@ -87,7 +88,11 @@ def test_nothing_is_predicted_within_a_gap_or_across_a_jump():
     jumped = track.evolve(jumps=(50,))
     at = int(track.time_ns[52])
     only_after = predict(jumped, at, at + 50 * MS)
-    alone = predict(track.evolve(time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]), at, at + 50 * MS)
+    alone = predict(
+        track.evolve(time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]),
+        at,
+        at + 50 * MS,
+    )
     assert only_after.pose.isclose(alone.pose, atol=0)
 
 

@@ -12,11 +12,14 @@ from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSource, PoseTrack, RecordedSource
 from hmdwarp.poses.track import SHORTEST_GAP_NS
+
 from .traces import head
 
 TRACK = head(100)
 GAPPED = PoseTrack(
-    [0, 10_000_000, 20_000_000, 500_000_000, 510_000_000], np.arange(15).reshape(5, 3) * 0.1, Rotation.from_euler("Y", [[a] for a in (0, 0.1, 0.2, 0.9, 1.0)]).as_quat()
+    [0, 10_000_000, 20_000_000, 500_000_000, 510_000_000],
+    np.arange(15).reshape(5, 3) * 0.1,
+    Rotation.from_euler("Y", [[a] for a in (0, 0.1, 0.2, 0.9, 1.0)]).as_quat(),
 )
 
 

@@ -48,4 +48,8 @@ def same_motion(a: PoseTrack, b: PoseTrack, atol: float = 1e-12) -> bool:
     return bool(np.abs(a.position_m - b.position_m).max() <= atol and angle.max() <= atol)
 
 
-unit_quaternions = st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1).map(lambda q: np.array(q) / np.linalg.norm(q))
+unit_quaternions = (
+    st.lists(st.floats(-1, 1), min_size=4, max_size=4)
+    .filter(lambda q: np.linalg.norm(q) > 0.1)
+    .map(lambda q: np.array(q) / np.linalg.norm(q))
+)

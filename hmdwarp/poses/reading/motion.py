@@ -35,14 +35,15 @@ def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None
 
     People turn and nod far more than they tilt their heads sideways, so the axis through the ears stays level: up is the
     direction it has the least of. That is trusted if little of it is left there (5 %, an rms roll of 13 degrees) and the next
-    direction holds five times as much (the head has turned about). At most 100,000 rows, evenly spaced, are looked at.
+    direction holds five times as much, and 5 % at least (the head has turned about). At most 100,000 rows, evenly spaced, are
+    looked at.
     """
     q = orientation[:: max(1, len(orientation) // 100_000)]
     if len(q) < 100:
         return None
     right = quaternions.rotate(q, np.array([[1.0, 0, 0]]))
     share, axes = np.linalg.eigh(right.T @ right / len(q))
-    if share[0] > 0.05 or share[1] < 5 * share[0]:
+    if not share[0] < 0.05 < share[1] or share[1] < 5 * share[0]:
         return None
     axis = axes[:, 0]
     crown = quaternions.rotate(q, np.array([[0, 1.0, 0]])).mean(axis=0)

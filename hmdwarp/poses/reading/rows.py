@@ -28,8 +28,8 @@ class Layout:
     """Which columns to read, and what they mean. Positions and orientation in the order x y z (w).
 
     time: column index or None. unit: a key of `times.UNITS_NS`, or None to find out. device: a column that says which of several
-    devices a row is of, or None. axes: what `parse_axes` takes. scale: metres per unit. clock_ignored: there is a time column, but --rate stands in for it.
-    caveats: defects of every file of the format.
+    devices a row is of, or None. axes: what `parse_axes` takes. scale: metres per unit.
+    clock_ignored: there is a time column, but --rate stands in for it. caveats: defects of every file of the format.
     """
 
     time: int | None

@@ -1,0 +1,157 @@
+"""`hmdwarp trace`: what it prints and writes, and what it never does."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from hmdwarp import resources
+from hmdwarp.cli.trace import app
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.poses import load_trace
+from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.synth import KINDS
+
+from .traces import head, rows, same_motion, write
+
+TRACK = head(200)
+
+
+def run(*arguments: object) -> str:
+    """Standard output of the command; its error if it raised one."""
+    result = CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=True, env={"COLUMNS": "140"})
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def refused(*arguments: object) -> str:
+    """The one line of a refusal that ends the command line with status 2."""
+    with pytest.raises(HmdwarpError) as error:
+        run(*arguments)
+    assert error.value.exit_status == 2
+    return str(error.value)
+
+
+def test_info_of_a_shipped_recording():
+    text = run("info", "look-around")
+    for wanted in ("90.00 Hz", "30.000 s", "gaps      none", "29.2", "116.5", "200.3", "no defects found", "trace synth look-around"):
+        assert wanted in text
+    for latency in (20, 50, 100, 200, 400, 800):
+        assert f"{latency} ms" in text
+
+
+def test_info_tells_every_defect_and_segment(tmp_path):
+    table = rows(TRACK)
+    path = write(tmp_path / "two.csv", [*table[:60], *table[:30], *([repr(float(r[0]) + 2), *r[1:]] for r in table[30:]), ["9", "9"]])
+    text = run("info", path)
+    loaded = load_trace(path)
+    assert {d.kind for d in loaded.defects} == {"last-row-cut", "clock-restart", "unit-guessed", "gap"}
+    for defect in loaded.defects:
+        assert str(defect) in text
+    assert "4 defects found" in text
+    assert "62-261" in text
+    assert "1 longer than 100 ms, the longest 2.017 s from 0.483 s" in text
+    assert "60.00 Hz" in run("info", path, "--segment", 1)
+
+
+def test_info_on_a_track_too_short_for_the_table(tmp_path):
+    assert "trace too short" in run("info", write(tmp_path / "s.csv", rows(head(10))))
+
+
+@pytest.mark.parametrize("to", [f.name for f in FORMATS if f.writes])
+def test_convert_writes_a_clean_trace(tmp_path, to):
+    table = [[*r[:4], *("-" + f if i % 2 else f for f in r[4:])] for i, r in enumerate(rows(TRACK))]
+    table = [[f.removeprefix("--") for f in r] for r in table]
+    path = write(tmp_path / "in.csv", table)
+    out = tmp_path / "out.txt"
+    run("convert", path, out, "--to", to)
+    back = load_trace(out)
+    assert back.format == to
+    assert same_motion(back.track, TRACK)
+    assert back.defects == []
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["in.csv", "out.txt"]
+
+
+def test_convert_takes_the_overrides(tmp_path):
+    path = write(tmp_path / "in.txt", [r[1:] for r in rows(TRACK, "wxyz")], header="x,y,z,q0,q1,q2,q3")
+    out = tmp_path / "out.csv"
+    run("convert", path, out, "--rate", 60, "--quat-order", "wxyz", "--scale", 2, "--up", "y", "--format", "named", "--segment", 1)
+    assert same_motion(load_trace(out).track, TRACK.evolve(position_m=2 * TRACK.position_m))
+    text = out.read_text()
+    assert "--rate" in text.split("time_ns")[0]  # what was done is told in the file too
+
+
+def test_synth_writes_the_shipped_bytes_and_takes_its_options(tmp_path):
+    out = tmp_path / "out.csv"
+    run("synth", "walk", "--out", out)
+    assert out.read_bytes() == (resources.folder("recordings") / "walk.csv").read_bytes()
+    run("synth", "walk", "--out", out, "--seed", 5, "--seconds", 2, "--rate", 50)
+    loaded = load_trace(out)
+    assert (len(loaded.track), round(loaded.rate_hz)) == (101, 50)
+    assert "--seed 5 --seconds 2 --rate 50" in loaded.track.origin
+
+
+def test_the_input_is_never_overwritten(tmp_path):
+    path = write(tmp_path / "in.csv", rows(TRACK))
+    before = path.read_bytes()
+    link = tmp_path / "link.csv"
+    link.symlink_to(path)
+    hard = tmp_path / "hard.csv"
+    os.link(path, hard)
+    for out in (path, link, hard):
+        assert "is the input itself" in refused("convert", path, out)
+    assert path.read_bytes() == before
+
+
+def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
+    path = write(tmp_path / "in.csv", rows(TRACK))
+    out = tmp_path / "out.csv"
+    out.write_text("what was there before")
+
+    def full(track, stream):
+        stream.write("half")
+        stream.flush()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(FORMATS.get("tum"), "write", full)
+    assert "No space left on device" in refused("convert", path, out, "--to", "tum")
+    assert out.read_text() == "what was there before"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["in.csv", "out.csv"]
+
+
+def test_places_that_cannot_be_written(tmp_path):
+    path = write(tmp_path / "in.csv", rows(TRACK))
+    assert "is a directory" in refused("convert", path, tmp_path)
+    assert "cannot be written" in refused("convert", path, tmp_path / "missing" / "out.csv")
+    assert "cannot be written" in refused("synth", "still", "--out", path / "below" / "out.csv")
+
+
+def test_wrong_names_get_the_nearest_known_one(tmp_path):
+    assert "did you mean 'euroc'" in refused("convert", "walk", tmp_path / "o", "--to", "eurok")
+    assert "read, not written: wanted one of euroc, native, tum" in refused("convert", "walk", tmp_path / "o", "--to", "questset")
+    assert "did you mean 'reversals'" in refused("synth", "reversal", "--out", tmp_path / "o")
+    assert "did you mean 'still'" in refused("info", "stil")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_help_names_all_that_can_be_chosen():
+    convert, synth, info = (" ".join(run(c, "--help").split()) for c in ("convert", "synth", "info"))
+    for entry in FORMATS:
+        assert entry.name in info
+        assert not entry.writes or entry.name in convert
+    for kind in KINDS:
+        assert kind in synth
+
+
+def test_the_command_starts_without_the_heavy_libraries():
+    heavy = ("numpy", "scipy", "matplotlib", "moderngl")
+    code = f"import sys, json, hmdwarp.cli.trace; print(json.dumps([m for m in {heavy} if m in sys.modules]))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert json.loads(out) == []
