@@ -13,7 +13,7 @@ OUT = out/replay
 SECONDS =
 # Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
 OPTIONS =
-# llvmpipe keeps both cores of a small machine busy by itself; a second worker fills the gaps in between.
+# Two workers even on two cores, which llvmpipe alone cannot keep busy: 58 s instead of 87 s for 1545 tests.
 PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
