@@ -46,6 +46,8 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
 
     options = options or TraceOptions()
     path = trace_path(name_or_path)
+    if not path.exists() and path.stem in _recordings():
+        raise TraceError(f"{path}: no such file; the shipped recording is called '{path.stem}', without folder and ending")
     head = read_head(path)
     found = find_format(head, options)
     cleaned = found.read(head, options)
@@ -60,14 +62,20 @@ def trace_path(name_or_path: str | Path) -> Path:
     path = Path(text)
     if isinstance(name_or_path, Path) or path.name != text or path.suffix:
         return path
-    from ..resources import folder, recording_names
+    from ..resources import folder
 
-    try:
-        names = recording_names()
-    except FileNotFoundError:
-        names = []
+    names = _recordings()
     if text in names:
         return folder("recordings") / f"{text}.csv"
     if path.exists() or not names:
         return path
     raise unknown_name("recording", text, names)
+
+
+def _recordings() -> list[str]:
+    from ..resources import recording_names
+
+    try:
+        return recording_names()
+    except FileNotFoundError:
+        return []

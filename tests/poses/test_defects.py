@@ -551,6 +551,10 @@ def test_15_a_directory_a_missing_file_and_a_device(tmp_path):
     assert "a device or a pipe" in refusal(tmp_path / "pipe.csv")
 
 
+def test_15_a_recording_meant_by_its_file_name(tmp_path):
+    assert "recording is called 'walk'" in refusal(tmp_path / "walk.csv")
+
+
 def test_15_an_unknown_recording_is_offered_the_nearest():
     assert "did you mean 'look-around'" in refusal("look-arround")
     with pytest.raises(UnknownNameError, match="trace format"):
