@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..geometry import Fov
 from ..registry import unknown_name
 from ._model import COLOURS, Headset, RadialLens
+from ._table import Table
 
 _FOLDER = Path(__file__).parent
 
@@ -29,40 +30,41 @@ def load_headset(name: str) -> Headset:
             raise InputError(f"headset file {name} is not there")
         raise unknown_name("headset", name, headset_names())
     try:
-        return _headset(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"headset file {path}: {error}") from error
-    except KeyError as error:
-        raise InputError(f"headset file {path}: the key {error} is missing; {_FOLDER.name}/rift-dk1.toml has them all") from error
-    except (TypeError, ValueError) as error:
+        return _headset(Table(tomllib.loads(path.read_text(encoding="utf-8"))))
+    except OSError as error:
+        raise InputError(f"headset file {path}: {error.strerror}") from error
+    except (InputError, ValueError) as error:  # not TOML and not UTF-8 are ValueErrors
         raise InputError(f"headset file {path}: {error}") from error
 
 
-def _headset(data: dict) -> Headset:
-    panel, fov = data["panel"], data["fov_deg"]
-    size_m = tuple(map(float, panel["eye_size_m"]))
-    return Headset(
-        name=data["name"],
-        summary=data["summary"],
-        source=data["source"],
-        eye_size_px=tuple(map(int, panel["eye_size_px"])),
+def _headset(data: Table) -> Headset:
+    panel, fov_deg = data.table("panel"), data.table("fov_deg")
+    size_m = panel.numbers("eye_size_m", 2)
+    lens = data.table("lens") if "lens" in data else None
+    made = Headset(
+        name=data.text("name"),
+        summary=data.text("summary"),
+        source=data.text("source"),
+        eye_size_px=panel.numbers("eye_size_px", 2),
         eye_size_m=size_m,
-        refresh_hz=float(panel["refresh_hz"]),
-        ipd_m=float(data["eyes"]["ipd_m"]),
-        left_fov=Fov(*(math.radians(fov[side]) for side in ("left", "right", "down", "up"))),
-        lens=_lens(data["lens"], size_m) if "lens" in data else None,
+        refresh_hz=panel.number("refresh_hz"),
+        ipd_m=data.table("eyes").number("ipd_m"),
+        left_fov=Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up"))),
+        lens=_lens(lens, size_m) if lens else None,
     )
+    data.refuse_unread()
+    return made
 
 
-def _lens(data: dict, size_m: tuple[float, float]) -> RadialLens:
-    if data["model"] != "radial":
-        raise InputError(f"unknown lens model '{data['model']}': known is radial")
-    axis = tuple(map(float, data["axis_from_centre_m"]))
+def _lens(data: Table, size_m: tuple[float, float]) -> RadialLens:
+    if data.text("model") != "radial":
+        raise InputError(f"unknown lens model '{data.text('model')}': known is radial")
+    axis, unit_m = data.numbers("axis_from_centre_m", 2), data.number("unit_m")
     corner = np.array(size_m) / 2 + np.abs(axis)
     return RadialLens(
         axis_from_centre_m=axis,
-        unit_m=float(data["unit_m"]),
-        tangent_per_unit=float(data["tangent_per_unit"]),
-        coefficients={colour: tuple(map(float, data[colour])) for colour in COLOURS},
-        reach=float(np.hypot(*corner) / data["unit_m"]),
+        unit_m=unit_m,
+        tangent_per_unit=data.number("tangent_per_unit"),
+        coefficients={colour: data.numbers(colour) for colour in COLOURS},
+        reach=float(np.hypot(*corner) / unit_m) if unit_m else 0.0,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 from numpy.polynomial import polynomial
@@ -12,6 +14,18 @@ from ..geometry import Fov, Pose, View
 
 MAX_COEFFICIENTS = 9
 COLOURS = ("red", "green", "blue")
+
+
+def _refuse_unless_positive(**values: float) -> None:
+    for name, value in values.items():
+        if not 0 < value < math.inf:
+            raise InputError(f"{name} is {value:g}: wanted a number above 0")
+
+
+def _whole_pixels(size: tuple[float, float]) -> tuple[int, int]:
+    if not all(side >= 1 and float(side).is_integer() for side in size):
+        raise InputError(f"eye_size_px is {size[0]:g} x {size[1]:g}: wanted whole pixels, 1 or more")
+    return int(size[0]), int(size[1])
 
 
 @attrs.frozen
@@ -31,6 +45,7 @@ class RadialLens:
     reach: float
 
     def __attrs_post_init__(self) -> None:
+        _refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
         for colour in COLOURS:
             if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
                 raise InputError(f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; wanted 1 to {MAX_COEFFICIENTS}")
@@ -43,14 +58,15 @@ class RadialLens:
 
     def folds_at(self, colour: str) -> float | None:
         """The smallest r <= reach at which r times the polynomial stops growing, or None."""
-        odd = np.zeros(2 * len(self.coefficients[colour]))
-        odd[1::2] = self.coefficients[colour]  # r k0 + r^3 k1 + ...
-        slope = polynomial.polyder(odd)
-        if polynomial.polyval(0.0, slope) <= 0:
+        # d/dr of r (k0 + k1 r^2 + ..) as a polynomial in t = r^2 / reach^2, so that what matters lies in 0..1.
+        slope = [(2 * i + 1) * k * self.reach ** (2 * i) for i, k in enumerate(self.coefficients[colour])]
+        if slope[0] <= 0:
             return 0.0
-        roots = polynomial.polyroots(np.trim_zeros(slope, "b"))
-        turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= self.reach)]
-        return float(turns.min()) if len(turns) else None
+        while abs(slope[-1]) < 1e-13 * max(map(abs, slope)):  # polyroots divides by the last one
+            slope.pop()
+        roots = polynomial.polyroots(slope)
+        turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1)]
+        return float(np.sqrt(turns.min())) * self.reach if len(turns) else None
 
     def tangent_from_lens(self, on_lens: ArrayLike, colour: str) -> NDArray[np.float64]:
         """Positions (..., 2) on the lens plane to the tangents the lens shows there."""
@@ -59,9 +75,9 @@ class RadialLens:
         return on_lens * self.tangent_per_unit * polynomial.polyval(r2, np.array(self.coefficients[colour]))
 
     def lens_from_tangent(self, tangent: ArrayLike, colour: str) -> NDArray[np.float64]:
-        """The way back, by Newton's method on the radius from the far side, where the polynomial is steepest; NaN beyond reach.
+        """The way back, by bisection of the radius, which the lens makes grow from 0 to reach; NaN beyond reach.
 
-        Converges because the radius function grows over 0..reach; 60 halvings of a bisection bracket guard it.
+        60 halvings of 0..reach leave less than one unit in the last place of reach.
         """
         tangent = np.asarray(tangent, dtype=np.float64)
         wanted = np.sqrt((tangent**2).sum(axis=-1)) / self.tangent_per_unit
@@ -86,17 +102,23 @@ class Headset:
     """Two eyes before two panels. Eye 0 is the left one.
 
     eye_size_px, eye_size_m: one eye's panel. left_fov: the left eye's field of view, the right eye's is its mirror image.
+    Errors: InputError for a panel without pixels or size, a refresh rate of 0, a negative pupil distance.
     """
 
     name: str
     summary: str
     source: str
-    eye_size_px: tuple[int, int]
+    eye_size_px: tuple[int, int] = attrs.field(converter=_whole_pixels)
     eye_size_m: tuple[float, float]
     refresh_hz: float
     ipd_m: float
     left_fov: Fov
     lens: RadialLens | None
+
+    def __attrs_post_init__(self) -> None:
+        _refuse_unless_positive(eye_width_m=self.eye_size_m[0], eye_height_m=self.eye_size_m[1], refresh_hz=self.refresh_hz)
+        if not 0 <= self.ipd_m < math.inf:
+            raise InputError(f"ipd_m is {self.ipd_m:g}: wanted the distance of the pupils in metres, 0 or more")
 
     def fov(self, eye: int) -> Fov:
         """The field of view of eye 0 (left) or 1 (right)."""

@@ -1,0 +1,222 @@
+"""Headset files: the shipped ones are sane, and a bad one gets one clear line that names the file and the key."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import poses
+
+import hmdwarp.headsets
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.headsets import Headset, headset_names, load_headset
+
+FOLDER = Path(hmdwarp.headsets.__file__).parent
+DK1 = (FOLDER / "rift-dk1.toml").read_text(encoding="utf-8")
+SHIPPED = headset_names()
+
+
+def test_what_is_shipped():
+    assert {"rift-dk1", "cardboard-v2", "flat-90"} <= set(SHIPPED)
+    assert sorted(p.stem for p in FOLDER.glob("*.toml")) == SHIPPED
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_numbers_are_sane(name):
+    headset = load_headset(name)
+    assert headset.name == name
+    assert len(headset.summary) > 10
+    assert len(headset.source) > 10
+    assert all(100 <= side <= 8192 for side in headset.eye_size_px)
+    assert all(0.02 <= side <= 0.2 for side in headset.eye_size_m)
+    assert 24 <= headset.refresh_hz <= 240
+    assert 0.055 <= headset.ipd_m <= 0.075
+    # A panel's pixels are square to a few per cent.
+    per_metre = np.array(headset.eye_size_px) / headset.eye_size_m
+    assert per_metre[0] == pytest.approx(per_metre[1], rel=0.05)
+    assert 5 <= headset.left_fov.pixels_per_degree(headset.eye_size_px) <= 60
+
+
+@pytest.mark.parametrize("name", [n for n in SHIPPED if load_headset(n).lens])
+def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
+    """The tangent of each panel edge, level with the lens axis, lies by the field of view's: units, signs and sides are right.
+
+    A maker's field of view may leave out what the eye cannot see, or reach a little beyond the panel; 0.9 to 2 covers both.
+    """
+    headset = load_headset(name)
+    lens = headset.lens
+    half_x, half_y = np.array(headset.eye_size_m) / 2
+    axis_x, axis_y = lens.axis_from_centre_m
+    edges = np.array([[-half_x - axis_x, 0], [half_x - axis_x, 0], [0, -half_y - axis_y], [0, half_y - axis_y]]) / lens.unit_m
+    shown = lens.tangent_from_lens(edges, "green")[[0, 1, 2, 3], [0, 0, 1, 1]]
+    ratio = shown / headset.left_fov.tangents
+    assert (ratio > 0.9).all()
+    assert (ratio < 2).all()
+
+
+def test_known_numbers_of_the_dk1():
+    headset = load_headset("rift-dk1")
+    assert headset.left_fov.tangents == pytest.approx([-1.0924, 1.0587, -1.3293, 1.3293], abs=1e-4)
+    # LibOVR 0.2.5: screen 149.76 x 93.6 mm, lens separation 63.5 mm, eye to screen 41 mm.
+    assert headset.eye_size_m == pytest.approx((0.14976 / 2, 0.0936))
+    assert headset.lens.axis_from_centre_m[0] == pytest.approx((0.14976 / 2 - 0.0635) / 2)
+    assert headset.lens.unit_m == pytest.approx(0.14976 / 4)
+    assert headset.lens.tangent_per_unit == pytest.approx(headset.lens.unit_m / 0.041)
+    r2 = 0.7
+    chroma = {"red": 0.996 - 0.004 * r2, "green": 1.0, "blue": 1.014}
+    for colour, factor in chroma.items():
+        wanted = factor * (1 + 0.22 * r2 + 0.24 * r2**2)
+        got = lens_scale(headset, colour, r2)
+        assert got == pytest.approx(wanted, abs=1e-12)
+
+
+def lens_scale(headset: Headset, colour: str, r2: float) -> float:
+    r = math.sqrt(r2)
+    return float(headset.lens.tangent_from_lens((r, 0), colour)[0]) / r / headset.lens.tangent_per_unit
+
+
+# --- two eyes ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_right_eye_mirrors_the_left(name):
+    headset = load_headset(name)
+    left, right = headset.fov(0).tangents, headset.fov(1).tangents
+    assert right == pytest.approx([-left[1], -left[0], left[2], left[3]], abs=1e-15)
+    if headset.lens is None:
+        return
+    size = (101, 77)
+    (left_scale, left_offset), (right_scale, right_offset) = (headset.lens_from_panel(eye, size) for eye in (0, 1))
+    for x, y in [(0, 0), (30.5, 12), (101, 77)]:
+        in_left = np.array([x, y]) * left_scale + left_offset
+        in_right = np.array([size[0] - x, y]) * right_scale + right_offset
+        assert in_right == pytest.approx(in_left * (-1, 1), abs=1e-14)
+
+
+def test_the_lens_axis_lies_towards_the_nose():
+    headset = load_headset("rift-dk1")
+    for eye, wanted_x in ((0, 0.03744 + 0.00569), (1, 0.03744 - 0.00569)):
+        scale, offset = headset.lens_from_panel(eye, (640, 800))
+        at = -offset / scale  # the panel pixel on the axis
+        assert at == pytest.approx([wanted_x / 0.07488 * 640, 400], abs=1e-9)
+
+
+@given(poses())
+def test_the_eyes_sit_beside_each_other_and_turn_with_the_head(world_from_head):
+    headset = load_headset("rift-dk1")
+    left, right = headset.views(world_from_head)
+    apart = right.pose.position_m - left.pose.position_m
+    # Positions below 20 m, so a few units of 20 m: 1e-14.
+    assert np.linalg.norm(apart) == pytest.approx(headset.ipd_m, abs=1e-13)
+    assert apart == pytest.approx(world_from_head.rotation.as_matrix()[:, 0] * headset.ipd_m, abs=1e-13)
+    assert (left.pose.position_m + right.pose.position_m) / 2 == pytest.approx(world_from_head.position_m, abs=1e-13)
+    for eye, view in enumerate((left, right)):
+        assert view.fov == headset.fov(eye)
+        assert (view.pose.inverse() @ world_from_head).rotation.magnitude() <= 1e-12
+
+
+# --- bad files -----------------------------------------------------------------------------------------------------------
+
+
+def load_text(folder: Path, text: str | bytes) -> Headset:
+    path = folder / "mine.toml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return load_headset(str(path))
+
+
+def test_one_s_own_file(tmp_path):
+    assert load_text(tmp_path, DK1.replace('"rift-dk1"', '"mine"', 1)).name == "mine"
+
+
+def test_unknown_names_and_absent_files(tmp_path):
+    with pytest.raises(UnknownNameError, match="did you mean 'rift-dk1'"):
+        load_headset("rift-dk")
+    with pytest.raises(InputError, match="is not there"):
+        load_headset(str(tmp_path / "none.toml"))
+    (tmp_path / "folder.toml").mkdir()
+    with pytest.raises(InputError, match="is not there"):
+        load_headset(str(tmp_path / "folder.toml"))
+
+
+KEYS = re.findall(r"^(\w+) = ", DK1, re.MULTILINE)
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_a_missing_key_is_named_with_its_table(tmp_path, key):
+    without = "\n".join(line for line in DK1.splitlines() if not line.startswith(f"{key} = "))
+    with pytest.raises(InputError, match=rf"mine\.toml: the key (\w+\.)?{key} is missing") as caught:
+        load_text(tmp_path, without)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("table", ["panel", "eyes", "fov_deg"])
+def test_a_missing_table_is_named(tmp_path, table):
+    with pytest.raises(InputError, match=rf"mine\.toml: the key {table} is missing"):
+        load_text(tmp_path, re.sub(rf"\[{table}\].*?(?=\n\[)", "", DK1, flags=re.DOTALL))
+
+
+def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
+    assert load_text(tmp_path, DK1[: DK1.index("[lens]")]).lens is None
+    with pytest.raises(InputError, match="unknown key lenss"):
+        load_text(tmp_path, DK1.replace("[lens]", "[lenss]"))
+    with pytest.raises(InputError, match="unknown key panel.refreshed"):
+        load_text(tmp_path, DK1.replace("refresh_hz = 60", "refresh_hz = 60\nrefreshed = 1"))
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "says"),
+    [
+        ("eye_size_px = [640, 800]", "eye_size_px = [640]", r"panel\.eye_size_px is \[640\]: wanted a list of 2"),
+        ("eye_size_px = [640, 800]", "eye_size_px = [640, 800.5]", "eye_size_px is 640 x 800.5: wanted whole pixels"),
+        ("eye_size_px = [640, 800]", "eye_size_px = [0, 800]", "eye_size_px is 0 x 800"),
+        ("eye_size_px = [640, 800]", 'eye_size_px = "640x800"', "eye_size_px is '640x800'"),
+        ("eye_size_m = [0.07488, 0.0936]", "eye_size_m = [0.07488, 0.0]", "eye_height_m is 0"),
+        ("eye_size_m = [0.07488, 0.0936]", "eye_size_m = [-1, 0.0936]", "eye_width_m is -1"),
+        ("refresh_hz = 60", "refresh_hz = 0", "refresh_hz is 0"),
+        ("refresh_hz = 60", "refresh_hz = nan", r"panel\.refresh_hz is nan: wanted a finite number"),
+        ("refresh_hz = 60", "refresh_hz = true", "refresh_hz is True"),
+        ("refresh_hz = 60", f"refresh_hz = {10**400}", "refresh_hz is 1000"),
+        ("ipd_m = 0.064", "ipd_m = -0.064", "ipd_m is -0.064"),
+        ("ipd_m = 0.064", "ipd_m = inf", "ipd_m is inf"),
+        ("left = -47.5287", "left = 47.5287", "left < right"),
+        ("up = 53.0458", "up = 90", "no field of view"),
+        ("unit_m = 0.03744", "unit_m = 0", "unit_m is 0"),
+        ("unit_m = 0.03744", "unit_m = -0.03744", "unit_m is -0.03744"),
+        ("tangent_per_unit = 0.913170731707", "tangent_per_unit = 0", "tangent_per_unit is 0"),
+        ('model = "radial"', 'model = "fisheye"', "unknown lens model 'fisheye': known is radial"),
+        ("green = [1.0, 0.22, 0.24]", "green = []", "green has 0 coefficients"),
+        ("green = [1.0, 0.22, 0.24]", "green = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]", "green has 10 coefficients; wanted 1 to 9"),
+        ("green = [1.0, 0.22, 0.24]", "green = [1.0, nan]", r"lens\.green is \[1\.0, nan\]"),
+        ("green = [1.0, 0.22, 0.24]", "green = [1.0, -0.3]", "green folds back at r = 1.054"),
+        ("green = [1.0, 0.22, 0.24]", "green = [0.0, 1.0]", "green folds back at r = 0"),
+        ('name = "rift-dk1"', 'name = ""', "name is ''"),
+        ('name = "rift-dk1"', "name = 3", "name is 3"),
+        ("[eyes]\nipd_m = 0.064", "", "the key eyes is missing"),
+        ("[eyes]\nipd_m = 0.064", "[[eyes]]\nipd_m = 0.064", "eyes is .* wanted a table"),
+        ("[panel]", "[panel", "line"),
+    ],
+)
+def test_a_bad_value_is_named(tmp_path, found, put, says):
+    assert found in DK1
+    with pytest.raises(InputError, match=says) as caught:
+        load_text(tmp_path, DK1.replace(found, put))
+    assert str(caught.value).startswith(f"headset file {tmp_path / 'mine.toml'}: ")
+    assert "\n" not in str(caught.value)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.one_of(st.binary(max_size=200), st.tuples(st.integers(0, len(DK1) - 1), st.text(max_size=6))))
+def test_any_bytes_give_a_headset_or_one_clear_line(tmp_path_factory, change):
+    """Random bytes, and the real file with a few characters overwritten anywhere."""
+    text = change if isinstance(change, bytes) else DK1[: change[0]] + change[1] + DK1[change[0] + len(change[1]) :]
+    data = text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass")
+    try:
+        assert isinstance(load_text(tmp_path_factory.getbasetemp(), data), Headset)
+    except InputError as error:
+        assert str(error).startswith("headset file ")
+        assert "\n" not in str(error)

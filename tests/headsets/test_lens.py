@@ -1,0 +1,134 @@
+"""The lens polynomial and its inverse, over the panel and beyond it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.headsets import MAX_COEFFICIENTS, RadialLens, headset_names, load_headset
+
+WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
+COLOURS = ("red", "green", "blue")
+
+
+def lens(*green: float, reach: float = 1.5, per_unit: float = 0.9) -> RadialLens:
+    return RadialLens((0.005, 0.0), 0.04, per_unit, {"red": (1.0,), "green": green, "blue": (1.0, 0.1)}, reach)
+
+
+@pytest.mark.parametrize("name", WITH_LENS)
+@pytest.mark.parametrize("colour", COLOURS)
+@pytest.mark.parametrize("eye", [0, 1])
+def test_there_and_back_over_the_panel(name, colour, eye):
+    headset = load_headset(name)
+    x, y = np.meshgrid(np.linspace(0, 1, 23), np.linspace(0, 1, 29))  # with the four corners
+    scale, offset = headset.lens_from_panel(eye, (1, 1))
+    on_lens = np.stack([x, y], axis=-1) * scale + offset
+    again = headset.lens.lens_from_tangent(headset.lens.tangent_from_lens(on_lens, colour), colour)
+    assert np.abs(again - on_lens).max() <= 1e-9
+
+
+@pytest.mark.parametrize("name", WITH_LENS)
+@pytest.mark.parametrize("colour", COLOURS)
+def test_back_and_there_over_the_field_of_view(name, colour):
+    headset = load_headset(name)
+    left, right, down, up = headset.left_fov.tangents
+    tangent = np.stack(np.meshgrid(np.linspace(left, right, 23), np.linspace(down, up, 29)), axis=-1)
+    again = headset.lens.tangent_from_lens(headset.lens.lens_from_tangent(tangent, colour), colour)
+    seen = ~np.isnan(again).any(axis=-1)
+    assert seen.mean() > 0.9
+    assert np.abs(again - tangent)[seen].max() <= 1e-9
+
+
+# Growing polynomials: all coefficients positive, the first one well so.
+GROWING = st.builds(lambda first, rest: (first, *rest), st.floats(0.3, 2), st.lists(st.floats(0, 0.5), max_size=MAX_COEFFICIENTS - 1))
+
+
+@given(GROWING, st.floats(0.1, 2), st.floats(0, 1), st.floats(0, 2 * math.pi))
+def test_any_growing_lens_goes_there_and_back(coefficients, reach, share, angle):
+    made = lens(*coefficients, reach=reach)
+    on_lens = share * reach * np.array([math.cos(angle), math.sin(angle)])
+    again = made.lens_from_tangent(made.tangent_from_lens(on_lens, "green"), "green")
+    # cos and sin may make r larger than reach by a unit: that is no longer seen.
+    if not np.isnan(again).any():
+        assert np.abs(again - on_lens).max() <= 1e-9
+    else:
+        assert share > 1 - 1e-9
+
+
+@given(GROWING, st.floats(-1, 1), st.floats(-1, 1))
+def test_the_formula(coefficients, x, y):
+    r2 = x * x + y * y
+    wanted = np.array([x, y]) * 0.9 * sum(k * r2**i for i, k in enumerate(coefficients))
+    assert lens(*coefficients).tangent_from_lens((x, y), "green") == pytest.approx(wanted, rel=1e-12, abs=1e-300)
+
+
+@given(GROWING)
+def test_the_middle_stays_the_middle(coefficients):
+    made = lens(*coefficients)
+    assert np.array_equal(made.tangent_from_lens((0, 0), "green"), (0, 0))
+    assert np.array_equal(made.lens_from_tangent((0, 0), "green"), (0, 0))
+    # Beside it: the slope is the first coefficient.
+    assert made.lens_from_tangent((1e-9, 0), "green")[0] == pytest.approx(1e-9 / 0.9 / coefficients[0], rel=1e-6)
+
+
+def test_beyond_the_panel_there_is_nothing():
+    made = lens(1.0, 0.2, reach=1.0)
+    edge = float(made.tangent_from_lens((1.0, 0.0), "green")[0])
+    assert not np.isnan(made.lens_from_tangent((edge, 0), "green")).any()
+    assert np.isnan(made.lens_from_tangent((edge * 1.001, 0), "green")).all()
+    assert np.isnan(made.lens_from_tangent((0, -5.0), "green")).all()
+
+
+def test_shapes_are_kept():
+    made = lens(1.0, 0.2)
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, (3, 4, 2))
+    assert made.tangent_from_lens(points, "red").shape == (3, 4, 2)
+    assert made.lens_from_tangent(points, "red").shape == (3, 4, 2)
+
+
+# r + k r^3 turns where 1 + 3 k r^2 = 0.
+@pytest.mark.parametrize("k", [-0.2, -0.5, -1.0, -5.0])
+def test_a_fold_inside_the_panel_is_refused_with_its_radius(k):
+    fold = math.sqrt(-1 / (3 * k))
+    with pytest.raises(InputError, match=f"green folds back at r = {fold:.4g}, inside the panel"):
+        lens(1.0, k, reach=fold * 1.01)
+    assert lens(1.0, k, reach=fold * 0.99).folds_at("green") is None
+
+
+def test_a_fold_that_unfolds_again_is_still_a_fold():
+    # Slope 1 - 3 r^2 + 2 r^4 = (1 - r^2)(1 - 2 r^2): it turns at 0.7071 and again at 1, and grows at the edge.
+    with pytest.raises(InputError, match=r"r = 0\.7071,"):
+        lens(1.0, -1.0, 0.4, reach=1.5)
+    assert lens(1.0, -0.9, 0.4, reach=1.5).folds_at("green") is None
+
+
+@pytest.mark.parametrize("coefficients", [(0.0, 1.0), (-1.0,), (0.0,), (-1e-12, 5.0)])
+def test_a_lens_that_does_not_grow_at_its_middle_is_refused(coefficients):
+    with pytest.raises(InputError, match="folds back at r = 0,"):
+        lens(*coefficients)
+
+
+@given(GROWING)
+def test_what_is_accepted_grows(coefficients):
+    made = lens(*coefficients)
+    r = np.linspace(0, made.reach, 200)
+    tangents = made.tangent_from_lens(np.stack([r, np.zeros_like(r)], axis=-1), "green")[:, 0]
+    assert (np.diff(tangents) > 0).all()
+
+
+@given(st.lists(st.floats(-1, 1), min_size=1, max_size=5))
+def test_any_polynomial_is_refused_or_grows(coefficients):
+    try:
+        made = lens(*coefficients)
+    except InputError:
+        return
+    r = np.linspace(0, made.reach, 500)
+    tangents = made.tangent_from_lens(np.stack([r, np.zeros_like(r)], axis=-1), "green")[:, 0]
+    # A double root of the slope is a point of rest, not a turn. The slope may be 1e-12 of its terms below 0 there (they are
+    # below 9 * 1.5^8 = 231 each), over a step of 0.003.
+    assert np.diff(tangents).min() >= -1e-12
