@@ -66,6 +66,9 @@ class RadialLens:
             slope.pop()
         roots = polynomial.polyroots(slope)
         turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1)]
+        # Beside a very large root polyroots may lose a very small one; a coarse look along the radius does not.
+        t = np.linspace(0, 1, 1025)
+        turns = np.append(turns, t[polynomial.polyval(t, slope) <= 0])
         return float(np.sqrt(turns.min())) * self.reach if len(turns) else None
 
     def tangent_from_lens(self, on_lens: ArrayLike, colour: str) -> NDArray[np.float64]:

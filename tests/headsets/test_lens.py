@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
@@ -122,6 +122,8 @@ def test_what_is_accepted_grows(coefficients):
 
 
 @given(st.lists(st.floats(-1, 1), min_size=1, max_size=5))
+@example([1e-13, -1.0, 1e-13])  # a small root beside a large one
+@example([1.0, -1.0, 5e-301])
 def test_any_polynomial_is_refused_or_grows(coefficients):
     try:
         made = lens(*coefficients)

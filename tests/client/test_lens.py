@@ -1,0 +1,156 @@
+"""The lens pass on the GPU against its float64 twin, and against the polynomial itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hmdwarp.client.lens import lenses
+from hmdwarp.errors import InputError
+from hmdwarp.gpu.textures import Canvas
+from hmdwarp.headsets import Headset, headset_names, load_headset
+from hmdwarp.reference.lens import radial
+from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
+
+WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
+SIZES = [((67, 53), (67, 53)), ((64, 64), (101, 37)), ((129, 2), (31, 127)), ((1, 1), (9, 7)), ((40, 50), (1, 1))]  # shown, panel
+COLOURS = ("red", "green", "blue")
+UNIT = 2.0**-24
+
+
+def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_size: tuple[int, int]) -> np.ndarray:
+    """(h, w, 4) shown picture, bottom row first, to the panel picture as the GPU makes it."""
+    canvas, panel = Canvas(gpu.gl, shown.shape[1::-1]), Canvas(gpu.gl, panel_size)
+    canvas.texture.write(shown.astype(np.float16).tobytes(), alignment=1)
+    panel.texture.write(np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
+    lenses.get("radial")(gpu, headset, panel_size).run(canvas, headset.fov(eye), eye, panel)
+    gpu.gl.memory_barrier()
+    out = np.frombuffer(panel.texture.read(alignment=1), np.float16).reshape(panel_size[1], panel_size[0], 4).astype(np.float64)
+    canvas.release()
+    panel.release()
+    return out
+
+
+def places(headset: Headset, eye: int, panel_size, colour: str) -> tuple[np.ndarray, np.ndarray]:
+    """(h, w, 2) where in the shown picture, 0..1, each panel pixel looks, in float64; and how far off a float32 shader may be.
+
+    A place on the lens is a product and a sum of rounded numbers (4 units of their absolute values); the polynomial's nine
+    Horner steps and its own products add 2 * 9 + 4 units of its absolute terms, and carry the place's error by its slope; the
+    step to 0..1 adds 4 units of its terms.
+    """
+    lens = headset.lens
+    scale, offset = headset.lens_from_panel(eye, panel_size)
+    panel = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in panel_size)), axis=-1)
+    on_lens = panel * scale + offset
+    place_error = 4 * UNIT * (np.abs(panel * scale) + np.abs(offset)).max(axis=-1)
+    r = np.linalg.norm(on_lens, axis=-1)
+    absolute = sum(abs(k) * r ** (2 * i) for i, k in enumerate(lens.coefficients[colour])) * lens.tangent_per_unit
+    slope = sum((2 * i + 1) * abs(k) * r ** (2 * i) for i, k in enumerate(lens.coefficients[colour])) * lens.tangent_per_unit
+    tangent_error = slope * place_error * 2 + 22 * UNIT * absolute * r
+    left, right, down, up = headset.fov(eye).tangents
+    low, span = np.array([left, down]), np.array([right - left, up - down])
+    tangent = lens.tangent_from_lens(on_lens, colour)
+    error = tangent_error[..., None] / span + 4 * UNIT * (np.abs(tangent) + np.abs(low)) / span
+    return (tangent - low) / span, error
+
+
+def sampler_error_pixels(gpu, size) -> float:
+    """llvmpipe turns a place into 0..1 and back in float32, each half a unit of the place; a GPU rounds it to 1/256 pixel."""
+    return 4 * UNIT * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
+
+
+@pytest.mark.parametrize("name", WITH_LENS)
+@pytest.mark.parametrize("eye", [0, 1])
+@pytest.mark.parametrize(("shown_size", "panel_size"), SIZES)
+def test_the_pass_equals_its_twin(gpu, name, eye, shown_size, panel_size):
+    headset = load_headset(name)
+    rng = np.random.default_rng(eye)
+    shown = rng.uniform(0, 1, (shown_size[1], shown_size[0], 4)).astype(np.float16).astype(np.float64)
+    got, wanted = through_the_lens(gpu, shown, headset, eye, panel_size), radial(shown, headset.fov(eye), headset, eye, panel_size)
+    for channel, colour in enumerate(COLOURS):
+        uv, error = places(headset, eye, panel_size, colour)
+        decided = (np.abs(uv) > error).all(axis=-1) & (np.abs(uv - 1) > error).all(axis=-1)
+        # Neighbours differ by less than 1, on both axes.
+        moved = (error * np.array(shown_size)).sum(axis=-1) + 2 * sampler_error_pixels(gpu, shown_size)
+        for target in (channel, 3) if colour == "green" else (channel,):
+            tolerance = moved + HALF_UNIT * np.abs(wanted[..., target]) + HALF_SMALLEST
+            difference = np.abs(got[..., target] - wanted[..., target])
+            assert (difference <= tolerance)[decided].all(), f"{colour}: {difference[decided].max()}"
+        if decided.size > 100:
+            assert decided.mean() > 0.95
+
+
+@pytest.mark.parametrize("name", WITH_LENS)
+@pytest.mark.parametrize("eye", [0, 1])
+def test_a_ramp_shows_the_polynomial_itself(gpu, name, eye):
+    """A picture whose value is the place: what comes out says, without a twin, where each colour of each pixel looked."""
+    headset, shown_size, panel_size = load_headset(name), (33, 45), (57, 61)
+    for axis in (0, 1):
+        place = (np.arange(shown_size[axis]) + 0.5) / shown_size[axis]
+        ramp = np.broadcast_to(place[None, :, None] if axis == 0 else place[:, None, None], (shown_size[1], shown_size[0], 4))
+        got = through_the_lens(gpu, ramp, headset, eye, panel_size)
+        for channel, colour in enumerate(COLOURS):
+            uv, error = places(headset, eye, panel_size, colour)
+            inside = ((uv > error) & (uv < 1 - error)).all(axis=-1)
+            half_pixel = 0.5 / shown_size[axis]
+            wanted = np.clip(uv[..., axis], half_pixel, 1 - half_pixel)  # beyond the last centre the edge is continued
+            # The ramp is stored as half floats (2^-11), read at a place with its errors, stored again (2^-10).
+            tolerance = 2.0**-11 + HALF_UNIT + error[..., axis] + sampler_error_pixels(gpu, shown_size) / shown_size[axis]
+            assert (np.abs(got[..., channel] - wanted) <= tolerance)[inside].all()
+            assert inside.sum() > 500
+
+
+@pytest.mark.parametrize("name", WITH_LENS)
+@pytest.mark.parametrize("eye", [0, 1])
+def test_black_where_more_is_seen_than_was_rendered(gpu, name, eye):
+    headset, panel_size = load_headset(name), (61, 71)
+    white = np.ones((30, 30, 4))
+    got = through_the_lens(gpu, white, headset, eye, panel_size)
+    outside_any = np.zeros(panel_size[::-1], bool)
+    for channel, colour in enumerate(COLOURS):
+        uv, error = places(headset, eye, panel_size, colour)
+        outside = ((uv < -error) | (uv > 1 + error)).any(axis=-1)
+        inside = ((uv > error) & (uv < 1 - error)).all(axis=-1)
+        assert (got[..., channel][outside] == 0).all()
+        assert (got[..., channel][inside] == 1).all()
+        outside_any |= outside
+    assert outside_any.any(), "then this shows nothing"
+    uv, error = places(headset, eye, panel_size, "green")
+    outside = ((uv < -error) | (uv > 1 + error)).any(axis=-1)
+    assert (got[..., 3][outside] == 0).all(), "coverage goes with green"
+
+
+def test_holes_keep_their_coverage(gpu):
+    headset, panel_size = load_headset("rift-dk1"), (41, 43)
+    got = through_the_lens(gpu, np.zeros((30, 30, 4)), headset, 0, panel_size)
+    assert np.array_equal(got, np.zeros_like(got))
+
+
+@pytest.mark.parametrize("name", WITH_LENS)
+def test_the_right_panel_mirrors_the_left(gpu, name):
+    headset, size = load_headset(name), (67, 53)
+    left_picture = np.random.default_rng(5).uniform(0, 1, (size[1], size[0], 4)).astype(np.float16).astype(np.float64)
+    left = through_the_lens(gpu, left_picture, headset, 0, size)
+    right = through_the_lens(gpu, left_picture[:, ::-1], headset, 1, size)
+    allowed = 2 * (HALF_UNIT + 2 * sampler_error_pixels(gpu, size))
+    for channel, colour in enumerate(COLOURS):
+        uv, error = places(headset, 0, size, colour)
+        decided = (np.abs(uv) > error).all(axis=-1) & (np.abs(uv - 1) > error).all(axis=-1)
+        tolerance = allowed + 2 * (error * np.array(size)).sum(axis=-1)
+        assert (np.abs(left[..., channel] - right[:, ::-1, channel]) <= tolerance)[decided].all()
+
+
+def test_colours_part_where_the_lens_parts_them(gpu):
+    """The DK1's blue is magnified more than its red: the three channels of a grey picture differ away from the axis, not on it."""
+    headset = load_headset("rift-dk1")
+    ramp = np.broadcast_to(np.linspace(0.1, 0.9, 65)[None, :, None], (65, 65, 4))
+    got = through_the_lens(gpu, ramp, headset, 0, (65, 81))
+    apart = np.abs(got[..., 0] - got[..., 2])
+    axis_x = round((0.03744 + 0.00569) / 0.07488 * 65)
+    assert apart[40, axis_x - 1 : axis_x + 1].max() < 0.002
+    assert apart[40, 10:14].min() > 0.004
+
+
+def test_a_headset_without_a_lens_is_refused(gpu):
+    with pytest.raises(InputError, match="headset 'flat-90' has no lens: use --lens none"):
+        lenses.get("radial")(gpu, load_headset("flat-90"), (8, 8))
