@@ -13,7 +13,6 @@ import numpy as np
 from .client.compensator import Compensator
 from .client.plan import BYTES_PER_PIXEL, Plan, build_plan
 from .errors import InputError, MachineError
-from .geometry import Pose
 from .gpu.context import Gpu
 from .gpu.textures import check_size
 from .headsets import Headset, load_headset
@@ -220,8 +219,8 @@ def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[
     needed = frames * 2 * late_size[0] * late_size[1] * sum(BYTES_PER_PIXEL.values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
-            f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, and this "
-            f"machine has {memory_bytes() / 1e9:.1f} GB: use a smaller size, a shorter latency or a lower rate"
+            f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, "
+            f"and this machine has {memory_bytes() / 1e9:.1f} GB: use a smaller size, a shorter latency or a lower rate"
         )
 
 

@@ -34,12 +34,12 @@ def plan(
     wanted_size = None if size is None else parse_size(size)
     options = RunOptions("", scene, latency, warp, fill, o.lens_for(lens, headset), headset, size=wanted_size, rate_hz=rate, guard=guard)
     built = build_plan_for(options, chosen, load_scene(scene))
+    late_size = guarded_size(guard, chosen, options.size or chosen.eye_size_px)
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
     rate_hz = rate or chosen.refresh_hz
-    late_size = guarded_size(guard, chosen, options.size or chosen.eye_size_px)
     frame_bytes = 2 * late_size[0] * late_size[1] * built.bytes_per_pixel()
     in_columns(
         [

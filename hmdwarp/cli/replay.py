@@ -86,7 +86,8 @@ def _run(options, quiet: bool) -> None:
     from ._show import console
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console(stderr=True), transient=True) as bar:
+    screen = console(stderr=True)
+    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
         task = bar.add_task("refreshes", total=None)
         result = run(options, lambda done, total: bar.update(task, completed=done, total=total))
     console().print(summary_table(result.summary, result.against))
