@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import Pose, View, WarpMap
-from ._rays import Array, pixel_error_bound, project, world_directions
+from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
 from .picture import GPU_SAMPLER_PIXELS, ReferencePicture, near_edge, sample_covered
 
 
@@ -74,36 +74,39 @@ def backward(
     pixels = np.where(known[..., None], pixels, np.nan)
     bound = pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, own)
     at, agree, undecided = _where_depth_agrees(inverse_depth, pixels, expected, bound, tolerance, floor)
-    looked = sample_covered(colour, np.where(agree[..., None], at, np.nan), bound, sampler_pixels)
-    edge = near_edge(pixels, size, bound) & known
+    looked = sample_covered(colour, np.where(agree[..., None], at, np.nan), bound, sampler_pixels, least=0.0)
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
-    return ReferencePicture(looked.colour, looked.tolerance, (undecided & known & ~outside) | edge | (looked.undecided & agree))
+    edge = near_edge(pixels, size, bound) & known
+    return ReferencePicture(looked.colour, looked.tolerance, (undecided & known & ~outside) | edge)
 
 
 def _where_depth_agrees(inverse_depth: Array, pixels: Array, expected: Array, error: Array, tolerance: float, floor: float):
-    """The looked-up place, or the centre of the heaviest agreeing texel; whether any agrees; where rounding may decide."""
+    """The place, or the centre of the one of two texels that agrees; whether any agrees; where rounding may decide.
+
+    The two texels: the one the place lies in, and of the other three of its bilinear footprint the one not beside it.
+    """
+    texel = np.floor(np.nan_to_num(pixels)).astype(int)
+    within = np.nan_to_num(pixels) - texel
+    across = texel + np.where(within < 0.5, -1, 1)
+    near, near_close = _agrees(inverse_depth, texel, expected, tolerance, floor)
+    far, far_close = _agrees(inverse_depth, across, expected, tolerance, floor)
+    one = np.clip(np.where(near[..., None], texel, across), 0, np.array(inverse_depth.shape[1::-1]) - 1) + 0.5
+    at = np.where((near & far)[..., None], pixels, one)
+    # The place may lie in the next texel, or in the other half of its own, where the other three texels are others.
+    from_border = np.minimum(within, 1 - within).min(axis=-1) <= error
+    from_middle = np.abs(within - 0.5).min(axis=-1) <= error
+    return at, near | far, near_close | far_close | from_border | from_middle
+
+
+def _agrees(inverse_depth: Array, texel: Array, expected: Array, tolerance: float, floor: float):
+    """Whether the texel holds the expected depth, 0 standing in outside the picture; and whether that is a close call."""
     high, wide = inverse_depth.shape
-    place = np.nan_to_num(pixels) - 0.5
-    corner = np.floor(place)
-    fraction = place - corner
+    inside = ((texel >= 0) & (texel < np.array([wide, high]))).all(axis=-1)
+    clipped = np.clip(texel, 0, np.array([wide, high]) - 1)
+    held = np.where(inside, inverse_depth[clipped[..., 1], clipped[..., 0]], 0)
     limit = tolerance * (np.nan_to_num(expected) + floor)
-    weights, places, close_call = [], [], np.zeros(error.shape, bool)
-    for dy in (0, 1):
-        for dx in (0, 1):
-            x = np.clip(corner[..., 0] + dx, 0, wide - 1).astype(int)
-            y = np.clip(corner[..., 1] + dy, 0, high - 1).astype(int)
-            difference = np.abs(inverse_depth[y, x] - expected) - limit
-            same = difference <= 0
-            weights.append(np.where(same, np.abs(1 - dx - fraction[..., 0]) * np.abs(1 - dy - fraction[..., 1]) + 1e-6, 0))
-            places.append(corner + 0.5 + np.array([dx, dy]))
-            # 16 u covers the division by w and the products of the comparison, relative to the larger of both depths.
-            close_call |= np.abs(difference) <= 16 * 2.0**-24 * (np.abs(inverse_depth[y, x]) + np.nan_to_num(expected) + limit) + 1e-30
-    weight = np.stack(weights)
-    all_agree, agree = (weight > 0).all(axis=0), (weight > 0).any(axis=0)
-    best_at = np.take_along_axis(np.stack(places), weight.argmax(axis=0)[None, ..., None], axis=0)[0]
-    second, best = np.sort(weight, axis=0)[-2:]
-    # A weight moves by at most the place's error on each axis, and so does the other one.
-    rivals = (second > 0) & (best - second <= 4 * error + 1e-6)
-    texel_edge = np.minimum(fraction, 1 - fraction).min(axis=-1) <= error
-    return np.where(all_agree[..., None], pixels, best_at), agree, close_call | (~all_agree & (rivals | texel_edge))
+    difference = np.abs(held - expected)
+    # 16 u covers the division by w and the products of the comparison, relative to the larger of both depths.
+    close = np.abs(difference - limit) <= 16 * FLOAT32_UNIT * (np.abs(held) + np.nan_to_num(expected) + limit) + 1e-30
+    return difference <= limit, close

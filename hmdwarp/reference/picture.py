@@ -25,27 +25,30 @@ class ReferencePicture:
     undecided: NDArray[np.bool_]
 
 
-def sample_covered(colour: Array, pixels: Array, position_error: Array, sampler_pixels: float = GPU_SAMPLER_PIXELS) -> ReferencePicture:
+def sample_covered(
+    colour: Array, pixels: Array, position_error: Array, sampler_pixels: float = GPU_SAMPLER_PIXELS, least: float = 0.5
+) -> ReferencePicture:
     """Bilinear look at `pixels` (h, w, 2) of a premultiplied picture, by SciPy's interpolation, averaged over what is covered.
 
-    position_error (h, w): pixels; sampler_pixels: what the sampler adds to it. The colour may be off by the place's error times the steepest change nearby, divided by the
-    coverage it is normalised with, and by the rounding of the stored result.
+    position_error (h, w): pixels; sampler_pixels: what the sampler adds to it; least: the weight of covered texels from which the
+    result counts as covered. The colour may be off by the place's error times the steepest change nearby, over the coverage it is
+    normalised with, and by the rounding of the stored result.
     """
     outside = ~((pixels >= 0) & (pixels < np.array(colour.shape[1::-1]))).all(axis=-1)
     place = np.where(np.isnan(pixels), 0.0, pixels) - 0.5
     coords = [place[..., 1], place[..., 0]]
     looked = np.stack([ndimage.map_coordinates(colour[..., c], coords, order=1, mode="nearest") for c in range(4)], axis=-1)
     alpha = looked[..., 3]
-    covered = (alpha >= 0.5) & ~outside
+    covered = (alpha >= least) & (alpha > 0) & ~outside
     out = np.zeros_like(looked)
     out[covered] = np.concatenate([looked[covered][:, :3] / alpha[covered][:, None], np.ones((covered.sum(), 1))], axis=1)
 
     error = position_error + sampler_pixels
-    contrast = _contrast_near(colour, coords)
-    slope = contrast * 2 * error[..., None]  # both axes
-    tolerance = slope[..., :3].max(axis=-1) * 2 + out[..., :3].max(axis=-1) * slope[..., 3] * 4
-    tolerance += HALF_UNIT * np.abs(out[..., :3]).max(axis=-1) + HALF_SMALLEST
-    undecided = (np.abs(alpha - 0.5) <= slope[..., 3]) | near_edge(pixels, colour.shape[1::-1], position_error)
+    slope = _contrast_near(colour, coords) * 2 * error[..., None]  # both axes
+    brightest = np.abs(out[..., :3]).max(axis=-1)
+    tolerance = (slope[..., :3].max(axis=-1) + brightest * slope[..., 3]) / np.maximum(alpha - slope[..., 3], 1e-3)
+    tolerance += HALF_UNIT * brightest + HALF_SMALLEST
+    undecided = (np.abs(alpha - least) <= slope[..., 3]) | near_edge(pixels, colour.shape[1::-1], position_error)
     return ReferencePicture(out, tolerance, undecided)
 
 

@@ -2,7 +2,7 @@
 // In: shown colour after the warp. Out: shown colour; what has too few covered neighbours stays empty (coverage 0).
 // Source: the interpolation step of the 2014 thesis this project starts from.
 #include "lib/rows.glsl"
-uniform sampler2D warped;
+layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
 uniform ivec2 shown_size;
 uniform int minimum_count;
@@ -15,8 +15,8 @@ struct Row {
 };
 
 vec4 texel(ivec2 p) {
-    vec4 c = texelFetch(warped, clamp(p, ivec2(0), shown_size - 1), 0);
-    return p == clamp(p, ivec2(0), shown_size - 1) && c.a > 0.0 ? c : vec4(ABSENT, 0.0);
+    vec4 c = imageLoad(warped, p);
+    return c.a > 0.0 ? c : vec4(ABSENT, 0.0);
 }
 
 Row row_at(ivec2 p) {

@@ -1,6 +1,7 @@
 // Applies the lens: each panel pixel looks up, for each colour of its own, the tangent the lens shows there.
 // In: shown picture. Out: panel; black where the lens shows more than was rendered.
 // Source: radial polynomial in r^2 (Brown 1966), one per colour; the coefficients come from hmdwarp/headsets.
+#define ROWS 4 // eight would spill registers
 #include "lib/rows.glsl"
 uniform sampler2D shown;
 layout(rgba16f) writeonly uniform image2D panel;

@@ -4,7 +4,7 @@
 // (31 exponents), and below them four bits that tell neighbours apart: (row mod 4, column mod 4) of the drawn pixel, the
 // lower wins. So pixels of one surface, which often have the very same depth, do not tie. What is farther is ordered by
 // the index of the drawn pixel alone, the lower wins; what is nearer counts as 0.5 mm. 0 = nothing landed here.
-uniform sampler2D late_inverse_depth;
+layout(r32f) readonly uniform image2D late_inverse_depth;
 uniform ivec2 late_size;
 uniform ivec2 shown_size;
 
@@ -27,7 +27,7 @@ struct Landing {
 };
 
 Landing landing(ivec2 drawn, vec3 base) {
-    float inverse_depth = texelFetch(late_inverse_depth, drawn, 0).r;
+    float inverse_depth = imageLoad(late_inverse_depth, drawn).r;
     // precise: two passes must compute the same bits, whatever the compiler would contract.
     precise vec3 q = base + e * inverse_depth;
     precise vec2 p = q.xy / q.z;

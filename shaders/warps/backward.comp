@@ -6,34 +6,35 @@
 #include "lib/gather.glsl"
 layout(rgba16f) writeonly uniform image2D shown_colour;
 uniform ivec2 shown_size;
-uniform sampler2D late_inverse_depth;
-uniform sampler2D client_inverse_depth;
+layout(r32f) readonly uniform image2D late_inverse_depth;
+layout(r32f) readonly uniform image2D client_inverse_depth;
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
 
-// Where to look so that only texels whose depth agrees are averaged: the point itself if all four do, else the centre of
-// the agreeing texel that weighs most (the texel order is that of textureGather). None agrees: agree is false.
-vec2 where_depth_agrees(vec2 p, float inverse_depth, out bool agree) {
-    vec2 corner = floor(p - 0.5) + 0.5;
-    // Gathered at the meeting point of the four texels: at p itself rounding could pick another four.
-    vec4 held = textureGather(late_inverse_depth, (corner + 0.5) * late_pixel);
-    vec4 same = vec4(lessThanEqual(abs(held - inverse_depth), vec4(depth_tolerance * (inverse_depth + depth_floor))));
-    vec2 w = p - corner;
-    vec4 weight = same * (vec4(1.0 - w.x, w.x, w.x, 1.0 - w.x) * vec4(w.y, w.y, 1.0 - w.y, 1.0 - w.y) + 1e-6);
-    float best = max(max(weight.x, weight.y), max(weight.z, weight.w));
-    vec2 at = weight.w == best ? vec2(0.0) : weight.z == best ? vec2(1.0, 0.0) : weight.x == best ? vec2(0.0, 1.0) : vec2(1.0);
-    agree = best > 0.0;
-    return same == vec4(1.0) ? p : corner + at;
+bool holds(ivec2 texel, float expected) {
+    float held = imageLoad(late_inverse_depth, texel).r;
+    return abs(held - expected) <= depth_tolerance * (expected + depth_floor);
 }
 
+// Two texels decide: the nearest, and the one across the corner of the bilinear footprint, which an edge through the footprint
+// almost always parts from it. Both hold the expected depth: bilinear. One does: that one alone, so that no surface bleeds into
+// another. (Asking all four would cost llvmpipe half as much time again.)
 vec4 gathered(ivec2 shown, vec3 base) {
-    float own = texelFetch(client_inverse_depth, shown, 0).r;
+    float own = imageLoad(client_inverse_depth, shown).r;
     vec3 q = base + e * own;
-    vec2 p = q.xy / q.z;
-    bool agree;
-    vec2 at = where_depth_agrees(p, own / q.z, agree);
-    vec4 colour = covered_average(at);
-    return own >= 0.0 && q.z > 0.0 && inside(p, late_size) && agree ? colour : vec4(0.0);
+    float depth_ratio = 1.0 / q.z;
+    vec2 p = q.xy * depth_ratio;
+    float expected = own * depth_ratio;
+    ivec2 nearest = ivec2(p);
+    vec2 centre = vec2(nearest) + 0.5;
+    vec2 across = p.x < centre.x ? vec2(-1.0, 0.0) : vec2(1.0, 0.0);
+    across.y = p.y < centre.y ? -1.0 : 1.0;
+    bool near_holds = holds(nearest, expected);
+    bool far_holds = holds(nearest + ivec2(across), expected);
+    vec2 at = near_holds ? (far_holds ? p : centre) : centre + across;
+    vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
+    bool seen = (near_holds || far_holds) && sum.a > 0.0 && own >= 0.0 && q.z > 0.0 && inside(p, late_size);
+    return seen ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
 void main() {

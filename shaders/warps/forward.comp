@@ -5,11 +5,10 @@
 // PASS 0 finds the nearest key of each shown pixel, PASS 1 copies the colour of the drawn pixel that holds it. If two hold
 // it, PASS 2 finds the lowest index among them, PASS 3 copies that one again and PASS 4 forgets the winners: these three are
 // dispatched indirectly, by a count that is 0 when nothing tied.
-#define ROWS 8
 #include "lib/rows.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/scatter.glsl"
-uniform sampler2D late_colour;
+layout(rgba16f) readonly uniform image2D late_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
 
 void visit(ivec2 drawn, vec3 base) {
@@ -18,11 +17,11 @@ void visit(ivec2 drawn, vec3 base) {
 #if PASS == 0
     if (atomicMax(key_of[to.slot], to.key) == to.key) tie_groups[2] = 1u;
 #elif PASS == 1
-    if (key_of[to.slot] == to.key) imageStore(shown_colour, to.pixel, texelFetch(late_colour, drawn, 0));
+    if (key_of[to.slot] == to.key) imageStore(shown_colour, to.pixel, imageLoad(late_colour, drawn));
 #elif PASS == 2
     if (key_of[to.slot] == to.key) atomicMin(winner_of[to.slot], to.source);
 #elif PASS == 3
-    if (winner_of[to.slot] == to.source) imageStore(shown_colour, to.pixel, texelFetch(late_colour, drawn, 0));
+    if (winner_of[to.slot] == to.source) imageStore(shown_colour, to.pixel, imageLoad(late_colour, drawn));
 #else
     winner_of[to.slot] = NO_WINNER;
 #endif

@@ -21,7 +21,7 @@ class Interpolate(Fill):
         self._program = self.gpu.shaders.compute("fills/interpolate.comp")
 
     def run(self, warped: Canvas, into: Canvas) -> None:
-        warped.texture.use(0)
+        warped.texture.bind_to_image(1, read=True, write=False)
         into.bind_for_writing()
-        self._program.uniforms.set(warped=0, filled=0, shown_size=self.shown_size, minimum_count=MINIMUM_COUNT)
+        self._program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size, minimum_count=MINIMUM_COUNT)
         self._program.run(*self.shown_size)

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import moderngl
 
+from ...errors import InputError
 from ...frame import EyeImage
 from ...geometry import View, WarpMap
 from ...gpu.textures import Canvas
 from . import warps
 from ._base import Warp
 
+MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
 
 
 @warps.register
 class Forward(Warp):
-    """Scatters pixels with an exact depth test in two 32-bit atomic passes; ties go to the lowest pixel index."""
+    """Scatters pixels with an exact depth test in two 32-bit atomic passes; equals go to the lower (row mod 4, column mod 4)."""
 
     name = "forward"
     summary = "moves each pixel by its own depth, nearest wins; leaves cracks and holes"
@@ -26,6 +28,8 @@ class Forward(Warp):
     source = "the 2014 thesis's forward warp; atomics as in Schuetz et al. 2021 (arXiv 2104.07526)"
 
     def prepare(self) -> None:
+        if self.late_size[0] * self.late_size[1] > MOST_PIXELS:
+            raise InputError(f"a late picture of {self.late_size[0]}x{self.late_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels")
         shaders, gl = self.gpu.shaders, self.gpu.gl
         self._clear = shaders.compute("warps/forward_clear.comp")
         self._nearest, self._colour, *self._settle = (shaders.compute("warps/forward.comp", PASS=k) for k in range(5))
@@ -35,8 +39,8 @@ class Forward(Warp):
 
     def run(self, late: EyeImage, shown: View, into: Canvas, client_inverse_depth: moderngl.Texture | None = None) -> None:
         forward = WarpMap.between(late.view, self.late_size, shown, self.shown_size)
-        late.colour.use(0)
-        late.inverse_depth.use(1)
+        late.colour.bind_to_image(1, read=True, write=False)
+        late.inverse_depth.bind_to_image(2, read=True, write=False)
         into.bind_for_writing()
         self._keys.bind_to_storage_buffer(0)
         self._ties.bind_to_storage_buffer(1)
@@ -54,7 +58,7 @@ class Forward(Warp):
 
     def _set(self, program, forward: WarpMap) -> None:
         self.set_sizes(program)
-        program.uniforms.set(H=forward.H, e=forward.e, late_colour=0, late_inverse_depth=1, shown_colour=0)
+        program.uniforms.set(H=forward.H, e=forward.e, late_colour=1, late_inverse_depth=2, shown_colour=0)
 
     def close(self) -> None:
         self._keys.release()
