@@ -7,6 +7,7 @@ flattened here, every file at most once, and the line map is kept on the side.
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +22,7 @@ VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 # Mesa: "0:14(3): error", NVIDIA: "0(14) : error", Apple/Intel: "ERROR: 0:14:"
 _MESSAGE_LINE = re.compile(r"\b0[:(](\d+)\)?")
+_DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's letter for a uniform's type
 
 
 @dataclass
@@ -85,7 +87,7 @@ class Uniforms:
 
     def __init__(self, program: moderngl.Program | moderngl.ComputeShader, texts: list[str], name: str) -> None:
         self._program, self._name = program, name
-        declared = " ".join(texts)
+        declared = " ".join(line.partition("//")[0] for line in texts)
         self._names = {
             re.sub(r"[\[=].*", "", part).strip() for match in self._DECLARED.finditer(declared) for part in match.group(1).split(",")
         }
@@ -96,7 +98,10 @@ class Uniforms:
         return name in self._names
 
     def set(self, **values: object) -> None:
-        """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once."""
+        """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once.
+
+        Errors: ShaderError for a name the shader's text does not have, and for a value that does not fit.
+        """
         for name, value in values.items():
             if name not in self._names:
                 raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(self._names))}")
@@ -105,13 +110,22 @@ class Uniforms:
                 self._write(name, member, value)
 
     def _write(self, name: str, member: moderngl.Uniform, value: object) -> None:
-        if isinstance(value, np.ndarray):
-            data = np.ascontiguousarray(value.T, dtype=np.float32).tobytes()  # GLSL matrices are column-major
-            if self._last.get(name) != data:
-                member.write(data)
-                self._last[name] = data
-        else:
-            member.value = value
+        try:
+            if isinstance(value, np.ndarray):
+                self._write_array(name, member, value)
+            else:
+                self._last.pop(name, None)
+                member.value = value
+        except (moderngl.Error, struct.error, TypeError, ValueError) as error:
+            raise ShaderError(f"{self._name}: uniform '{name}' cannot take {value!r}: {error}") from error
+
+    def _write_array(self, name: str, member: moderngl.Uniform, value: np.ndarray) -> None:
+        if member.matrix:
+            value = np.swapaxes(value, -1, -2)  # GLSL matrices are column-major
+        data = np.ascontiguousarray(value, dtype=_DTYPES[member.fmt[-1]]).tobytes()
+        if self._last.get(name) != data:
+            member.write(data)
+            self._last[name] = data
 
 
 class Compute:

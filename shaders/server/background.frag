@@ -1,5 +1,6 @@
 // What lies infinitely far: a sky that fades from zenith to horizon, and ground below it.
 // In: direction in world axes, any length. Out: linear RGBA with coverage 1; inverse depth 0.
+// Source: made up for this project; the square root keeps the glow of a horizon low above it.
 #ifdef COLOUR
 uniform vec3 zenith;
 uniform vec3 horizon;

@@ -1,6 +1,6 @@
 // Linear colour (texture times baked light) with coverage 1, and inverse depth.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
-// gl_FragCoord.w is 1 / w_clip, so it is the inverse depth itself, and exactly linear across a triangle.
+// Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth itself, linear across a triangle.
 #ifdef COLOUR
 uniform sampler2D surface;
 

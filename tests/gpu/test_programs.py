@@ -1,0 +1,249 @@
+"""Compiled programs: errors with file and line, strict uniforms, the layout of arrays, group counts, and the cache."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hmdwarp.gpu.shaders
+from hmdwarp.errors import ShaderError
+from hmdwarp.gpu.shaders import Compute, Draw, ShaderLibrary
+
+
+@pytest.fixture
+def shaders(tmp_path, monkeypatch) -> Path:
+    """An empty folder that the program takes for its shaders/."""
+    monkeypatch.setattr(hmdwarp.gpu.shaders, "folder", lambda name: tmp_path)
+    return tmp_path
+
+
+def compute(gpu, root: Path, text: str, **defines: object) -> Compute:
+    (root / "test.comp").write_text(text, encoding="utf-8")
+    return Compute(gpu.gl, "test.comp", defines)
+
+
+def results(gpu, program: Compute, count: int) -> np.ndarray:
+    """What the shader leaves in its float buffer 0."""
+    buffer = gpu.gl.buffer(np.full(count, np.nan, np.float32).tobytes())
+    buffer.bind_to_storage_buffer(0)
+    program.run(1)
+    gpu.gl.memory_barrier()
+    out = np.frombuffer(buffer.read(), np.float32)
+    buffer.release()
+    return out
+
+
+HEAD = "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer Out { float o[]; };\n"
+
+
+# --- errors --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_compile_error_names_the_file_and_line_it_is_in(gpu, shaders):
+    (shaders / "lib").mkdir()
+    (shaders / "lib/broken.glsl").write_text("// one\nfloat good() { return 1.0; }\nfloat bad() { return missing; }\n", encoding="utf-8")
+    with pytest.raises(ShaderError, match=r"lib/broken\.glsl:3\b.*missing") as caught:
+        compute(gpu, shaders, f'{HEAD}\n#include "lib/broken.glsl"\nvoid main() {{ o[0] = bad(); }}\n', UNUSED=1)
+    assert str(caught.value).startswith("test.comp: ")
+    with pytest.raises(ShaderError, match=r"test\.comp:4\b.*nowhere"):
+        compute(gpu, shaders, f"{HEAD}\nvoid main() {{ o[0] = nowhere; }}\n")
+
+
+@pytest.mark.parametrize("guilty", ["vertex", "fragment"])
+def test_a_draw_names_the_stage_that_is_broken(gpu, shaders, guilty):
+    texts = {
+        "vertex": "//\nvoid main() { gl_Position = vec4(0.0); }\n",
+        "fragment": "//\n//\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n",
+    }
+    texts[guilty] += "float broken() { return missing; }\n"
+    for stage, text in texts.items():
+        (shaders / f"a.{stage[:4]}").write_text(text, encoding="utf-8")
+    line = texts[guilty].count("\n")
+    with pytest.raises(ShaderError, match=rf"^a\.{guilty[:4]}: (.|\n)*a\.{guilty[:4]}:{line}\b(.|\n)*missing"):
+        Draw(gpu.gl, "a.vert", "a.frag", {})
+
+
+def test_a_draw_whose_stages_do_not_fit_is_refused(gpu, shaders):
+    (shaders / "a.vert").write_text("out vec3 v;\nvoid main() { v = vec3(1.0); gl_Position = vec4(0.0); }\n", encoding="utf-8")
+    (shaders / "a.frag").write_text("in vec2 v;\nout vec4 c;\nvoid main() { c = v.xyxy; }\n", encoding="utf-8")
+    with pytest.raises(ShaderError, match="`v'|\"v\"|'v'|v "):
+        Draw(gpu.gl, "a.vert", "a.frag", {})
+
+
+# --- uniforms ------------------------------------------------------------------------------------------------------------
+
+UNIFORMS = """
+uniform float scalar;
+uniform int whole;  // uniform float not_one;
+uniform vec2 pair, other_pair;
+uniform float list[3];
+uniform vec3 vectors[2];
+uniform mat3 square, unused_square;
+uniform mat3x2 tall; // GLSL: 3 columns, 2 rows
+uniform mat2 squares[2];
+uniform ivec2 whole_pair;
+uniform uint big;
+uniform float preset = 7.0;
+"""
+
+
+def test_unknown_names_are_refused_and_unused_ones_are_not(gpu, shaders):
+    program = compute(gpu, shaders, f"{HEAD}{UNIFORMS}void main() {{ o[0] = scalar; }}")
+    with pytest.raises(ShaderError, match=r"test\.comp has no uniform 'scaler'; it has big, list, other_pair, "):
+        program.uniforms.set(scaler=1.0)
+    # All but `scalar` are optimised away, and may still be set.
+    program.uniforms.set(
+        scalar=2.0,
+        whole=1,
+        pair=(1, 2),
+        other_pair=(3, 4),
+        list=np.zeros(3),
+        vectors=np.zeros((2, 3)),
+        square=np.eye(3),
+        unused_square=np.eye(3),
+    )
+    assert results(gpu, program, 1) == [2.0]
+    for name in ("scalar", "other_pair", "unused_square", "list", "preset"):
+        assert program.uniforms.declares(name)
+    for name in ("Out", "o", "float", "main", "gl_Position", ""):
+        assert not program.uniforms.declares(name)
+
+
+def test_uniforms_of_includes_and_of_both_stages_are_known(gpu, shaders):
+    (shaders / "a.glsl").write_text("uniform float from_include;\n", encoding="utf-8")
+    (shaders / "a.vert").write_text("uniform float in_vertex;\nvoid main() { gl_Position = vec4(in_vertex); }\n", encoding="utf-8")
+    (shaders / "a.frag").write_text('#include "a.glsl"\nout vec4 c;\nvoid main() { c = vec4(from_include); }\n', encoding="utf-8")
+    draw = Draw(gpu.gl, "a.vert", "a.frag", {})
+    draw.uniforms.set(from_include=1.0, in_vertex=2.0)
+    with pytest.raises(ShaderError, match="it has from_include, in_vertex"):
+        draw.uniforms.set(in_fragment=1.0)
+
+
+def test_arrays_and_matrices_are_written_as_the_formulas_have_them(gpu, shaders):
+    """M[row, column] in NumPy is M[column][row] in GLSL; lists of vectors and matrices keep their order."""
+    body = """
+    o[0] = square[1][0]; o[1] = square[0][2];
+    o[2] = tall[2][0]; o[3] = tall[0][1];
+    o[4] = vectors[0].z; o[5] = vectors[1].x;
+    o[6] = squares[1][0][1]; o[7] = squares[0][1][0];
+    o[8] = list[2]; o[9] = pair.y; o[10] = float(whole_pair.y); o[11] = float(whole); o[12] = float(big);
+    """
+    program = compute(gpu, shaders, f"{HEAD}{UNIFORMS}void main() {{ {body} }}")
+    square, tall, vectors = np.arange(9.0).reshape(3, 3), np.arange(6.0).reshape(2, 3), np.arange(6.0).reshape(2, 3)
+    squares = np.arange(8.0).reshape(2, 2, 2)
+    program.uniforms.set(square=square, tall=tall, vectors=vectors, squares=squares, list=np.array([5, 6, 7]), pair=np.array([8, 9]))
+    program.uniforms.set(whole_pair=np.array([-3, -4]), whole=-5, big=np.uint32(2**31))
+    wanted = [square[0, 1], square[2, 0], tall[0, 2], tall[1, 0], 2, 3, squares[1, 1, 0], squares[0, 0, 1], 7, 9, -4, -5, 2.0**31]
+    assert results(gpu, program, 13).tolist() == wanted
+
+
+@given(st.lists(st.floats(-1e30, 1e30), min_size=9, max_size=9))
+def test_matrices_times_vectors_as_numpy(shared_matrix_program, values):
+    gpu, program = shared_matrix_program
+    matrix = np.array(values).reshape(3, 3)
+    program.uniforms.set(m=matrix)
+    assert np.array_equal(results(gpu, program, 9).reshape(3, 3), matrix.astype(np.float32))
+
+
+@pytest.fixture(scope="module")
+def shared_matrix_program(gpu, tmp_path_factory):
+    root = tmp_path_factory.mktemp("shaders")
+    columns = "".join(f"vec3 c{k} = m * vec3({k == 0:d}, {k == 1:d}, {k == 2:d}); " for k in range(3))
+    stores = "".join(f"o[{r * 3 + c}] = c{c}[{r}]; " for r in range(3) for c in range(3))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hmdwarp.gpu.shaders, "folder", lambda name: root)
+        return gpu, compute(gpu, root, f"{HEAD}uniform mat3 m;\nvoid main() {{ {columns}{stores} }}")
+
+
+def test_the_last_value_counts_however_it_was_given(gpu, shaders):
+    program = compute(gpu, shaders, f"{HEAD}uniform vec2 v;\nvoid main() {{ o[0] = v.x; o[1] = v.y; }}")
+    for value in (np.array([1.0, 2.0]), (3.0, 4.0), np.array([1.0, 2.0]), np.array([1.0, 2.0]), [5.0, 6.0]):
+        program.uniforms.set(v=value)
+        assert results(gpu, program, 2).tolist() == list(value)
+
+
+def test_float64_is_rounded_to_the_nearest_float32(gpu, shaders):
+    program = compute(gpu, shaders, f"{HEAD}uniform float f[2];\nvoid main() {{ o[0] = f[0]; o[1] = f[1]; }}")
+    program.uniforms.set(f=np.array([0.1, 1 + 2.0**-25]))
+    assert results(gpu, program, 2).tolist() == [np.float32(0.1), 1.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("square", np.eye(2)), ("square", np.zeros(9)), ("pair", (1, 2, 3)), ("list", 1.0), ("whole", 1.5), ("scalar", "1")]
+)
+def test_values_that_do_not_fit_are_refused(gpu, shaders, name, value):
+    program = compute(gpu, shaders, f"{HEAD}{UNIFORMS}void main() {{ o[0] = square[1][1] + pair.x + list[1] + float(whole) + scalar; }}")
+    with pytest.raises(ShaderError, match=rf"test\.comp: uniform '{name}' cannot take "):
+        program.uniforms.set(**{name: value})
+
+
+# --- group counts --------------------------------------------------------------------------------------------------------
+
+MARK = """
+layout(std430, binding = 0) buffer Out { float o[]; };
+uniform ivec2 size;
+void main() {
+    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (p.x < size.x && p.y < size.y) o[p.y * size.x + p.x] += 1.0;
+}
+"""
+
+
+@pytest.mark.parametrize("group", [(8, 8), (16, 2), (1, 1)])
+@pytest.mark.parametrize("size", [(1, 1), (8, 8), (9, 8), (7, 17), (33, 1)])
+def test_every_pixel_is_visited_once(gpu, shaders, group, size):
+    text = f"#define GROUP_X {group[0]}\nlayout(local_size_x = GROUP_X, local_size_y = {group[1]}) in;\n{MARK}"
+    program = compute(gpu, shaders, text)
+    assert program.group == group
+    assert program.rows == 1
+    assert program.groups(*size) == (-(-size[0] // group[0]), -(-size[1] // group[1]))
+    buffer = gpu.gl.buffer(np.zeros(size[0] * size[1], np.float32).tobytes())
+    buffer.bind_to_storage_buffer(0)
+    program.uniforms.set(size=size)
+    program.run(*size)
+    gpu.gl.memory_barrier()
+    assert (np.frombuffer(buffer.read(), np.float32) == 1).all()
+    buffer.release()
+
+
+def test_rows_an_invocation_does_need_fewer_groups(gpu, shaders):
+    program = compute(gpu, shaders, "#define ROWS 4\nlayout(local_size_x = 8, local_size_y = 8) in;\nvoid main() {}")
+    assert program.groups(64, 64) == (8, 2)
+    assert program.groups(65, 65) == (9, 3)
+    assert compute(gpu, shaders, "#ifndef ROWS\n#define ROWS 4\n#endif\nlayout(local_size_x = 8) in;\nvoid main() {}", ROWS=2).rows == 2
+
+
+# --- the cache -----------------------------------------------------------------------------------------------------------
+
+
+def test_the_library_compiles_each_combination_once(gpu, shaders):
+    (shaders / "a.comp").write_text("layout(local_size_x = 1) in;\nvoid main() {}", encoding="utf-8")
+    (shaders / "a.vert").write_text("void main() { gl_Position = vec4(0.0); }", encoding="utf-8")
+    (shaders / "a.frag").write_text("out vec4 c;\nvoid main() { c = vec4(1.0); }", encoding="utf-8")
+    library = ShaderLibrary(gpu.gl)
+    assert library.compiled == 0
+    plain = library.compute("a.comp")
+    assert library.compute("a.comp") is plain
+    assert library.compiled == 1
+    assert library.compute("a.comp", PASS=0) is not plain
+    assert library.compute("a.comp", PASS=1) is not library.compute("a.comp", PASS=0)
+    assert library.compute("a.comp", A=1, B=2) is library.compute("a.comp", B=2, A=1)
+    assert library.compiled == 4
+    assert library.draw("a.vert", "a.frag") is library.draw("a.vert", "a.frag")
+    assert library.compiled == 5
+
+
+def test_a_failed_shader_is_not_cached(gpu, shaders):
+    library = ShaderLibrary(gpu.gl)
+    (shaders / "a.comp").write_text("broken", encoding="utf-8")
+    for _ in range(2):
+        with pytest.raises(ShaderError):
+            library.compute("a.comp")
+    assert library.compiled == 0
+    (shaders / "a.comp").write_text("layout(local_size_x = 1) in;\nvoid main() {}", encoding="utf-8")
+    assert isinstance(library.compute("a.comp").program, moderngl.ComputeShader)

@@ -1,0 +1,147 @@
+"""The shaders that are shipped: each compiles as the program uses it, each side of each #if is used, each says what it is."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from hmdwarp.client.fills import fills
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.warps import warps
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu.shaders import ShaderLibrary, flatten
+from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.headsets import load_headset
+from hmdwarp.resources import folder
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
+
+from .preprocessor import Sides, value_of, walk
+
+ROOT = folder("shaders")
+FILES = sorted(p.relative_to(ROOT).as_posix() for p in ROOT.rglob("*.*"))
+STAGES = [name for name in FILES if not name.endswith(".glsl")]
+
+
+class Recorder(ShaderLibrary):
+    """Remembers what is asked for, and compiles it afresh."""
+
+    def __init__(self, gl) -> None:
+        super().__init__(gl)
+        self.used: set[tuple[str, tuple]] = set()
+
+    def compute(self, path, **defines):
+        self.used.add((path, tuple(sorted(defines.items()))))
+        return super().compute(path, **defines)
+
+    def draw(self, vertex, fragment, **defines):
+        self.used |= {(path, tuple(sorted(defines.items()))) for path in (vertex, fragment)}
+        return super().draw(vertex, fragment, **defines)
+
+
+@pytest.fixture(scope="module")
+def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
+    """(file, defines) of everything the program compiles: every registered pass, and the server with and without colour."""
+    before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
+    try:
+        for warp in warps:
+            warp(gpu, (9, 7), (8, 6)).close()
+        for fill in fills:
+            fill(gpu, (8, 6))
+        for lens in lenses:
+            lens(gpu, load_headset("rift-dk1"), (8, 6))
+        server = Server(gpu, load_scene("planes"))
+        depth = allocate(gpu.gl, (8, 6), SCALAR)
+        view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
+        server.draw(view, (8, 6))
+        server.draw_depth(view, (8, 6), depth)
+        return gpu.shaders.used
+    finally:
+        gpu.shaders = before
+
+
+def test_every_stage_is_compiled_as_the_program_uses_it(variants):
+    """A shader nobody asks for has no test and no user."""
+    assert {path for path, _ in variants} == set(STAGES)
+
+
+def test_every_include_is_used(variants):
+    reached = {origin[0] for path, defines in variants for origin in flatten(path, dict(defines)).origins}
+    assert {name for name in FILES if name.endswith(".glsl")} <= reached
+
+
+def test_every_side_of_every_condition_is_compiled(variants):
+    sides = Sides()
+    for path, defines in variants:
+        flat = flatten(path, dict(defines))
+        walk(flat.lines, flat.origins, sides)
+    left = sorted(f"{origin[0]}:{origin[1]}: {side}" for origin, side in sides.known - sides.taken)
+    assert not left, "no variant that the program compiles takes these sides"
+    assert any(side == "#if PASS == 0" for _, side in sides.taken), "then nothing was read"
+
+
+def test_every_define_the_program_sets_is_read(variants):
+    """By the file itself, or by the other stage of its pair, which is given the same."""
+    for path, defines in variants:
+        pair = {other for other, _ in variants if other.rpartition(".")[0] == path.rpartition(".")[0]}
+        text = "\n".join(line for other in pair for line in flatten(other).lines)
+        for name, _ in defines:
+            assert re.search(rf"\b{name}\b", text), f"{path} is given {name} and does not know it"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_file_says_what_it_is(name):
+    """Three lines or more at the top: what it computes; for a stage, spaces in and out and where the method is from."""
+    text = (ROOT / name).read_text(encoding="utf-8")
+    header = re.match(r"(//.*\n)+", text)
+    assert header, "no comment at the top"
+    if name in STAGES:
+        lines = header[0].splitlines()
+        assert len(lines) >= 3
+        assert "In:" in header[0]
+        assert "Out:" in header[0]
+        assert "Source:" in header[0]
+    assert text.endswith("\n")
+    assert "\t" not in text
+
+
+@pytest.mark.parametrize("name", [n for n in STAGES if n.endswith(".comp")])
+def test_every_compute_shader_checks_its_bounds_first(name):
+    main = (ROOT / name).read_text(encoding="utf-8").partition("void main() {")[2]
+    if "barrier();" in main:
+        return  # a work group that waits for all its members reads within bounds by construction
+    assert re.search(r"if \([^)]*>=[^)]*\) return;", "\n".join(main.splitlines()[:4]))
+
+
+# --- the reader of this test ---------------------------------------------------------------------------------------------
+
+
+def sides_of(text: str, *variants: dict[str, int]) -> set[str]:
+    """Sides that none of the variants takes, as `line: side`."""
+    sides = Sides()
+    for defines in variants:
+        lines = [f"#define {k} {v}" for k, v in defines.items()] + text.splitlines()
+        walk(lines, [0] * len(defines) + list(range(1, len(lines) - len(defines) + 1)), sides)
+    return {f"{origin}: {side}" for origin, side in sides.known - sides.taken}
+
+
+def test_the_reader_notices_sides_that_nobody_takes():
+    text = "#if PASS == 0\na\n#elif PASS == 1 // comment\nb\n#else\nc\n#endif\n"
+    assert sides_of(text, {"PASS": 0}) == {"3: #elif PASS == 1", "5: #else"}
+    assert sides_of(text, {"PASS": 0}, {"PASS": 1}) == {"5: #else"}
+    assert not sides_of(text, {"PASS": 0}, {"PASS": 1}, {"PASS": 2})
+    assert sides_of("#ifdef NEW\nx\n#endif", {}) == {"1: #ifdef NEW"}
+    assert sides_of("#ifdef NEW\nx\n#endif", {"NEW": 1}) == {"1: none of its sides"}
+    assert sides_of("#ifndef ROWS\n#define ROWS 4\n#endif\n#if ROWS > 4\n#endif", {}) == {"1: none of its sides", "4: #if ROWS > 4"}
+    nested = "#ifdef A\n#ifdef B\n#else\n#endif\n#endif"
+    assert sides_of(nested, {}, {"B": 1}) == {"1: #ifdef A", "2: #ifdef B", "3: #else"}
+
+
+def test_the_reader_evaluates_as_c_does():
+    assert value_of("defined(A) && !defined B", {"A": "1"})
+    assert not value_of("UNKNOWN", {})
+    assert value_of("A + 1 == B || 0", {"A": "2", "B": "(A + 1)"})
+    with pytest.raises(ValueError, match="does not know"):
+        value_of("A ? 1 : 0", {})
