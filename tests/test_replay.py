@@ -177,7 +177,8 @@ def test_without_a_rate_and_a_size_the_headset_decides(tmp_path):
 
 def test_guard_takes_the_border_away(tmp_path):
     """A guard of 1.5 adds 22 degrees on each side of 90: more than look-around turns within 200 ms here."""
-    shares = [run(tmp_path / str(guard), warp="rotation", guard=guard).summary["quality"]["border_share"]["mean"] for guard in (1.0, 1.2, 1.5)]
+    summaries = [run(tmp_path / str(guard), warp="rotation", guard=guard).summary for guard in (1.0, 1.2, 1.5)]
+    shares = [summary["quality"]["border_share"]["mean"] for summary in summaries]
     assert shares[0] > 2 * shares[1] > 0
     assert shares[2] == 0
 
@@ -308,7 +309,8 @@ def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypa
     from hmdwarp.replay import replay
 
     made, after = Made(monkeypatch), {}
-    options = small(tmp_path, warp=warp, fill="interpolate", lens="radial", headset="rift-dk1", against="planar", metrics_every=1, seconds=0.2)
+    passes = {"warp": warp, "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "planar"}
+    options = small(tmp_path, **passes, metrics_every=1, seconds=0.2)
     replay(options, lambda done, total: after.setdefault(done, dict(made.count)))
     assert after[12] == after[2]
     assert after[2]["texture"] > after[0]["texture"] > 0  # the counting works
