@@ -51,6 +51,11 @@ def can_load_egl() -> bool:
     return True
 
 
+def is_software(gl: moderngl.Context) -> bool:
+    """Whether the context draws on the CPU."""
+    return any(name in gl.info["GL_RENDERER"].lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
+
+
 _thread = threading.local()  # .gpu: the one whose context GL calls of this thread go to
 
 
@@ -79,7 +84,7 @@ class Gpu:
     @property
     def is_software(self) -> bool:
         """Whether the pictures come from a CPU (llvmpipe, softpipe, SwiftShader)."""
-        return any(name in self.renderer.lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
+        return is_software(self.gl)
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:

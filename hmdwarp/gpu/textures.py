@@ -13,6 +13,7 @@ from ..errors import InputError
 
 COLOUR = (4, "f2")  # rgba16f: linear light, coverage in alpha
 SCALAR = (1, "f4")  # r32f: inverse depth
+_NUMPY = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}  # by moderngl's name
 
 
 def allocate(gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False) -> moderngl.Texture:
@@ -61,19 +62,22 @@ def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
 
 
 def upload(texture: moderngl.Texture, image: NDArray) -> None:
-    """Write a top-row-first (h, w[, c]) array into a texture of the same size; c = 3 gets alpha 1."""
+    """Write a top-row-first (h, w[, c]) array into a texture of the same size; c = 3 gets alpha 1 (255 in bytes)."""
     height, width = image.shape[:2]
     if (width, height) != texture.size:
         raise InputError(f"picture is {width}x{height}, texture {texture.width}x{texture.height}")
+    dtype = _NUMPY[texture.dtype]
     if image.ndim == 3 and image.shape[2] == 3 and texture.components == 4:
-        image = np.concatenate([image, np.ones((height, width, 1), image.dtype)], axis=2)
-    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
+        opaque = 255 if dtype is np.uint8 else 1
+        image = np.concatenate([image, np.full((height, width, 1), opaque, image.dtype)], axis=2)
+    if image.shape[2:] != (texture.components,) and not (texture.components == 1 and image.ndim == 2):
+        raise InputError(f"picture has shape {image.shape}, texture {texture.components} components")
     texture.write(np.ascontiguousarray(flip_rows(image), dtype=dtype).tobytes(), alignment=1)
 
 
 def download(texture: moderngl.Texture) -> NDArray:
     """The texture as a top-row-first (h, w, c) or (h, w) array of its own type."""
-    dtype = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}[texture.dtype]
+    dtype = _NUMPY[texture.dtype]
     array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, texture.components)
     return flip_rows(array[..., 0] if texture.components == 1 else array)
 

@@ -8,9 +8,13 @@ from contextlib import contextmanager
 
 import moderngl
 
+from .context import is_software
+
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Whether GL_TIME_ELAPSED measures anything: llvmpipe answers about 1 ns for any work."""
+    """Whether GL_TIME_ELAPSED measures anything: llvmpipe answers about 1 ns for any work, or leaves compute out."""
+    if is_software(gl):
+        return False
     texture = gl.texture((512, 512), 4, dtype="f4")
     framebuffer = gl.framebuffer([texture])
     query = gl.query(time=True)

@@ -1,0 +1,205 @@
+"""Pictures go into textures and come back as they were, rows turned once; sizes no GPU has are refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate, check_size, download, flip_rows, upload
+
+KINDS = [(c, d) for c in (1, 2, 3, 4) for d in ("f1", "f2", "f4", "u4")]
+TYPES = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
+
+
+def picture(seed: int, size: tuple[int, int], kind: tuple[int, str]) -> np.ndarray:
+    """Random values that the type holds exactly, top row first."""
+    components, dtype = kind
+    rng, shape = np.random.default_rng(seed), (size[1], size[0]) + ((components,) if components > 1 else ())
+    if dtype == "f1":
+        return rng.integers(0, 256, shape, dtype=np.uint8)
+    if dtype == "u4":
+        return rng.integers(0, 2**32, shape, dtype=np.uint32)
+    return rng.normal(size=shape).astype(TYPES[dtype])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: f"{k[0]}{k[1]}")
+@pytest.mark.parametrize("size", [(1, 1), (3, 5), (7, 2), (5, 1), (1, 5), (64, 33)], ids="{0[0]}x{0[1]}".format)
+def test_round_trip(gpu, kind, size):
+    """Odd widths of one-byte pixels are where a forgotten row alignment shows."""
+    texture, image = allocate(gpu.gl, size, kind), picture(1, size, kind)
+    upload(texture, image)
+    got = download(texture)
+    assert got.dtype == TYPES[kind[1]]
+    assert got.shape == image.shape
+    assert np.array_equal(got, image)
+    texture.release()
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.sampled_from(KINDS), st.tuples(st.integers(1, 40), st.integers(1, 40)), st.integers(0, 9))
+def test_round_trip_of_any_size(gpu, kind, size, seed):
+    texture, image = allocate(gpu.gl, size, kind), picture(seed, size, kind)
+    upload(texture, image)
+    assert np.array_equal(download(texture), image)
+    texture.release()
+
+
+def test_the_top_row_of_a_picture_is_the_last_row_of_a_texture(gpu):
+    texture, image = allocate(gpu.gl, (3, 4), SCALAR), np.arange(12, dtype=np.float32).reshape(4, 3)
+    upload(texture, image)
+    stored = np.frombuffer(texture.read(), np.float32).reshape(4, 3)
+    assert np.array_equal(stored[0], image[3])
+    assert np.array_equal(stored[3], image[0])
+    assert np.array_equal(flip_rows(stored), image)
+    texture.release()
+
+
+def test_special_values_survive(gpu):
+    texture = allocate(gpu.gl, (4, 1), SCALAR)
+    image = np.array([[0, -1, np.inf, 1e-30]], np.float32)
+    upload(texture, image)
+    assert np.array_equal(download(texture), image)
+    texture.release()
+
+
+@pytest.mark.parametrize(("dtype", "opaque"), [("f1", 255), ("f2", 1), ("f4", 1)])
+def test_three_channels_become_opaque(gpu, dtype, opaque):
+    texture, image = allocate(gpu.gl, (3, 2), (4, dtype)), picture(2, (3, 2), (3, dtype))
+    upload(texture, image)
+    assert np.array_equal(download(texture)[..., :3], image)
+    assert (download(texture)[..., 3] == opaque).all()
+    texture.release()
+
+
+def test_float64_is_rounded_on_the_way(gpu):
+    texture = allocate(gpu.gl, (2, 1), COLOUR)
+    upload(texture, np.full((1, 2, 4), 0.1))
+    assert (download(texture) == np.float16(0.1)).all()
+    texture.release()
+
+
+def test_views_and_reversed_arrays_are_written_as_they_look(gpu):
+    texture, image = allocate(gpu.gl, (5, 7), SCALAR), picture(3, (7, 5), SCALAR)
+    for view in (image.T, np.asfortranarray(image.T), picture(4, (10, 7), SCALAR)[:, ::2], picture(5, (5, 7), SCALAR)[:, ::-1]):
+        upload(texture, view)
+        assert np.array_equal(download(texture), view)
+    texture.release()
+
+
+@pytest.mark.parametrize("shape", [(4, 3, 4), (3, 5, 4), (3, 4), (3, 4, 2), (3, 4, 5), (3, 4, 1), (3, 4, 4, 1)])
+def test_pictures_of_another_shape_are_refused(gpu, shape):
+    texture = allocate(gpu.gl, (4, 3), COLOUR)
+    with pytest.raises(InputError, match=r"picture (is|has shape)"):
+        upload(texture, np.zeros(shape, np.float32))
+    texture.release()
+
+
+def test_a_scalar_takes_its_axis_or_none(gpu):
+    texture, image = allocate(gpu.gl, (4, 3), SCALAR), picture(6, (4, 3), SCALAR)
+    upload(texture, image[..., None])
+    assert np.array_equal(download(texture), image)
+    with pytest.raises(InputError, match="1 components"):
+        upload(texture, np.zeros((3, 4, 3), np.float32))
+    texture.release()
+
+
+# --- sizes ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [(0, 0), (0, 5), (5, 0), (-1, 5)])
+def test_sizes_below_one_are_refused(gpu, size):
+    with pytest.raises(InputError, match=rf"picture size {size[0]}x{size[1]}: wanted 1 to \d+"):
+        allocate(gpu.gl, size, COLOUR)
+    with pytest.raises(InputError, match="picture size"):
+        Canvas(gpu.gl, size)
+
+
+def test_sizes_beyond_the_limit_are_refused_and_the_limit_is_not(gpu):
+    limit = gpu.max_texture_size
+    for size in ((limit + 1, 1), (1, limit + 1), (10**9, 10**9)):
+        with pytest.raises(InputError, match=rf"wanted 1 to {limit} on each side"):
+            check_size(gpu.gl, size)
+        with pytest.raises(InputError):
+            allocate(gpu.gl, size, SCALAR)
+    for size in ((limit, 1), (1, limit)):
+        allocate(gpu.gl, size, SCALAR).release()
+
+
+# --- how they are looked up ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("linear", [False, True])
+def test_textures_are_clamped_and_filtered_as_asked(gpu, linear):
+    texture = allocate(gpu.gl, (2, 1), (1, "f4"), linear=linear)
+    upload(texture, np.array([[0.0, 1.0]], np.float32))
+    assert not texture.repeat_x
+    assert not texture.repeat_y
+    program = gpu.gl.compute_shader("""#version 430
+        layout(local_size_x = 1) in;
+        uniform sampler2D t;
+        layout(std430, binding = 0) buffer Out { float o[]; };
+        void main() { for (int i = 0; i < 5; ++i) o[i] = textureLod(t, vec2(float(i) * 0.5 - 0.5, 3.0), 0.0).r; }
+    """)
+    buffer = gpu.gl.buffer(reserve=20)
+    buffer.bind_to_storage_buffer(0)
+    texture.use(0)
+    program["t"] = 0
+    program.run(1)
+    gpu.gl.memory_barrier()
+    got = np.frombuffer(buffer.read(), np.float32)
+    # At -0.5, 0, 0.5, 1 and 1.5 of the width: outside is the edge; in the middle the two meet.
+    assert got[[0, 1, 3, 4]].tolist() == [0, 0, 1, 1]
+    assert got[2] == (pytest.approx(0.5, abs=1 / 256) if linear else pytest.approx(1.0))
+    for thing in (buffer, program, texture):
+        thing.release()
+
+
+# --- the canvas ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [(1, 1), (67, 53), (129, 2)])
+def test_clear_empties_every_pixel_and_nothing_else(gpu, size):
+    canvas, other = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
+    full = np.full((size[1], size[0], 4), 0.5, np.float16)
+    for each in (canvas, other):
+        upload(each.texture, full)
+    before = gpu.gl.fbo
+    canvas.clear()
+    assert np.array_equal(download(canvas.texture), np.zeros_like(full))
+    assert np.array_equal(download(other.texture), full)
+    assert gpu.gl.fbo is before
+    assert canvas.size == size
+    canvas.release()
+    other.release()
+
+
+def test_clear_empties_nan_and_is_not_held_back_by_a_smaller_viewport(gpu):
+    canvas, small = Canvas(gpu.gl, (40, 30)), Canvas(gpu.gl, (4, 3))
+    upload(canvas.texture, np.full((30, 40, 4), np.nan, np.float16))
+    small.clear()
+    canvas.clear()
+    assert (download(canvas.texture) == 0).all()
+    canvas.release()
+    small.release()
+
+
+def test_a_canvas_can_be_written_by_a_shader(gpu):
+    canvas = Canvas(gpu.gl, (5, 3))
+    program = gpu.gl.compute_shader("""#version 430
+        layout(local_size_x = 1) in;
+        layout(rgba16f) writeonly uniform image2D into;
+        void main() { imageStore(into, ivec2(gl_GlobalInvocationID.xy), vec4(gl_GlobalInvocationID.xy, 0.5, 1.0)); }
+    """)
+    canvas.bind_for_writing(0)
+    program["into"] = 0
+    program.run(5, 3)
+    gpu.gl.memory_barrier()
+    got = download(canvas.texture)
+    y, x = np.mgrid[:3, :5]
+    assert np.array_equal(got[..., 0], x)
+    assert np.array_equal(got[..., 1], 2 - y), "row 0 of a picture is its top, y of a shader counts from the bottom"
+    canvas.release()
+    program.release()

@@ -1,0 +1,136 @@
+"""Stage times: which clock, in which order, and nothing twice."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from hmdwarp.gpu import timers
+from hmdwarp.gpu.timers import StageTimer, has_real_gpu_timer
+
+
+class FakeQuery:
+    """Answers a fixed time, and knows whether it runs."""
+
+    def __init__(self, elapsed: int) -> None:
+        self.elapsed, self.running, self.uses = elapsed, False, 0
+
+    def __enter__(self):
+        assert not self.running
+        self.running, self.uses = True, self.uses + 1
+
+    def __exit__(self, *_):
+        self.running = False
+
+
+class FakeThing:
+    def clear(self, *_): ...
+    def release(self): ...
+
+
+class FakeGl:
+    """A context whose queries answer `elapsed` ns; finish() takes a millisecond of a clock that only it moves."""
+
+    def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
+        self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer}
+        self.queries: list[FakeQuery] = []
+        self.now_ns = 0
+
+    def query(self, time):
+        self.queries.append(FakeQuery(self.elapsed))
+        return self.queries[-1]
+
+    def texture(self, *_, **__):
+        return FakeThing()
+
+    def framebuffer(self, *_):
+        return FakeThing()
+
+    def finish(self):
+        self.now_ns += 1_000_000
+
+
+@pytest.fixture
+def fake(monkeypatch):
+    def make(elapsed: int, renderer: str = "Some GPU") -> FakeGl:
+        gl = FakeGl(elapsed, renderer)
+        monkeypatch.setattr(timers.time, "perf_counter_ns", lambda: gl.now_ns)
+        return gl
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("elapsed", "real"),
+    [(0, False), (1, False), (900, False), (1_001, True), (800_000, True), (1_500_000, True), (1_600_000, False), (2**63, False)],
+)
+def test_a_timer_is_real_if_it_agrees_with_the_wall(fake, elapsed, real):
+    gl = fake(elapsed)
+    assert has_real_gpu_timer(gl) is real
+    assert StageTimer(gl).clock == ("gpu" if real else "wall")
+
+
+def test_a_cpu_renderer_is_timed_by_the_wall_whatever_its_queries_say(fake, gpu):
+    assert StageTimer(fake(800_000, "llvmpipe (LLVM 19.1, 256 bits)")).clock == "wall"
+    if gpu.is_software:
+        assert gpu.timer.clock == "wall"
+
+
+def test_gpu_stages_come_in_order_and_queries_are_used_again(fake):
+    gl = fake(1_000_000)
+    timer = StageTimer(gl)
+    probe = len(gl.queries)
+    for frame in range(5):
+        for name in ("warp", "fill", "lens"):
+            with timer.stage(name):
+                assert gl.queries[-1].running or frame
+        assert timer.collect() == [("warp", 1.0), ("fill", 1.0), ("lens", 1.0)]
+        assert timer.collect() == []
+    assert len(gl.queries) - probe == 3
+    assert not any(query.running for query in gl.queries)
+
+
+def test_stages_nobody_collected_stay_until_somebody_does(fake):
+    timer = StageTimer(fake(1_000_000))
+    for name in "abcab":
+        with timer.stage(name):
+            pass
+    assert [name for name, _ in timer.collect()] == list("abcab")
+
+
+def test_wall_stages_wait_for_what_was_issued_before_and_inside(fake):
+    """Two finish() calls: one before the clock starts, so that earlier work is not counted, one before it stops."""
+    gl = fake(1)
+    timer = StageTimer(gl)
+    with timer.stage("warp"):
+        gl.now_ns += 5_000_000
+    with timer.stage("fill"):
+        pass
+    assert timer.collect() == [("warp", 6.0), ("fill", 1.0)]
+    assert timer.collect() == []
+
+
+def test_a_real_stage_takes_at_least_as_long_as_what_happens_in_it(gpu):
+    timer = StageTimer(gpu.gl)
+    inside_ms = {}
+    for name in ("short", "long"):
+        with timer.stage(name):
+            started = time.perf_counter_ns()
+            while time.perf_counter_ns() - started < (1_000_000 if name == "short" else 4_000_000):
+                pass
+            inside_ms[name] = (time.perf_counter_ns() - started) * 1e-6
+    got = timer.collect()
+    assert [name for name, _ in got] == ["short", "long"]
+    if timer.clock == "wall":  # a GPU's clock does not see the CPU wait
+        assert all(ms >= inside_ms[name] for name, ms in got)
+
+
+def test_a_stage_that_fails_leaves_the_timer_usable(fake):
+    for elapsed in (1, 1_000_000):
+        timer = StageTimer(fake(elapsed))
+        with pytest.raises(RuntimeError, match="broken"), timer.stage("bad"):
+            raise RuntimeError("broken")
+        with timer.stage("good"):
+            pass
+        assert [name for name, _ in timer.collect()] == ["good"]
