@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
-import zipfile
+import reprlib
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,48 +15,66 @@ from numpy.typing import NDArray
 from .errors import InputError
 from .geometry import Fov, Pose, View
 
-_VIEW_KEYS = ("fov", "position_m", "orientation_xyzw")
-_KEYS = ("colour", "depth_m", *_VIEW_KEYS)
+_VIEW = {"fov": 4, "position_m": 3, "orientation_xyzw": 4}
+_KEYS = ("colour", "depth_m", *_VIEW)
 
 
 def read_frame(path: Path) -> tuple[NDArray, NDArray, View]:
     """colour, depth_m and the view of a FRAME.npz. Errors: InputError naming the file and what is wrong with it."""
+    content = _content(path)
     try:
-        with np.load(path, allow_pickle=False) as data:
-            missing = [key for key in _KEYS if key not in data]
-            if missing:
-                raise InputError(f"{path}: no {', '.join(missing)} in it; wanted {', '.join(_KEYS)}")
-            arrays = {key: data[key] for key in _KEYS}
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    except (OSError, ValueError, zipfile.BadZipFile, EOFError, TypeError, AttributeError) as error:
-        raise InputError(f"{path}: not a frame in NumPy's .npz form ({error})") from error
+        with np.load(io.BytesIO(content), allow_pickle=False) as data:
+            arrays = {key: data[key] for key in _KEYS if key in data}
+    except Exception as error:  # zip, zlib and NumPy raise whatever a damaged file makes them trip over
+        why = f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: not a frame in NumPy's .npz form ({why}); write it with numpy.savez") from error
+    _check_keys(path, arrays, _KEYS)
     return arrays["colour"], arrays["depth_m"], _view(path, arrays)
 
 
 def read_view(path: Path) -> View:
     """The view of a POSE.json: fov (4), position_m (3), orientation_xyzw (4). Errors: InputError naming the file."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as text ({error})") from error
+        data = json.loads(_content(path).decode("utf-8"))
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file ({error})") from error
     except json.JSONDecodeError as error:
         raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    missing = [key for key in _VIEW_KEYS if not isinstance(data, dict) or key not in data]
-    if missing:
-        raise InputError(f"{path}: no {', '.join(missing)} in it; wanted an object with {', '.join(_VIEW_KEYS)}")
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits, brackets without end
+        raise InputError(f"{path}: not JSON that can be read ({error})") from error
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: found a {type(data).__name__}; wanted an object with {', '.join(_VIEW)}")
+    _check_keys(path, data, tuple(_VIEW))
     return _view(path, data)
 
 
-def _view(path: Path, data: dict) -> View:
+def _content(path: Path) -> bytes:
     try:
-        fov = np.asarray(data["fov"], dtype=np.float64)
-        if fov.shape != (4,):
-            raise InputError(f"fov has shape {fov.shape}: wanted four angles in radians, left, right, down, up")
-        return View(Pose(data["position_m"], data["orientation_xyzw"]), Fov(*fov))
-    except (ValueError, TypeError) as error:
-        raise InputError(f"{path}: {error}") from error
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+
+
+def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -> None:
+    missing = [key for key in wanted if key not in found]
+    if missing:
+        raise InputError(f"{path}: no {', '.join(missing)} in it; wanted {', '.join(wanted)}")
+
+
+def _view(path: Path, data: Mapping[str, Any]) -> View:
+    fov, position, orientation = (_numbers(path, key, data[key], count) for key, count in _VIEW.items())
+    try:
+        return View(Pose(position, orientation), Fov(*fov))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def _numbers(path: Path, key: str, value: Any, count: int) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        array = np.empty(0)
+    if array.shape != (count,) or array.dtype.kind not in "fiu":
+        angles = ": angles in radians, left, right, down, up" if key == "fov" else ""
+        raise InputError(f"{path}: {key} is {reprlib.repr(value)}; wanted {count} numbers{angles}")
+    return array.astype(np.float64)

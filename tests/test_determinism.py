@@ -6,7 +6,8 @@ import pytest
 from replays import contents, rows_of, run
 
 TIMED = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
-RUN = {"trace": "look-around", "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "rotation", "images": 4, "seconds": 0.4}
+PASSES = {"fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "rotation"}
+RUN = {"trace": "look-around", **PASSES, "images": 4, "seconds": 0.4}
 
 
 def untimed(folder) -> list[dict[str, str]]:

@@ -99,9 +99,8 @@ def test_backward_shows_the_truth_within_its_bilinear_footprint():
 
 
 def test_holes_grow_with_latency(tmp_path):
-    shares = [
-        run(tmp_path, **WALK, warp="forward", latency_ms=latency).summary["quality"]["hole_share"]["mean"] for latency in (0, 50, 100, 200, 400)
-    ]
+    runs = [run(tmp_path, **WALK, warp="forward", latency_ms=latency).summary for latency in (0, 50, 100, 200, 400)]
+    shares = [summary["quality"]["hole_share"]["mean"] for summary in runs]
     assert shares[0] == 0
     assert all(later > 1.2 * earlier for earlier, later in zip(shares[1:], shares[2:], strict=False)), shares
 
@@ -123,5 +122,6 @@ def test_the_lens_changes_no_figure(tmp_path):
 
 def test_border_is_a_part_of_the_holes(tmp_path):
     result = run(tmp_path, **WALK, warp="forward")
-    assert all(0 <= border <= holes <= 1 for holes, border in zip(values(result, "hole_share"), values(result, "border_share"), strict=True))
-    assert max(values(result, "border_share")) > 0
+    holes, border = values(result, "hole_share"), values(result, "border_share")
+    assert all(0 <= part <= whole <= 1 for whole, part in zip(holes, border, strict=True))
+    assert max(border) > 0

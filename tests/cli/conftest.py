@@ -1,0 +1,92 @@
+"""Runs the command line: in this process where that is enough, as a program of its own where signals and streams matter."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import attrs
+import pytest
+
+PROGRAM = [sys.executable, "-m", "hmdwarp.cli"]
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@attrs.frozen
+class Done:
+    """How a command ended."""
+
+    status: int
+    out: str
+    err: str
+
+    def refused(self, *told: str, status: int = 2) -> None:
+        """It ended with that status and one line on stderr that holds each of `told`, and printed nothing else."""
+        assert self.status == status, self
+        assert self.out == "", self
+        assert self.err.startswith("hmdwarp: ") and self.err.endswith("\n") and self.err.count("\n") == 1, self
+        assert "Traceback" not in self.err
+        for text in told:
+            assert text in self.err, self
+
+    def done(self) -> Done:
+        """It ended well and complained about nothing."""
+        assert self.status == 0 and self.err == "", self
+        return self
+
+
+@pytest.fixture
+def command(monkeypatch, capfd) -> Callable[..., Done]:
+    """command("replay", "still", ..) in this process, with real file descriptors caught."""
+    from hmdwarp.cli import main
+
+    def call(*arguments: object) -> Done:
+        monkeypatch.setattr(sys, "argv", ["hmdwarp", *map(str, arguments)])
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+        capfd.readouterr()
+        try:
+            with pytest.raises(SystemExit) as left:
+                main()
+        finally:
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+        out, err = capfd.readouterr()
+        return Done(left.value.code or 0, out, err)
+
+    return call
+
+
+@pytest.fixture
+def program() -> Callable[..., Done]:
+    """program("replay", .., env={}) as a process of its own."""
+
+    def call(*arguments: object, env: dict[str, str] | None = None, **options: object) -> Done:
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), **(env or {})}
+        done = subprocess.run([*PROGRAM, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False, **options)
+        return Done(done.returncode, done.stdout, done.stderr)
+
+    return call
+
+
+@pytest.fixture
+def quick(tmp_path) -> list[str]:
+    """Options of a replay that takes well under a second and says nothing."""
+    return [
+        "--scene",
+        "planes",
+        "--size",
+        "48x40",
+        "--seconds",
+        "0.1",
+        "--workers",
+        "0",
+        "--against",
+        "",
+        "--quiet",
+        "--out",
+        str(tmp_path / "out"),
+    ]

@@ -1,0 +1,300 @@
+"""What wrong input gets: one line that names it, the right exit status, and earlier results as they were."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from hmdwarp.resources import folder
+
+WALK = folder("recordings") / "walk.csv"
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """An output folder with earlier results; afterwards they must be there as before, and nothing beside them."""
+    out = tmp_path / "out"
+    (out / "images").mkdir(parents=True)
+    before = {
+        "summary.json": b"{}",
+        "frames.csv": b"frame\n",
+        "report.html": b"<html>",
+        "images/frame-000000-left.png": b"png",
+        "mine.txt": b"mine",
+    }
+    for name, data in before.items():
+        (out / name).write_bytes(data)
+    yield out
+    found = {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
+    assert found == before
+    assert sorted(p.name for p in out.iterdir()) == ["frames.csv", "images", "mine.txt", "report.html", "summary.json"]
+
+
+# --- traces --------------------------------------------------------------------------------------------------------------
+
+
+def traces() -> dict[str, bytes | None]:
+    walk = WALK.read_bytes()
+    lines = walk.splitlines(keepends=True)
+    bad = lines[20].split(b",")
+    return {
+        "missing.csv": None,
+        "empty.csv": b"",
+        "binary.csv": np.random.default_rng(3).bytes(5000),
+        "zeros.csv": bytes(3000),
+        "header-only.csv": b"".join(lines[:5]),
+        "one-row.csv": b"".join(lines[:6]),
+        "nan.csv": b"".join([*lines[:20], b",".join([bad[0], b"nan", *bad[2:]]), *lines[21:]]),
+        "infinite.csv": b"".join([*lines[:20], b",".join([*bad[:7], b"inf\n"]), *lines[21:]]),
+        "words.csv": b"this is not\na head trace\nat all\n",
+        "cut-in-a-number.csv": walk[:330],
+    }
+
+
+@pytest.mark.parametrize("name", traces())
+def test_traces_that_cannot_be_used(name, command, quick, kept, tmp_path):
+    path = tmp_path / name
+    if (data := traces()[name]) is not None:
+        path.write_bytes(data)
+    done = command("replay", path, *quick)
+    done.refused(str(path))
+    if name in ("nan.csv", "infinite.csv"):
+        done.refused("line 21", "nan" if name == "nan.csv" else "inf")
+
+
+def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
+    (tmp_path / "traces").mkdir()
+    command("replay", tmp_path / "traces", *quick).refused(str(tmp_path / "traces"), "directory")
+
+
+# --- names ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("option", "wrong", "nearest"),
+    [
+        ("--warp", "foward", "forward"),
+        ("--fill", "interpolat", "interpolate"),
+        ("--lens", "radail", "radial"),
+        ("--scene", "rooom", "room"),
+        ("--headset", "rift", "rift-dk1"),
+        ("--format", "tumm", "tum"),
+        ("--predict", "constant-velocity", "constant_velocity"),
+        ("--against", "rotations", "rotation"),
+    ],
+)
+def test_unknown_names_get_the_nearest_known_one(option, wrong, nearest, command, quick, kept):
+    command("replay", "still", *quick, option, wrong).refused(f"'{wrong}'", f"did you mean '{nearest}'?", "known are")
+
+
+def test_unknown_recording(command, quick, kept):
+    command("replay", "lookaround", *quick).refused("unknown recording 'lookaround'", "did you mean 'look-around'?")
+
+
+def test_names_near_nothing_get_no_guess(command, quick, kept):
+    done = command("replay", "still", *quick, "--warp", "qqqq")
+    done.refused("unknown warp 'qqqq'", "known are")
+    assert "did you mean" not in done.err
+
+
+@pytest.mark.parametrize(
+    "arguments", [["replai"], ["list", "warp"], ["list", "warps", "foward"], ["replay", "still", "--wrap", "x"], ["replay"], ["warp"]]
+)
+def test_unknown_commands_and_options(arguments, command):
+    command(*arguments).refused("hmdwarp")
+
+
+# --- numbers -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "told"),
+    [
+        ("--latency", "-1", "latency -1 ms"),
+        ("--latency", "nan", "latency nan"),
+        ("--latency", "inf", "latency inf"),
+        ("--latency", "soon", "--latency"),
+        ("--latency", "20001", "longer than the trace 'still' (20.000 s)"),
+        ("--size", "0x0", "'0x0'"),
+        ("--size", "-1x5", "'-1x5'"),
+        ("--size", "abc", "'abc'"),
+        ("--size", "640", "'640'"),
+        ("--size", "64x64x64", "'64x64x64'"),
+        ("--size", "1e3x4", "'1e3x4'"),
+        ("--size", "99999x8", "99999x8"),
+        ("--size", "8x999999", "8x999999"),
+        ("--guard", "0.9", "guard 0.9"),
+        ("--guard", "nan", "guard nan"),
+        ("--guard", "inf", "guard inf"),
+        ("--guard", "1e9", "guard 1e+09"),
+        ("--guard", "-2", "guard -2"),
+        ("--rate", "0", "rate 0 Hz"),
+        ("--rate", "nan", "rate nan"),
+        ("--rate", "-60", "rate -60 Hz"),
+        ("--rate", "1e6", "rate 1e+06 Hz"),
+        ("--metrics-every", "0", "metrics-every 0"),
+        ("--metrics-every", "-3", "metrics-every -3"),
+        ("--metrics-every", "2.5", "--metrics-every"),
+        ("--start", "20", "start 20 s"),
+        ("--start", "-1", "start -1 s"),
+        ("--start", "nan", "start nan"),
+        ("--seconds", "0", "seconds 0 s"),
+        ("--seconds", "nan", "seconds nan"),
+        ("--seconds", "-2", "seconds -2 s"),
+        ("--horizon", "-1", "horizon -1 ms"),
+        ("--workers", "-1", "workers -1"),
+        ("--workers", "1000000", "workers 1e+06"),
+        ("--images", "-1", "images -1"),
+        ("--quat-order", "wxzy", "'wxzy'"),
+        ("--scale", "0", "scale 0"),
+        ("--scale", "nan", "scale nan"),
+        ("--trace-rate", "-5", "rate -5"),
+        ("--segment", "0", "segment 0"),
+        ("--segment", "7", "segment 7"),
+    ],
+)
+def test_numbers_that_cannot_be_meant(option, value, told, command, quick, kept):
+    command("replay", "still", *quick, option, value).refused(told)
+
+
+def test_a_guard_beyond_the_gl_limit(command, quick, kept):
+    command("replay", "still", *quick, "--size", "4000x4000", "--guard", "8").refused("guard 8", "this GPU's limit")
+
+
+def test_more_frames_than_memory_holds(command, quick, kept):
+    """16384 x 16384 pixels of 12 bytes for two eyes are 6 GB a frame, 14 frames at a time."""
+    from hmdwarp.rig import memory_bytes
+
+    if memory_bytes() > 85e9:
+        pytest.skip("this machine has more than 85 GB of memory")
+    command("replay", "still", *quick, "--size", "16384x16384").refused("latency 200 ms keeps 14 frames", "GB", status=3)
+
+
+def test_a_lens_the_headset_has_not(command, quick, kept):
+    command("replay", "still", *quick, "--headset", "flat-90", "--lens", "radial").refused("flat-90", "no lens", "--lens none")
+
+
+def test_a_video_too_small_for_the_codec(command, quick, kept):
+    command("replay", "still", *quick, "--size", "7x7", "--video").refused("14x7", "16x16")
+
+
+# --- files ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("corrupt.glb", b"glTF rubbish"),
+        ("empty.ply", b""),
+        ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
+        ("missing.glb", None),
+        ("scene.blend", b"BLENDER"),
+    ],
+)
+def test_scene_files_that_cannot_be_used(name, data, command, quick, kept, tmp_path):
+    path = tmp_path / name
+    if data is not None:
+        path.write_bytes(data)
+    command("replay", "still", *quick, "--scene", path).refused(str(path))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [(None, "not there"), ("name = ", "Invalid value"), ('name = "x"\n', "missing"), ("\x00", "mine.toml")],
+)
+def test_headset_files_that_cannot_be_used(text, told, command, quick, kept, tmp_path):
+    path = tmp_path / "mine.toml"
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    command("replay", "still", *quick, "--headset", path).refused(str(path), told)
+
+
+def test_out_is_a_file(command, quick, tmp_path):
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    for out in (tmp_path / "file", tmp_path / "file" / "below"):
+        command("replay", "still", *quick, "--out", out).refused(str(out), "choose a folder")
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "mine"
+
+
+def give_up_roots_rights() -> None:
+    """In a new process: root without the right to write where only others may. Takes effect with the next exec."""
+    import ctypes
+
+    drop, override, read_search = 24, 1, 2  # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH: linux/prctl.h, capability.h
+    libc = ctypes.CDLL(None)
+    libc.prctl(drop, override, 0, 0, 0)
+    libc.prctl(drop, read_search, 0, 0, 0)
+
+
+def test_out_is_read_only(program, quick, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out").chmod(0o555)
+    rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
+    if subprocess.run(["touch", str(tmp_path / "out" / "probe")], check=False, capture_output=True, **rights).returncode == 0:
+        pytest.skip("root's rights cannot be given up here, so nothing is read-only")
+    for out in (tmp_path / "out", tmp_path / "out" / "below"):
+        program("replay", "still", *quick, "--out", out, **rights).refused(str(out), "Permission denied", "choose a folder")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.fixture
+def tiny_disk(tmp_path):
+    """A file system of 256 KiB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    if os.geteuid() != 0 or not shutil.which("mount"):
+        pytest.skip("only root can mount a small disk to fill")
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(place)], check=False, capture_output=True, text=True)
+    if mounted.returncode:
+        pytest.skip(f"cannot mount a small disk here: {mounted.stderr.strip()}")
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", str(place)], check=True)
+
+
+def test_a_disk_that_is_full_from_the_start(command, quick, tiny_disk):
+    (tiny_disk / "filler").write_bytes(bytes(256 * 1024))
+    command("replay", "still", *quick, "--out", tiny_disk / "out").refused(str(tiny_disk / "out"), "No space left", "make room", status=3)
+    assert [p.name for p in tiny_disk.iterdir()] == ["filler"]
+
+
+@pytest.mark.parametrize("options", [[], ["--video", "--seconds", "3"]])
+def test_a_disk_that_fills_up(options, command, quick, tiny_disk):
+    """The page alone is larger than what is left; with --video the disk may be full before the loop is through."""
+    (tiny_disk / "filler").write_bytes(bytes(200 * 1024))
+    (tiny_disk / "summary.json").write_text("{}", encoding="utf-8")
+    command("replay", "walk", *quick, *options, "--out", tiny_disk).refused(str(tiny_disk), "No space left", status=3)
+    assert sorted(p.name for p in tiny_disk.iterdir()) == ["filler", "summary.json"]
+
+
+# --- the machine ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("arguments", [["replay", "still"], ["warp"]])
+def test_without_opengl(arguments, program, quick, kept, tmp_path):
+    from cli.test_warp_command import write_frame, write_pose
+
+    if arguments == ["warp"]:
+        write_frame(tmp_path / "frame.npz")
+        write_pose(tmp_path / "pose.json")
+        arguments = ["warp", tmp_path / "frame.npz", "--to", tmp_path / "pose.json", "--out", tmp_path / "o.npz"]
+    else:
+        arguments = [*arguments, *quick]
+    none = {"__EGL_VENDOR_LIBRARY_FILENAMES": str(tmp_path / "nothing.json"), "DISPLAY": ""}
+    done = program(*arguments, env=none)
+    done.refused("no OpenGL 4.3", "sudo apt-get install libegl1 libgl1 libgl1-mesa-dri", "hmdwarp doctor", status=3)
+
+
+def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
+    import hmdwarp.measuring
+
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(hmdwarp.measuring.Probe, "look", broken)
+    command("replay", "still", *quick).refused("a fault of hmdwarp", "ZeroDivisionError", "HMDWARP_DEBUG=1", status=1)

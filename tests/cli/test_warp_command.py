@@ -1,0 +1,205 @@
+"""hmdwarp warp: somebody's RGB-D frame in a file, to another pose, into a file."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from hmdwarp.errors import InputError
+from hmdwarp.frame_files import read_frame, read_view
+
+FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
+POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
+
+
+def arrays(**changes: object) -> dict[str, object]:
+    rng = np.random.default_rng(4)
+    whole = {"colour": rng.integers(0, 256, (8, 10, 3), dtype=np.uint8), "depth_m": np.full((8, 10), 2.0), **POSE}
+    whole.update(changes)
+    return {name: value for name, value in whole.items() if value is not None}
+
+
+def write_frame(path: Path, **changes: object) -> Path:
+    np.savez(path, **arrays(**changes))
+    return path
+
+
+def write_pose(path: Path, **changes: object) -> Path:
+    path.write_text(json.dumps({name: value for name, value in {**POSE, **changes}.items() if value is not None}), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def warp(command, tmp_path):
+    """warp(frame changes, pose changes, *options) with files in tmp_path."""
+
+    def call(frame: dict | None = None, pose: dict | None = None, *options: object, out: str = "out.npz"):
+        write_frame(tmp_path / "frame.npz", **(frame or {}))
+        write_pose(tmp_path / "pose.json", **(pose or {}))
+        return command("warp", tmp_path / "frame.npz", "--to", tmp_path / "pose.json", "--out", tmp_path / out, *options)
+
+    return call
+
+
+def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
+    done = warp().done()
+    assert "out.npz" in done.out and "0.00 % holes" in done.out
+    with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
+        assert set(data) == {"colour", "coverage", "time_ms"}
+        from hmdwarp.colour import srgb8_from_linear
+
+        assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
+        assert (data["coverage"] == 1).all()
+        assert json.loads(str(data["time_ms"]))["warp"] > 0
+
+
+def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
+    """1 m wide at 1 m, 10 pixels: a pixel is 0.2 m on the plane 2 m away, so 0.4 m are 2 pixels."""
+    warp(None, {"position_m": [0.4, 0.0, 0.0]}, out="out.png").done()
+    picture = np.asarray(Image.open(tmp_path / "out.png"))
+    assert picture.shape == (8, 10, 4)
+    assert np.array_equal(picture[:, :8, :3], arrays()["colour"][:, 2:])
+    assert (picture[:, :8, 3] == 255).all() and (picture[:, 8:, 3] == 0).all()
+
+
+def test_size_and_names_are_taken(warp, tmp_path):
+    warp(None, None, "--warp", "rotation", "--fill", "interpolate", "--size", "21x17").done()
+    assert np.load(tmp_path / "out.npz")["colour"].shape == (17, 21, 3)
+
+
+@pytest.mark.parametrize(
+    ("frame", "pose", "options", "told"),
+    [
+        ({"depth_m": None}, {}, [], "no depth_m"),
+        ({"colour": None, "fov": None}, {}, [], "no colour, fov"),
+        ({"colour": np.zeros((8, 10))}, {}, [], "(8, 10)"),
+        ({"colour": np.zeros((8, 10, 4), np.uint8)}, {}, [], "(8, 10, 4)"),
+        ({"colour": np.zeros((8, 10, 3), np.int32)}, {}, [], "int32"),
+        ({"colour": np.full((8, 10, 3), np.nan)}, {}, [], "row 0, column 0"),
+        ({"depth_m": np.ones((10, 8))}, {}, [], "(10, 8)"),
+        ({"depth_m": np.full((8, 10), "far")}, {}, [], "depth_m is <U3"),
+        ({"colour": np.zeros((0, 10, 3)), "depth_m": np.zeros((0, 10))}, {}, [], "(0, 10, 3)"),
+        ({"colour": np.array([{}], dtype=object)}, {}, [], "frame.npz"),
+        ({"fov": [1, 2, 3]}, {}, [], "frame.npz: fov"),
+        ({"fov": ["a", "b", "c", "d"]}, {}, [], "frame.npz"),
+        ({"position_m": [0, np.nan, 0]}, {}, [], "frame.npz"),
+        ({"orientation_xyzw": [0, 0, 0, 0]}, {}, [], "frame.npz"),
+        ({}, {"fov": None}, [], "no fov"),
+        ({}, {"fov": [0.5, -0.5, -0.4, 0.4]}, [], "no field of view"),
+        ({}, {"fov": [-1.6, 1.6, -1, 1]}, [], "no field of view"),
+        ({}, {"fov": {"left": 1}}, [], "pose.json"),
+        ({}, {"position_m": [1, 2]}, [], "pose.json"),
+        ({}, {"position_m": "here"}, [], "pose.json"),
+        ({}, {"orientation_xyzw": [1, 0, 0, [0]]}, [], "pose.json"),
+        ({}, {"position_m": [10**400, 0, 0]}, [], "pose.json"),
+        ({}, {}, ["--warp", "backward"], "geometry"),
+        ({}, {}, ["--warp", "bakward"], "did you mean 'backward'?"),
+        ({}, {}, ["--fill", "interpolation"], "did you mean 'interpolate'?"),
+        ({}, {}, ["--size", "0x4"], "'0x4'"),
+        ({}, {}, ["--size", "99999x4"], "99999x4"),
+    ],
+)
+def test_what_does_not_fit_is_refused(frame, pose, options, told, warp, tmp_path):
+    warp(frame, pose, *options).refused(told)
+    assert not (tmp_path / "out.npz").exists()
+
+
+@pytest.mark.parametrize("out", ["out.jpg", "out", "missing/out.npz"])
+def test_where_it_cannot_be_written(out, warp, tmp_path):
+    warp(out=out).refused(out)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["frame.npz", "pose.json"]
+
+
+def test_files_of_other_kinds(command, tmp_path):
+    frame, pose = write_frame(tmp_path / "frame.npz"), write_pose(tmp_path / "pose.json")
+    whole = frame.read_bytes()
+    others = {
+        "missing.npz": None, "empty.npz": b"", "cut.npz": whole[: len(whole) // 2], "text.npz": b"hello", "tail.npz": whole[200:],
+        "array.npz": npy_bytes(np.zeros(3)), "pickle.npz": b"\x80\x04N.", "zip.npz": zip_bytes({"readme.txt": b"hello"}),
+        "odd.npz": zip_bytes({"colour": b"no array"}), "lying.npz": zip_bytes(dict.fromkeys(arrays_names(), b"no array")),
+    }  # fmt: skip
+    for name, data in others.items():
+        path = tmp_path / name
+        if data is not None:
+            path.write_bytes(data)
+        command("warp", path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(path))
+    command("warp", tmp_path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(tmp_path))
+    for name, data in {"missing.json": None, "empty.json": b"", "half.json": b'{"fov": [1', "list.json": b"[]", "bytes.json": b"\xff\xfe{}",
+                       "number.json": b"1" * 6000, "deep.json": b"[" * 100_000}.items():  # fmt: skip
+        path = tmp_path / name
+        if data is not None:
+            path.write_bytes(data)
+        command("warp", frame, "--to", path, "--out", tmp_path / "o.npz").refused(str(path))
+    assert not (tmp_path / "o.npz").exists()
+
+
+def arrays_names() -> list[str]:
+    return [f"{name}.npy" for name in arrays()]
+
+
+def npy_bytes(array: np.ndarray) -> bytes:
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.getvalue()
+
+
+def zip_bytes(members: dict[str, bytes]) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+    return file.getvalue()
+
+
+# Each example rewrites the same file, which the function-scoped tmp_path is fine for.
+@settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damaged_frames_are_read_or_refused(data, tmp_path):
+    """Whatever bytes of a frame are changed, cut off or doubled: the arrays, or one error of ours."""
+    compressed = data.draw(st.booleans())
+    file = io.BytesIO()
+    (np.savez_compressed if compressed else np.savez)(file, **arrays())
+    content = bytearray(file.getvalue())
+    for _ in range(data.draw(st.integers(1, 6))):
+        at = data.draw(st.integers(0, len(content) - 1))
+        content[at] = data.draw(st.integers(0, 255))
+    content = content[: data.draw(st.sampled_from([len(content), len(content) // 3, len(content) - 5]))]
+    path = tmp_path / "frame.npz"
+    path.write_bytes(bytes(content))
+    try:
+        _, _, view = read_frame(path)
+    except InputError as error:
+        assert str(path) in str(error)
+    else:
+        assert np.isfinite(view.pose.position_m).all()
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
+    lambda inner: (
+        st.lists(inner, max_size=5) | st.dictionaries(st.sampled_from(["fov", "position_m", "orientation_xyzw", "x"]), inner, max_size=4)
+    ),
+    max_leaves=12,
+)
+
+
+@settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(value=json_values | st.fixed_dictionaries({"fov": json_values, "position_m": json_values, "orientation_xyzw": json_values}))
+def test_any_json_is_a_view_or_refused(value, tmp_path):
+    path = tmp_path / "pose.json"
+    path.write_text(json.dumps(value), encoding="utf-8")
+    try:
+        view = read_view(path)
+    except InputError as error:
+        assert str(path) in str(error) and "\n" not in str(error)
+    else:
+        assert np.isfinite(view.pose.orientation_xyzw).all()
