@@ -30,10 +30,19 @@ def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
     """Names on the left, their texts wrapped beside them, line by line."""
     rows = list(rows)
     left = indent + max((len(name) for name, _ in rows), default=0) + 2
-    width = max(left + 24, min(shutil.get_terminal_size((80, 24)).columns, _WIDEST))
+    width = max(left + 24, _width())
     for name, text in rows:
         lines = [part for line in text.splitlines() for part in textwrap.wrap(line, width - left, break_on_hyphens=False)] or [""]
         head = " " * indent + typer.style(name, bold=True) + " " * (left - indent - len(name))
         typer.echo(head + lines[0])
         for line in lines[1:]:
             typer.echo(" " * left + line)
+
+
+def paragraph(text: str) -> None:
+    """Text wrapped to the terminal."""
+    typer.echo(textwrap.fill(text, max(24, _width()), break_on_hyphens=False))
+
+
+def _width() -> int:
+    return min(shutil.get_terminal_size((80, 24)).columns, _WIDEST)

@@ -57,11 +57,12 @@ def _markdown(rows: list[dict[str, str]]) -> str:
 
 
 def _print_summaries(kind: str, rows: list[dict[str, str]]) -> None:
-    from ._show import in_columns
+    from ._show import in_columns, paragraph
 
     in_columns((row["name"], row["summary"]) for row in rows)
-    if len(rows[0]) > 2:
-        typer.echo(f"\n'hmdwarp list {kind} NAME' tells the rest of one: {', '.join(key.replace('_', ' ') for key in list(rows[0])[2:])}.")
+    rest = ", ".join(key.replace("_", " ") for key in list(rows[0])[2:])
+    typer.echo()
+    paragraph(f"'hmdwarp list {kind} NAME' tells the rest of one: {rest}.")
 
 
 def _print_all_of(row: dict[str, str]) -> None:

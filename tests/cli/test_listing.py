@@ -1,0 +1,164 @@
+"""hmdwarp list, plan, --help and --version: what there is, told so that people and programs can read it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from hmdwarp.catalogue import entries
+from hmdwarp.cli.listing import KINDS
+from hmdwarp.client.warps import warps
+from hmdwarp.resources import recording_names
+from hmdwarp.version import __version__
+
+from .conftest import ROOT
+
+COMMANDS = [
+    [],
+    ["replay"],
+    ["warp"],
+    ["list"],
+    ["plan"],
+    ["doctor"],
+    ["trace"],
+    ["trace", "info"],
+    ["trace", "convert"],
+    ["trace", "synth"],
+]
+HEAVY = {"scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL", "jinja2", "numpy", "rich"}
+
+
+@pytest.fixture(autouse=True)
+def eighty_columns(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_json_is_an_array_of_named_things(kind, command):
+    rows = json.loads(command("list", kind, "--json").done().out)
+    assert rows and all(row["name"] and row["summary"] for row in rows)
+    assert all(isinstance(text, str) and text for row in rows for text in row.values())
+    assert len({row["name"] for row in rows}) == len(rows)
+    assert len({tuple(row) for row in rows}) == 1  # the same keys in all
+    assert rows == entries(kind)
+
+
+def test_lists_hold_what_the_registries_hold(command):
+    assert [row["name"] for row in json.loads(command("list", "warps", "--json").out)] == warps.names()
+    assert [row["name"] for row in json.loads(command("list", "recordings", "--json").out)] == recording_names()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_markdown_is_one_table(kind, command):
+    lines = command("list", kind, "--markdown").done().out.splitlines()
+    rows = entries(kind)
+    assert len(lines) == len(rows) + 2
+    columns = [line.replace("\\|", "").count("|") for line in lines]
+    assert set(columns) == {len(rows[0]) + 1}
+    assert all(f"| `{row['name']}` |" in line for row, line in zip(rows, lines[2:], strict=True))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_people_get_names_and_summaries_in_80_columns(kind, command):
+    out = command("list", kind).done().out
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= 80 and not any(line.endswith(" ") for line in lines)
+    told = " ".join(out.split())
+    for row in entries(kind):
+        assert any(line.startswith(f"{row['name']} ") for line in lines)
+        assert row["summary"] in told
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_name_gets_all_that_is_known(kind, command):
+    for row in entries(kind):
+        out = command("list", kind, row["name"]).done().out
+        assert max(map(len, out.splitlines())) <= 80
+        told = " ".join(out.split())
+        assert all(" ".join(text.split()) in told for text in row.values()), row
+    assert json.loads(command("list", kind, row["name"], "--json").out) == [row]
+
+
+def test_json_and_markdown_exclude_each_other(command):
+    command("list", "warps", "--json", "--markdown").refused("--json and --markdown")
+
+
+def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
+    out = command("plan", "--scene", "planes", "--warp", "backward", "--fill", "none", "--headset", "flat-90").done().out
+    told = " ".join(out.split())
+    runs, left_out = told.split("Left out")
+    assert "client_depth" in runs and "reads the client's own depth" in runs and "warp backward" in runs
+    assert runs.index("client_depth") < runs.index("warp backward")
+    assert "reads late.colour, late.inverse_depth, client.inverse_depth; writes shown.colour" in runs
+    assert all(stage in left_out for stage in ("fill", "lens", "effects"))
+    assert "fill 'none' was asked for" in left_out and "the scene calls for none" in left_out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_plan_counts_bytes_and_frames(command):
+    """640x400 of 8 bytes of colour and 4 of depth, two eyes: 6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2."""
+    told = " ".join(command("plan", "--scene", "planes", "--size", "640x400", "--rate", "90").done().out.split())
+    assert "6.1 MB" in told and "at most 20 of them at 200 ms and 90 Hz" in told
+    only_colour = " ".join(command("plan", "--scene", "planes", "--size", "640x400", "--warp", "rotation").done().out.split())
+    assert "4.1 MB" in only_colour
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "told"),
+    [("--warp", "fward", "'forward'"), ("--scene", "roon", "'room'"), ("--guard", "400", "guard 400"), ("--latency", "nan", "latency nan")],
+)
+def test_plan_refuses_what_replay_refuses(option, value, told, command):
+    command("plan", "--scene", "planes", option, value).refused(told)
+
+
+def test_plan_starts_no_gl():
+    code = "import sys; sys.argv = ['hmdwarp', 'plan', '--scene', 'planes']\nfrom hmdwarp.gpu import context\n"
+    code += "def refuse(): raise SystemExit('started')\ncontext.create_context = refuse\nfrom hmdwarp.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("arguments", COMMANDS, ids=lambda a: " ".join(a) or "hmdwarp")
+def test_every_command_has_help(arguments, command):
+    for flag in ("--help", "-h"):
+        out = command(*arguments, flag).done().out
+        assert "Usage: hmdwarp" in out and max(map(len, out.splitlines())) <= 80
+    if arguments == ["replay"]:
+        for option in (
+            "--scene",
+            "--latency",
+            "--warp",
+            "--fill",
+            "--lens",
+            "--headset",
+            "--size",
+            "--rate",
+            "--start",
+            "--seconds",
+            "--out",
+        ):
+            assert option in out
+        assert "backward, forward, none, planar, rotation" in " ".join(out.split())
+
+
+def test_version(command):
+    assert command("--version").done().out == f"hmdwarp {__version__}\n"
+
+
+def test_without_a_command_there_is_help(command):
+    done = command()
+    assert "Usage: hmdwarp" in done.out and "replay" in done.out and done.err == ""
+
+
+@pytest.mark.parametrize("arguments", COMMANDS, ids=lambda a: " ".join(a) or "hmdwarp")
+def test_help_loads_nothing_heavy(arguments):
+    code = f"import sys; sys.argv = ['hmdwarp', *{arguments!r}, '--help']\nfrom hmdwarp.cli import main\n"
+    code += "try:\n    main()\nexcept SystemExit: pass\n"
+    code += "print('LOADED', *{name.partition('.')[0] for name in sys.modules})"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=ROOT)
+    loaded = set(done.stdout.rpartition("LOADED")[2].split())
+    assert "typer" in loaded
+    assert not loaded & HEAVY

@@ -1,0 +1,104 @@
+"""Ctrl-C and its kin in mid-replay: a real signal to a real process leaves one line, no files and no orphans."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from .conftest import PROGRAM, ROOT
+
+TIMEOUT_S = 60  # so that a replay that never starts fails instead of hanging
+
+
+def children_of(pid: int) -> list[int]:
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def is_running(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state not in "ZX"
+
+
+def wait_for(condition) -> None:
+    end = time.monotonic() + TIMEOUT_S
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def replaying(tmp_path):
+    """A replay of 24 s with video and two measuring processes, that has begun to write."""
+    out = tmp_path / "out"
+    (out / "images").mkdir(parents=True)
+    (out / "summary.json").write_text("{}", encoding="utf-8")
+    options = ["--scene", "planes", "--size", "64x48", "--metrics-every", "1", "--workers", "2", "--video", "--out", str(out)]
+    process = subprocess.Popen(
+        [*PROGRAM, "replay", "walk", *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        start_new_session=True,
+    )
+    try:
+        wait_for(lambda: list(out.glob(".partial-*/.replay.mp4.*")) and len(children_of(process.pid)) == 2 or process.poll() is not None)
+        assert process.poll() is None, process.communicate()
+        yield process, out
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for orphans in /proc")
+@pytest.mark.parametrize(
+    ("number", "status", "told"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "ended by SIGTERM"), (signal.SIGHUP, 129, "ended by SIGHUP")],
+)
+@pytest.mark.parametrize("to_all", [False, True], ids=["to it alone", "to its whole group, as the terminal does"])
+def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying):
+    process, out = replaying
+    workers = children_of(process.pid)
+    (os.killpg if to_all else os.kill)(process.pid, number)
+    printed, complaint = process.communicate(timeout=TIMEOUT_S)
+    assert process.returncode == status
+    assert printed == ""
+    assert complaint == f"hmdwarp: {told}; nothing unfinished was left behind\n"
+    assert sorted(p.relative_to(out).as_posix() for p in out.rglob("*")) == ["images", "summary.json"]
+    assert (out / "summary.json").read_text(encoding="utf-8") == "{}"
+    wait_for(lambda: not any(map(is_running, workers)))
+
+
+def test_killed_at_once_leaves_no_orphans_and_no_final_names(replaying):
+    """SIGKILL cannot be answered; the measuring processes notice by themselves, and only hidden files are left."""
+    process, out = replaying
+    workers = children_of(process.pid)
+    process.kill()
+    process.communicate(timeout=TIMEOUT_S)
+    wait_for(lambda: not any(map(is_running, workers)))
+    assert sorted(p.name for p in out.iterdir() if not p.name.startswith(".partial-")) == ["images", "summary.json"]
+
+
+def test_the_next_run_is_not_disturbed_by_what_a_killed_one_left(replaying, command):
+    process, out = replaying
+    process.kill()
+    process.communicate(timeout=TIMEOUT_S)
+    quick = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--quiet"]
+    command("replay", "still", *quick, "--out", out).done()
+    assert {"summary.json", "frames.csv", "report.html"} <= {p.name for p in out.iterdir()}

@@ -1,0 +1,98 @@
+"""Standard output that is closed, full, or not read to its end; what is printed where."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+
+import pytest
+
+from .conftest import PROGRAM, ROOT
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+LISTS = [
+    ["list", "warps"],
+    ["list", "warps", "--json"],
+    ["list", "scenes", "--markdown"],
+    ["plan", "--scene", "planes"],
+    ["--help"],
+    ["trace", "info", "still"],
+]
+REPLAY = ["replay", "still", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--out"]
+
+
+@pytest.mark.parametrize("arguments", LISTS, ids=" ".join)
+def test_a_reader_that_has_gone_is_no_fault(arguments):
+    """As `| head -0` does: the pipe is closed before anything is printed."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run([*PROGRAM, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("arguments", LISTS[:4], ids=" ".join)
+def test_a_full_disk_behind_standard_output_is_told(arguments):
+    if not os.path.exists("/dev/full"):  # noqa: PTH110 (a device, not a file of ours)
+        pytest.skip("no /dev/full here")
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run([*PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False)
+    assert done.returncode == 3
+    assert done.stderr.startswith("hmdwarp: cannot print") and done.stderr.count("\n") == 1 and "No space left" in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [*LISTS, REPLAY], ids=" ".join)
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&- <&-"])
+def test_closed_streams(arguments, closed, tmp_path):
+    arguments = [*arguments, str(tmp_path / "out")] if arguments == REPLAY else arguments
+    done = subprocess.run(
+        ["sh", "-c", f'"$@" {closed}', "sh", *PROGRAM, *arguments], capture_output=True, text=True, env=ENVIRONMENT, check=False
+    )
+    assert done.returncode == 0, done
+    assert "Traceback" not in done.stderr and "Error" not in done.stderr
+    if arguments[0] == "replay":
+        assert (tmp_path / "out" / "summary.json").exists()
+
+
+def test_a_replay_whose_reader_has_gone_still_writes_its_results(tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [*PROGRAM, *REPLAY, str(tmp_path / "out")], stdout=writing, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "out" / "summary.json").exists()
+
+
+def test_quiet_prints_nothing(command, tmp_path):
+    done = command(*REPLAY, tmp_path / "out", "--quiet").done()
+    assert done.out == ""
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_replay_prints_its_table_and_names_its_page(command, tmp_path):
+    done = command(*REPLAY, tmp_path / "out").done()
+    for wanted in ("PSNR", "SSIM", "FLIP", "Holes", "forward", "none", "Time, warp", "wall clock"):
+        assert wanted in done.out, wanted
+    assert done.out.splitlines()[-1] == f"report: {tmp_path / 'out' / 'report.html'}"
+    assert max(map(len, done.out.splitlines()[:-1])) <= 80
+
+
+def test_notes_are_printed(command, tmp_path):
+    """A trace that had to be moved into the scene is not moved silently."""
+    rows = "".join(f"{i / 50} 100 1.6 0 0 0 0 1\n" for i in range(51))
+    (tmp_path / "far.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + rows, encoding="utf-8")
+    done = command("replay", tmp_path / "far.txt", *REPLAY[2:], tmp_path / "out").done()
+    assert "note: The trace leaves the part of scene 'planes'" in done.out
+
+
+def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
+    import shlex
+
+    out = tmp_path / "it's here"
+    command(*REPLAY, out, "--quiet").done()
+    page = (out / "report.html").read_text(encoding="utf-8")
+    import html
+
+    assert shlex.join(["hmdwarp", *REPLAY, str(out), "--quiet"]) in html.unescape(page)
