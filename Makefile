@@ -18,7 +18,7 @@ PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test bench-quick
+.PHONY: help setup replay test bench-quick docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -36,3 +36,6 @@ test: setup  ## all tests, as CI runs them
 
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)
+
+docs: setup  ## run what the figures and pictures in README.md and docs/ come from, and write them there
+	@.venv/bin/python docs/regenerate.py

@@ -1,0 +1,5 @@
+"""python -m hmdwarp: the command line."""
+
+from .cli import main
+
+main()
