@@ -1,0 +1,254 @@
+"""The plan over every combination of registered passes: what runs, why, and that nothing else costs anything."""
+
+from __future__ import annotations
+
+import itertools
+
+import moderngl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.fills import fills
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.plan import BYTES_PER_PIXEL, CLIENT_DEPTH, LATE, PANEL, SHOWN, Plan, build_plan
+from hmdwarp.client.warps import warps
+from hmdwarp.errors import PlanError, UnknownNameError
+from hmdwarp.frame import EyeImage
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.shaders import ShaderLibrary
+from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
+from hmdwarp.headsets import load_headset
+from hmdwarp.scenes.effects import SceneEffect
+
+ALL = list(itertools.product(warps.names(), fills.names(), lenses.names(), [True, False]))
+POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or CLIENT_DEPTH not in warps.get(w).reads]
+
+
+def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
+    return build_plan(SceneEffect.NONE, warp, fill, lens, client_geometry=geometry)
+
+
+# --- what is in it -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+def test_everything_read_was_written_before(choice):
+    plan = plan_of(*choice)
+    known = set(LATE)
+    for step in plan.steps:
+        assert set(step.reads) <= known, step.name
+        known |= set(step.writes)
+    assert SHOWN in known
+
+
+@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
+    warp, fill, lens, geometry = choice
+    plan = plan_of(*choice)
+    stages = [step.stage for step in plan.steps]
+    left_out = dict(plan.left_out)
+    assert stages == [s for s in ("client_depth", "warp", "fill", "lens") if s in stages], "in this order, none twice"
+    assert set(stages) | set(left_out) == {"client_depth", "warp", "fill", "lens", "effects"}
+    assert not set(stages) & set(left_out)
+    assert all(reason.strip() for reason in [*left_out.values(), *(step.reason for step in plan.steps)])
+    assert ("fill" in stages) == (fill != "none")
+    assert ("lens" in stages) == (lens != "none")
+    assert ("client_depth" in stages) == (CLIENT_DEPTH in warps.get(warp).reads)
+    assert plan.draws_client_depth == ("client_depth" in stages)
+    assert (plan.warp.name, plan.fill.name, plan.lens.name) == (warp, fill, lens)
+    assert (PANEL in {w for step in plan.steps for w in step.writes}) == (lens != "none")
+
+
+@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
+    plan = plan_of(*choice)
+    wanted = {name for name in warps.get(choice[0]).reads if name in LATE}
+    assert set(plan.layers) == wanted
+    assert plan.bytes_per_pixel() == sum(BYTES_PER_PIXEL[name] for name in wanted)
+    # rgba16f is eight bytes, r32f four.
+    assert plan.bytes_per_pixel() == 8 + 4 * ("late.inverse_depth" in wanted)
+
+
+@pytest.mark.parametrize("warp", warps.names())
+def test_reasons_speak_of_what_was_asked_for(warp):
+    plan = plan_of(warp, "interpolate", "radial", True)
+    text = "\n".join(step.reason for step in plan.steps)
+    for entry in (warps.get(warp), fills.get("interpolate"), lenses.get("radial")):
+        assert entry.summary in text
+    plan = plan_of("rotation", "none", "none", False)
+    assert dict(plan.left_out)["client_depth"] == "warp 'rotation' does not read it"
+
+
+@pytest.mark.parametrize("registry", [warps, fills, lenses], ids=lambda r: r.kind)
+def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
+    known = {*LATE, CLIENT_DEPTH, SHOWN, PANEL}
+    for entry in registry:
+        assert entry.summary
+        assert entry.source
+        assert set(entry.reads) <= known
+        if registry is warps:
+            assert entry.kind in ("gather", "scatter")
+            assert entry.exact_when
+            assert entry.gets_wrong
+        else:
+            assert isinstance(entry.is_pass, bool)
+
+
+# --- what is refused -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("fill", "lens"), list(itertools.product(fills.names(), lenses.names())))
+def test_backward_without_geometry_is_refused(fill, lens):
+    with pytest.raises(PlanError) as caught:
+        plan_of("backward", fill, lens, False)
+    message = str(caught.value)
+    assert message == (
+        "warp backward reads client.inverse_depth, which no pass before it writes; it needs the scene's geometry on the client"
+    )
+
+
+def test_what_is_impossible_is_only_that():
+    refused = set(ALL) - set(POSSIBLE)
+    assert {choice[0] for choice in refused} == {"backward"}
+    assert all(not choice[3] for choice in refused)
+
+
+@pytest.mark.parametrize(
+    ("warp", "fill", "lens", "says"),
+    [
+        ("forwrd", "none", "none", "unknown warp 'forwrd': did you mean 'forward'? known are "),
+        ("rotate", "none", "none", "unknown warp 'rotate': did you mean 'rotation'?"),
+        ("forward", "interpolat", "none", "unknown fill 'interpolat': did you mean 'interpolate'?"),
+        ("forward", "none", "radal", "unknown lens 'radal': did you mean 'radial'?"),
+        ("zzzz", "none", "none", "unknown warp 'zzzz': known are backward, forward"),
+        ("", "none", "none", "unknown warp '': known are"),
+        ("_base", "none", "none", "unknown warp '_base'"),
+        ("_homography", "none", "none", "unknown warp '_homography'"),
+        ("Forward", "none", "none", "did you mean 'forward'?"),
+    ],
+)
+def test_unknown_names_get_the_nearest_known_one(warp, fill, lens, says):
+    with pytest.raises(UnknownNameError) as caught:
+        plan_of(warp, fill, lens, True)
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@given(st.text(max_size=12))
+def test_any_text_is_a_plan_or_an_unknown_name(text):
+    for choice in ((text, "none", "none"), ("forward", text, "none"), ("forward", "none", text)):
+        try:
+            assert isinstance(plan_of(*choice, True), Plan)
+        except UnknownNameError as error:
+            assert repr(text)[1:-1] in str(error) or text in str(error)
+
+
+# --- what it costs -------------------------------------------------------------------------------------------------------
+
+LATE_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
+
+
+class Costs:
+    """What a context was asked to make: programs by path, textures, buffers, framebuffers."""
+
+    def __init__(self, gpu, monkeypatch) -> None:
+        self.made: dict[str, list] = {"texture": [], "buffer": [], "framebuffer": []}
+        self.library = ShaderLibrary(gpu.gl)
+        monkeypatch.setattr(gpu, "shaders", self.library)
+        for kind, made in self.made.items():
+            monkeypatch.setattr(moderngl.Context, kind, self._counting(getattr(moderngl.Context, kind), made))
+
+    @staticmethod
+    def _counting(make, made):
+        def counted(*args, **kwargs):
+            made.append(make(*args, **kwargs))
+            return made[-1]
+
+        return counted
+
+    @property
+    def counts(self) -> dict[str, int]:
+        return {kind: len(made) for kind, made in self.made.items()} | {"program": self.library.compiled}
+
+    def paths(self) -> set[str]:
+        return {part for key in self.library._cache for part in key if isinstance(part, str)}
+
+    def alive(self) -> list:
+        return [thing for made in self.made.values() for thing in made if not isinstance(thing.mglo, moderngl.InvalidObject)]
+
+
+def late_image(gpu) -> EyeImage:
+    colour, depth = allocate(gpu.gl, LATE_SIZE, COLOUR), allocate(gpu.gl, LATE_SIZE, SCALAR)
+    colour.write(np.ones((LATE_SIZE[1], LATE_SIZE[0], 4), np.float16).tobytes(), alignment=1)
+    depth.write(np.full(LATE_SIZE[::-1], 0.5, np.float32).tobytes(), alignment=1)
+    return EyeImage(View(Pose(), Fov(-0.7, 0.7, -0.6, 0.6)), colour, depth)
+
+
+def draw_depth(view, size, into) -> None:
+    into.write(np.full(size[::-1], 0.5, np.float32).tobytes(), alignment=1)
+
+
+@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice):
+    warp, fill, lens, _ = choice
+    plan, late = plan_of(*choice), late_image(gpu)
+    costs = Costs(gpu, monkeypatch)
+    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, draw_depth)
+    # A canvas per eye for the warp, one more for each pass after it, and the client's depth once.
+    canvases = 2 * (1 + (fill != "none") + (lens != "none"))
+    assert len(costs.made["texture"]) == canvases + plan.draws_client_depth
+    assert len(costs.made["framebuffer"]) == canvases
+    assert all(texture.size == SHOWN_SIZE for texture in costs.made["texture"])
+    folders = {path.split("/")[0] for path in costs.paths()}
+    assert folders == {"warps"} | ({"fills"} if fill != "none" else set()) | ({"lens"} if lens != "none" else set())
+    if warp != "planar":
+        assert "warps/median.comp" not in costs.paths()
+    if warp != "forward":
+        assert not any("forward" in path for path in costs.paths())
+    assert bool(costs.made["buffer"]) == (warp in ("forward", "planar"))
+
+    before = costs.counts
+    for eye in (0, 1, 0):
+        result = compensator.run(late, late.view, eye)
+    assert costs.counts == before, "run() compiles and allocates nothing"
+    assert (result.shown is result.warped) == (fill == "none")
+    assert (result.panel is result.shown) == (lens == "none")
+    stages = [name for name, _ in gpu.timer.collect()]
+    assert stages == [step.stage for step in plan.steps] * 3
+
+    compensator.close()
+    assert costs.alive() == [], "close() frees everything"
+    late.colour.release()
+    late.inverse_depth.release()
+
+
+def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
+    costs = Costs(gpu, monkeypatch)
+    plan = plan_of("forward", "interpolate", "radial", True)
+    first = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE)
+    programs = costs.library.compiled
+    second = Compensator(gpu, plan, load_headset("cardboard-v2"), SHOWN_SIZE, LATE_SIZE)
+    assert costs.library.compiled == programs
+    first.close()
+    second.close()
+
+
+def test_the_eyes_have_pictures_of_their_own(gpu):
+    late = late_image(gpu)
+    compensator = Compensator(gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE)
+    left = compensator.run(late, late.view, 0)
+    right = compensator.run(late, late.view, 1)
+    assert len({id(c.texture) for c in (left.warped, left.shown, right.warped, right.shown)}) == 4
+    compensator.close()
+    gpu.timer.collect()
+
+
+def test_backward_run_without_a_depth_is_refused(gpu):
+    late = late_image(gpu)
+    canvas_size = SHOWN_SIZE
+    warp = warps.get("backward")(gpu, LATE_SIZE, canvas_size)
+    with pytest.raises(PlanError, match="needs the client's own depth"):
+        warp.run(late, late.view, None, None)
