@@ -1,0 +1,181 @@
+"""Who wins where several drawn pixels land in one: the nearest; of equals the lower (row mod 4, column mod 4), then the lowest index."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hmdwarp.client.warps import warps
+from hmdwarp.client.warps.forward import MOST_PIXELS
+from hmdwarp.errors import InputError
+from hmdwarp.frame import EyeImage
+from hmdwarp.geometry import Fov, Pose, View, WarpMap
+from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+
+FOV = Fov.from_tangents([-1, 1, -1, 1])
+FAR = 2.0**-20  # 1/m: farther pixels are ordered by their index alone
+
+
+def numbered(size: tuple[int, int]) -> np.ndarray:
+    """A picture in which each pixel says its index: (column, row, 0) with coverage 1. Both below 2048 are exact as half floats."""
+    y, x = np.mgrid[: size[1], : size[0]]
+    return np.stack([x, y, np.zeros_like(x), np.ones_like(x)], axis=-1).astype(np.float16)
+
+
+class Scatter:
+    """One forward warp of fixed sizes, run on several depth pictures in turn (bottom row first)."""
+
+    def __init__(self, gpu, size, shown_size, late_pose: Pose | None = None, shown_pose: Pose | None = None) -> None:
+        self.gpu, self.size, self.shown_size = gpu, size, shown_size
+        self.late_view, self.shown_view = View(late_pose or Pose(), FOV), View(shown_pose or Pose(), FOV)
+        self.warp, self.canvas = warps.get("forward")(gpu, size, shown_size), Canvas(gpu.gl, shown_size)
+        colour, self.depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        colour.write(numbered(size).tobytes(), alignment=1)
+        self.late = EyeImage(self.late_view, colour, self.depth)
+
+    def run(self, depth: np.ndarray) -> np.ndarray:
+        """(h, w) index of the drawn pixel that each shown pixel shows, -1 for none."""
+        self.depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
+        self.warp.run(self.late, self.shown_view, self.canvas)
+        self.gpu.gl.memory_barrier()
+        out = np.frombuffer(self.canvas.texture.read(alignment=1), np.float16).reshape(self.shown_size[1], self.shown_size[0], 4)
+        out = out.astype(np.int64)
+        return np.where(out[..., 3] > 0, out[..., 1] * self.size[0] + out[..., 0], -1)
+
+    def wanted(self, depth: np.ndarray) -> np.ndarray:
+        """The same by sorting. Only for maps whose w does not depend on the pixel, so that equal depths stay equal in float32."""
+        forward = WarpMap.between(self.late_view, self.size, self.shown_view, self.shown_size)
+        assert np.array_equal(forward.H[2], [0, 0, 1])
+        y, x = (a.ravel() for a in np.mgrid[: self.size[1], : self.size[0]])
+        flat = np.asarray(depth, np.float32).astype(np.float64).ravel()
+        pixels, shown_depth, w = forward.apply(np.stack([x, y], axis=-1) + 0.5, flat)
+        # Sizes are chosen so that nothing lands near a border between pixels: rounding decides nothing here.
+        apart = np.abs(pixels - np.round(pixels))[(flat >= 0) & (w > 0)]
+        assert apart.size == 0 or apart.min() > 1e-3
+        key_depth = np.where(shown_depth < FAR, 0, np.minimum(shown_depth, 2.0**11 * (1 - 2.0**-24)))
+        tie = np.where(key_depth > 0, (y % 4) * 4 + x % 4, 0)
+        lands = (flat >= 0) & (w > 0) & (pixels >= 0).all(axis=1) & (pixels < self.shown_size).all(axis=1)
+        source = np.flatnonzero(lands)
+        slot = np.floor(pixels[source]).astype(int) @ [1, self.shown_size[0]]
+        order = np.lexsort((source, tie[source], -key_depth[source], slot))
+        first = np.unique(slot[order], return_index=True)
+        out = np.full(self.shown_size[0] * self.shown_size[1], -1)
+        out[first[0]] = source[order][first[1]]
+        return out.reshape(self.shown_size[::-1])
+
+    def check(self, depth: np.ndarray) -> np.ndarray:
+        got = self.run(depth)
+        assert np.array_equal(got, self.wanted(depth))
+        return got
+
+
+# Late and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre lands on a border.
+MINIFIED = [
+    ((60, 45), (20, 15)),
+    ((64, 48), (16, 12)),
+    ((64, 64), (8, 8)),
+    ((99, 77), (9, 7)),
+    ((225, 150), (75, 50)),
+    ((65, 63), (1, 1)),
+    ((15, 1), (5, 1)),
+]
+
+
+@pytest.mark.parametrize(("size", "shown_size"), MINIFIED, ids=str)
+def test_a_plane_facing_the_eye_ties_everywhere(gpu, size, shown_size):
+    scatter = Scatter(gpu, size, shown_size)
+    got = scatter.check(np.full(size[::-1], 0.5))
+    assert (got >= 0).all()
+
+
+def test_where_whole_blocks_tie_exactly_the_lowest_index_wins(gpu):
+    """Blocks of 8 x 8 hold each (row mod 4, column mod 4) four times: what the tie passes are for."""
+    got = Scatter(gpu, (64, 64), (8, 8)).run(np.full((64, 64), 0.5))
+    y, x = np.mgrid[:8, :8] * 8
+    assert np.array_equal(got, y * 64 + x)
+
+
+@pytest.mark.parametrize(("size", "shown_size"), MINIFIED, ids=str)
+@pytest.mark.parametrize("far", [0.0, 2.0**-21, 1e-30])
+def test_in_the_sky_the_lowest_index_wins(gpu, size, shown_size, far):
+    scatter = Scatter(gpu, size, shown_size)
+    got = scatter.check(np.full(size[::-1], far))
+    y, x = (np.arange(n) * (m // n) for n, m in ((shown_size[1], size[1]), (shown_size[0], size[0])))
+    assert np.array_equal(got, y[:, None] * size[0] + x)
+
+
+def test_nearer_than_half_a_millimetre_all_tie(gpu):
+    rng = np.random.default_rng(3)
+    Scatter(gpu, (64, 64), (8, 8)).check(rng.uniform(2.0**11, 1e6, (64, 64)))
+
+
+@pytest.mark.parametrize(("size", "shown_size"), MINIFIED, ids=str)
+@pytest.mark.parametrize("seed", range(3))
+def test_the_nearest_wins_among_few_depths_holes_and_sky(gpu, size, shown_size, seed):
+    rng = np.random.default_rng(seed)
+    Scatter(gpu, size, shown_size).check(rng.choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1], p=[0.3, 0.3, 0.2, 0.1, 0.1]))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_neighbouring_floats_are_told_apart(gpu, seed):
+    """All 24 bits of the significand count, at every power of two from 2^-20 to 2^10."""
+    rng = np.random.default_rng(seed)
+    base = np.float32(2.0) ** rng.integers(-20, 11, (8, 8)).astype(np.float32)
+    base = np.nextafter(base * np.float32(rng.uniform(1, 1.99)), np.float32(4))
+    steps = rng.integers(0, 3, (64, 64))
+    depth = np.kron(base, np.ones((8, 8), np.float32)).astype(np.float32)
+    for k in (1, 2):
+        depth = np.where(steps >= k, np.nextafter(depth, np.float32(np.inf)), depth)
+    got = Scatter(gpu, (64, 64), (8, 8)).check(depth)
+    y, x = np.divmod(got, 64)
+    assert (steps[y, x] == steps.reshape(8, 8, 8, 8).max(axis=(1, 3))).all()
+
+
+def test_runs_do_not_remember_each_other(gpu):
+    """Ties, none, other ties, only sky, nothing: each picture as if it were the first."""
+    scatter, rng = Scatter(gpu, (64, 64), (8, 8)), np.random.default_rng(0)
+    ties, unique = np.full((64, 64), 0.5), rng.permutation(64 * 64).reshape(64, 64) / 1000 + 0.1
+    shifted = np.where(np.mgrid[:64, :64][1] % 8 < 5, -1, 0.5)
+    for depth in (ties, unique, shifted, np.zeros((64, 64)), np.full((64, 64), -1.0), ties, shifted, ties):
+        scatter.check(depth)
+
+
+def test_an_eye_that_backs_away_sees_a_plane_in_ties(gpu):
+    """Backwards by its own distance, a plane at 2 m halves in size: blocks of two by two, a ring of nothing around."""
+    scatter = Scatter(gpu, (64, 64), (64, 64), shown_pose=Pose((0, 0, 2)))
+    got = scatter.check(np.full((64, 64), 0.5))
+    assert (got[16:48, 16:48] >= 0).all()
+    assert (got >= 0).sum() == 32 * 32
+
+
+def test_a_plane_before_a_plane_hides_it(gpu):
+    depth = np.full((60, 60), 0.25)
+    depth[20:40, 20:40] = 1.0
+    # 0.4 m to the right at 30 pixels per tangent: 12 px of parallax at 1 m, 3 px at 4 m.
+    scatter = Scatter(gpu, (60, 60), (60, 60), shown_pose=Pose((0.4, 0, 0)))
+    got = scatter.check(depth)
+    y, x = np.mgrid[:60, :60]
+    near = (y >= 20) & (y < 40) & (x >= 8) & (x < 28)
+    assert np.array_equal(got[near], (y * 60 + x + 12)[near])
+    hidden_before = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
+    assert (got[hidden_before] == -1).all(), "what the near plane hid is a hole"
+
+
+def test_one_pixel(gpu):
+    scatter = Scatter(gpu, (1, 1), (1, 1))
+    for depth, wanted in ((0.5, 0), (0.0, 0), (-1.0, -1), (1e9, 0)):
+        assert scatter.check(np.full((1, 1), depth)).item() == wanted
+    assert Scatter(gpu, (1, 1), (3, 3)).check(np.full((1, 1), 0.5)).tolist() == [[-1, -1, -1], [-1, 0, -1], [-1, -1, -1]]
+
+
+@pytest.mark.parametrize("size", [(9, 65), (65, 9), (200, 130), (8, 64), (257, 1), (1, 257)], ids="{0[0]}x{0[1]}".format)
+def test_pictures_of_several_work_groups_arrive_whole(gpu, size):
+    got = Scatter(gpu, size, size).check(np.random.default_rng(1).uniform(0.1, 2, size[::-1]))
+    assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
+
+
+def test_a_late_picture_of_more_pixels_than_keys_is_refused(gpu):
+    side = 16384
+    assert side * side > MOST_PIXELS
+    with pytest.raises(InputError, match="a late picture of 16384x16384: 'forward' takes at most"):
+        warps.get("forward")(gpu, (side, side), (8, 8))

@@ -1,0 +1,115 @@
+"""The median shader against NumPy: holes, ties, sky, odd sizes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.reference.gather import median_inverse_depth
+
+GRID = 64
+
+
+def gpu_median(gpu, depth: np.ndarray) -> np.float32:
+    """What the shader leaves in its buffer for an (h, w) float32 picture, bottom row first."""
+    size = depth.shape[1::-1]
+    texture = allocate(gpu.gl, size, SCALAR)
+    texture.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
+    buffer = gpu.gl.buffer(np.full(4, np.nan, np.float32).tobytes())
+    program = gpu.shaders.compute("warps/median.comp")
+    texture.use(1)
+    buffer.bind_to_storage_buffer(0)
+    program.uniforms.set(late_inverse_depth=1, late_size=size)
+    program.run(1)
+    gpu.gl.memory_barrier()
+    out = np.frombuffer(buffer.read(), np.float32)
+    assert np.isnan(out[1:]).all(), "it writes one number"
+    buffer.release()
+    texture.release()
+    return out[0]
+
+
+def lower_median(values: np.ndarray) -> np.float32:
+    """Of what has depth: the middle one in order, the lower of two; 0 of nothing."""
+    known = np.sort(values[values >= 0].ravel())
+    return known[(len(known) - 1) // 2] if len(known) else np.float32(0)
+
+
+def samples(depth: np.ndarray) -> np.ndarray:
+    """The texels in the middle of each of 64 x 64 equal cells, by another formula than the shader's."""
+    y, x = (np.floor((np.arange(GRID) + 0.5) * n / GRID + 1e-9).astype(int) for n in depth.shape)
+    return depth[y][:, x]
+
+
+def random_depth(seed: int, size: tuple[int, int], holes: float = 0.1, sky: float = 0.1) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    depth = rng.exponential(0.5, (size[1], size[0])).astype(np.float32)
+    depth[rng.uniform(size=depth.shape) < sky] = 0
+    depth[rng.uniform(size=depth.shape) < holes] = -1
+    return depth
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_of_64_by_64_it_is_the_median_of_all(gpu, seed):
+    depth = random_depth(seed, (GRID, GRID), holes=seed * 0.2, sky=0.05)
+    assert gpu_median(gpu, depth) == lower_median(depth)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (3, 5), (67, 53), (129, 2), (2, 129), (1000, 3), (63, 65), (641, 401), (128, 128)])
+def test_of_any_size_it_is_the_median_of_the_cells(gpu, size):
+    depth = random_depth(sum(size), size)
+    got = gpu_median(gpu, depth)
+    assert got == lower_median(samples(depth))
+    assert got == median_inverse_depth(depth.astype(np.float64))
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.tuples(st.integers(1, 80), st.integers(1, 80)),
+    st.lists(st.sampled_from([-1.0, 0.0, 0.25, 0.5, 1.0, 1e-30, 1e30, 3.0]), min_size=1, max_size=6),
+    st.integers(0, 2**31),
+)
+def test_with_few_values_and_many_ties(gpu, size, values, seed):
+    depth = np.random.default_rng(seed).choice(np.array(values, np.float32), (size[1], size[0]))
+    got = gpu_median(gpu, depth)
+    assert got == lower_median(samples(depth))
+    assert got in values or (got == 0 and not (samples(depth) >= 0).any())
+
+
+def test_of_nothing_it_is_infinitely_far(gpu):
+    assert gpu_median(gpu, np.full((7, 9), -1.0)) == 0
+
+
+def test_one_pixel_with_depth_decides(gpu):
+    depth = np.full((GRID, GRID), -1.0)
+    depth[17, 40] = 0.75
+    assert gpu_median(gpu, depth) == 0.75
+    depth[63, 63] = 0.5  # of two the lower
+    assert gpu_median(gpu, depth) == 0.5
+
+
+def test_sky_counts_as_depth(gpu):
+    depth = np.zeros((GRID, GRID))
+    depth[: GRID // 2 - 1] = 2.0
+    assert gpu_median(gpu, depth) == 0
+    depth[: GRID // 2] = 2.0  # half and half: the lower
+    assert gpu_median(gpu, depth) == 0
+    depth[: GRID // 2 + 1] = 2.0
+    assert gpu_median(gpu, depth) == 2.0
+
+
+def test_neighbouring_floats_are_told_apart(gpu):
+    values = np.full(GRID * GRID, np.float32(0.1))
+    values[: GRID * GRID // 2 - 1] = np.nextafter(np.float32(0.1), np.float32(0))
+    values[-3:] = np.nextafter(np.float32(0.1), np.float32(1))
+    assert gpu_median(gpu, values.reshape(GRID, GRID)) == np.float32(0.1)
+    values[: GRID * GRID // 2] = np.nextafter(np.float32(0.1), np.float32(0))
+    assert gpu_median(gpu, values.reshape(GRID, GRID)) == np.nextafter(np.float32(0.1), np.float32(0))
+
+
+@pytest.mark.parametrize("value", [1e-37, 2.0**-100, 3e38, float(np.finfo(np.float32).max)])
+def test_the_ends_of_float32(gpu, value):
+    assert gpu_median(gpu, np.full((5, 5), value)) == np.float32(value)
