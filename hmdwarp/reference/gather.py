@@ -9,21 +9,43 @@ from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_direct
 from .picture import GPU_SAMPLER_PIXELS, ReferencePicture, near_edge, sample_covered
 
 
-def none(colour: Array, inverse_depth: Array, late: View, shown: View, shown_size: tuple[int, int], *, sampler_pixels: float = GPU_SAMPLER_PIXELS, **_: object) -> ReferencePicture:
+def none(
+    colour: Array,
+    inverse_depth: Array,
+    late: View,
+    shown: View,
+    shown_size: tuple[int, int],
+    *,
+    sampler_pixels: float = GPU_SAMPLER_PIXELS,
+    **_: object,
+) -> ReferencePicture:
     """The late picture at the same angles from the view axis."""
     return _through_infinity(colour, late, View(late.pose, shown.fov), shown_size, sampler_pixels)
 
 
-def rotation(colour: Array, inverse_depth: Array, late: View, shown: View, shown_size: tuple[int, int], *, sampler_pixels: float = GPU_SAMPLER_PIXELS, **_: object) -> ReferencePicture:
+def rotation(
+    colour: Array,
+    inverse_depth: Array,
+    late: View,
+    shown: View,
+    shown_size: tuple[int, int],
+    *,
+    sampler_pixels: float = GPU_SAMPLER_PIXELS,
+    **_: object,
+) -> ReferencePicture:
     """Each shown pixel's direction, looked up in the late picture."""
-    return _through_infinity(colour, late, View(Pose(late.pose.position_m, shown.pose.orientation_xyzw), shown.fov), shown_size, sampler_pixels)
+    return _through_infinity(
+        colour, late, View(Pose(late.pose.position_m, shown.pose.orientation_xyzw), shown.fov), shown_size, sampler_pixels
+    )
 
 
 def _through_infinity(colour: Array, late: View, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> ReferencePicture:
     size = colour.shape[1::-1]
     far = np.zeros(shown_size[::-1])
     pixels, _, _ = project(world_directions(shown, shown_size), np.zeros(3), far, late, size)
-    return sample_covered(colour, pixels, pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, far), sampler_pixels)
+    return sample_covered(
+        colour, pixels, pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, far), sampler_pixels
+    )
 
 
 def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
@@ -35,13 +57,23 @@ def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
     return float(samples[(len(samples) + 1) // 2 - 1]) if len(samples) else 0.0
 
 
-def planar(colour: Array, inverse_depth: Array, late: View, shown: View, shown_size: tuple[int, int], *, sampler_pixels: float = GPU_SAMPLER_PIXELS, **_: object) -> ReferencePicture:
+def planar(
+    colour: Array,
+    inverse_depth: Array,
+    late: View,
+    shown: View,
+    shown_size: tuple[int, int],
+    *,
+    sampler_pixels: float = GPU_SAMPLER_PIXELS,
+    **_: object,
+) -> ReferencePicture:
     """Each shown ray, met with the plane at the median depth before the late eye."""
     size, r = colour.shape[1::-1], median_inverse_depth(inverse_depth)
     rays = world_directions(shown, shown_size)
     moved = shown.pose.position_m - late.pose.position_m
     # Along the late eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
-    # length t with axis . (moved + t ray) = 1/r. As inverse lengths, so that r = 0 needs no case: 1/t = (axis . ray) r / (1 - r axis . moved).
+    # length t with axis . (moved + t ray) = 1/r. As inverse lengths, so that r = 0 needs no case:
+    # 1/t = (axis . ray) r / (1 - r axis . moved).
     axis = late.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
     past = 1 - r * (axis @ moved)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -49,7 +81,9 @@ def planar(colour: Array, inverse_depth: Array, late: View, shown: View, shown_s
         pixels, _, _ = project(rays, moved, inverse_length, late, size)
         towards = (rays @ axis) / past > 0
     pixels = np.where(towards[..., None], pixels, np.nan)
-    bound = pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0)))
+    bound = pixel_error_bound(
+        WarpMap.between(shown, shown_size, late, size), shown_size, np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
+    )
     # The Sherman-Morrison form cancels by up to 1 + 2 r |moved| before it divides by past.
     return sample_covered(colour, pixels, 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6), sampler_pixels)
 
@@ -100,11 +134,9 @@ def _where_depth_agrees(inverse_depth: Array, pixels: Array, expected: Array, er
 
 
 def _agrees(inverse_depth: Array, texel: Array, expected: Array, tolerance: float, floor: float):
-    """Whether the texel holds the expected depth, 0 standing in outside the picture; and whether that is a close call."""
-    high, wide = inverse_depth.shape
-    inside = ((texel >= 0) & (texel < np.array([wide, high]))).all(axis=-1)
-    clipped = np.clip(texel, 0, np.array([wide, high]) - 1)
-    held = np.where(inside, inverse_depth[clipped[..., 1], clipped[..., 0]], 0)
+    """Whether the texel (the border's where it lies outside) holds the expected depth; and whether that is a close call."""
+    clipped = np.clip(texel, 0, np.array(inverse_depth.shape[1::-1]) - 1)
+    held = inverse_depth[clipped[..., 1], clipped[..., 0]]
     limit = tolerance * (np.nan_to_num(expected) + floor)
     difference = np.abs(held - expected)
     # 16 u covers the division by w and the products of the comparison, relative to the larger of both depths.

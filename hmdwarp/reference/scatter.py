@@ -8,9 +8,15 @@ from ..geometry import View, WarpMap
 from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
 from .picture import ReferencePicture
 
+FARTHEST, NEAREST = 2.0**-20, 2.0**11  # 1/m
+
 
 def forward(colour: Array, inverse_depth: Array, late: View, shown: View, shown_size: tuple[int, int], **_: object) -> ReferencePicture:
-    """Each drawn pixel to the shown pixel it lands in; of several the nearest, of equals the lowest index. Colours are copied."""
+    """Each drawn pixel to the shown pixel it lands in; of several the nearest. Colours are copied.
+
+    Depths that float32 may take for equal are undecided here; tests/client/test_forward.py decides exact ties. As for the shader,
+    all that is farther than 1000 km is equally far (the lowest index wins), and all that is nearer than 0.5 mm equally near.
+    """
     size = colour.shape[1::-1]
     drawn = inverse_depth >= 0
     own = np.where(drawn, inverse_depth, 0).astype(np.float64)
@@ -18,7 +24,7 @@ def forward(colour: Array, inverse_depth: Array, late: View, shown: View, shown_
     pixels, shown_depth, w = project(world_directions(late, size), moved, own, shown, shown_size)
     bound = pixel_error_bound(WarpMap.between(late, size, shown, shown_size), size, own)
 
-    flat, depth, error = pixels.reshape(-1, 2), shown_depth.ravel(), bound.ravel()
+    flat, depth, error = pixels.reshape(-1, 2), _as_ordered(shown_depth.ravel()), bound.ravel()
     lands = drawn.ravel() & (w.ravel() > 0) & ((flat >= 0) & (flat < np.array(shown_size))).all(axis=1)
     source = np.flatnonzero(lands)
     slot = flat[source, 1].astype(int) * shown_size[0] + flat[source, 0].astype(int)
@@ -34,8 +40,13 @@ def forward(colour: Array, inverse_depth: Array, late: View, shown: View, shown_
     return ReferencePicture(out.reshape(*shape, 4), np.zeros(shape), undecided.reshape(shape))
 
 
+def _as_ordered(inverse_depth: Array) -> Array:
+    """Inverse depths as far as the order of landings tells them apart."""
+    return np.where(inverse_depth < FARTHEST, 0, np.minimum(inverse_depth, NEAREST))
+
+
 def _near_ties(slot: Array, depth: Array, pixels: int) -> np.ndarray:
-    """Shown pixels whose two nearest landings are closer in depth than float32 tells apart (exact ties are decided)."""
+    """Shown pixels whose two nearest landings are closer in depth than float32 tells apart, but not infinitely far."""
     marked = np.zeros(pixels, bool)
     if len(slot) > 1:
         same = slot[1:] == slot[:-1]

@@ -30,7 +30,8 @@ vec4 gathered(ivec2 shown, vec3 base) {
     vec2 across = p.x < centre.x ? vec2(-1.0, 0.0) : vec2(1.0, 0.0);
     across.y = p.y < centre.y ? -1.0 : 1.0;
     bool near_holds = holds(nearest, expected);
-    bool far_holds = holds(nearest + ivec2(across), expected);
+    // Clamped as the colour's sampler does: beyond the border an image reads 0, which would pass for sky.
+    bool far_holds = holds(clamp(nearest + ivec2(across), ivec2(0), late_size - 1), expected);
     vec2 at = near_holds ? (far_holds ? p : centre) : centre + across;
     vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
     bool seen = (near_holds || far_holds) && sum.a > 0.0 && own >= 0.0 && q.z > 0.0 && inside(p, late_size);

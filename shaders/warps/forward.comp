@@ -1,4 +1,4 @@
-// Scatters each drawn pixel to the shown pixel it lands in; the nearest one stays, of equals the lowest index.
+// Scatters each drawn pixel to the shown pixel it lands in; the nearest one stays, of equals as lib/scatter.glsl says.
 // In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where nothing landed (cracks and disocclusions alike).
 // Source: Westover-style point splatting with a z-buffer by 32-bit atomics, as Schuetz et al. 2021 (arXiv 2104.07526), section 3.
 //
@@ -30,9 +30,11 @@ void visit(ivec2 drawn, vec3 base) {
 void main() {
     ivec2 first = first_pixel();
     if (first.x >= late_size.x) return;
-    vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
+    // precise: as in landing(), whose own `precise` does not reach its caller.
+    precise vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
     for (int row = 0; row < ROWS; ++row) {
         if (first.y + row >= late_size.y) break;
-        visit(first + ivec2(0, row), base + H[1] * float(row));
+        precise vec3 here = base + H[1] * float(row);
+        visit(first + ivec2(0, row), here);
     }
 }
