@@ -12,6 +12,8 @@ from .scenes.effects import SceneEffect
 if TYPE_CHECKING:
     import moderngl
 
+    from .poses import PoseSample
+
 
 @attrs.frozen(eq=False)
 class EyeImage:
@@ -33,8 +35,12 @@ class EyeImage:
 
 @attrs.frozen(eq=False)
 class Frame:
-    """Both eyes as the server drew them at `drawn_ns`; `effects` is what the scene called for."""
+    """Both eyes as the server drew them at `drawn_ns`; `effects` is what the scene called for.
+
+    head: world_from_head the frame was asked for, and how that was obtained; None where only the views are known.
+    """
 
     eyes: tuple[EyeImage, ...]
     drawn_ns: int
     effects: SceneEffect = SceneEffect.NONE
+    head: PoseSample | None = None

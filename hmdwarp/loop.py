@@ -41,9 +41,10 @@ class Loop:
 
     def draw(self, now_ns: int) -> None:
         """The server draws both eyes for the pose it is asked for now, and the frame goes on its way."""
-        views = self._headset.views(self._requested.for_server(now_ns).pose)
+        head = self._requested.for_server(now_ns)
         size, guard = self._requested.size, self._requested.guard
-        self._link.send(self._server.draw_frame(views, now_ns, size, guard), now_ns)
+        frame = self._server.draw_frame(self._headset.views(head.pose), now_ns, size, guard)
+        self._link.send(attrs.evolve(frame, head=head), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head at `shown_ns`; None before the first frame has arrived."""

@@ -20,11 +20,11 @@ from .metrics.pool import QualityPool
 from .metrics.summary import aggregate
 from .metrics.worst import Kept
 from .options import RunOptions
-from .poses import Origin
+from .poses import Origin, PoseSample
 from .report.files import OutputFolder
 from .report.page import WorstFrame, render_report
 from .report.pictures import comparison_panels, labelled_strip
-from .report.schema import FRAME_COLUMNS, SCHEMA
+from .report.schema import FRAME_COLUMNS, POSE_PARTS, SCHEMA
 from .report.video import VideoWriter
 from .rig import Rig, build_rig
 from .version import __version__
@@ -108,11 +108,17 @@ def _row(rig: Rig, number: int, eye: int, refresh: Refresh) -> Row:
         "shown_ns": refresh.shown_ns,
         "drawn_ns": refresh.frame.drawn_ns,
         "age_ms": refresh.age_ns * 1e-6,
-        "pose_origin": Origin(refresh.head.origin).name.lower(),
+        **_pose_columns("pose_origin", "shown", refresh.head),
+        **_pose_columns("drawn_origin", "drawn", refresh.frame.head),
         "angular_speed_deg_s": turning,
         "linear_speed_m_s": moving,
         **_stage_columns(rig, refresh.stage_ms[eye]),
     }
+
+
+def _pose_columns(origin: str, prefix: str, head: PoseSample) -> Row:
+    parts = zip(POSE_PARTS, (*head.pose.position_m, *head.pose.orientation_xyzw), strict=True)
+    return {origin: Origin(head.origin).name.lower(), **{f"{prefix}_{part}": float(value) for part, value in parts}}
 
 
 def _stage_columns(rig: Rig, stages: tuple[tuple[str, float], ...]) -> Row:

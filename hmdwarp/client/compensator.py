@@ -31,11 +31,17 @@ class EyeResult:
 class Compensator:
     """The passes of one plan for one pair of sizes, compiled and allocated at the start; run() only sets and dispatches.
 
-    draw_depth(view, size, into): draws the client's own depth; wanted only if the plan has that pass.
+    headset: whose lens is applied; None if the plan has no lens. draw_depth(view, size, into): draws the client's own depth; wanted only if the plan has that pass.
     """
 
     def __init__(
-        self, gpu: Gpu, plan: Plan, headset: Headset, late_size: tuple[int, int], shown_size: tuple[int, int], draw_depth: DrawDepth | None = None
+        self,
+        gpu: Gpu,
+        plan: Plan,
+        headset: Headset | None,
+        late_size: tuple[int, int],
+        shown_size: tuple[int, int],
+        draw_depth: DrawDepth | None = None,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._draw_depth = draw_depth

@@ -11,6 +11,8 @@ from ..metrics import QUALITY, STAGES
 
 SCHEMA = 1
 
+POSE_PARTS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
+
 # One row per frame and eye. Figures are empty where a frame was not measured.
 FRAME_COLUMNS = (
     "frame",  # counts the shown frames from 0
@@ -24,6 +26,9 @@ FRAME_COLUMNS = (
     "linear_speed_m_s",
     *(f"{stage}_ms" for stage in STAGES),
     *QUALITY,
+    *(f"shown_{part}" for part in POSE_PARTS),  # world_from_head the picture was warped to
+    "drawn_origin",  # how the pose the frame was drawn for was obtained
+    *(f"drawn_{part}" for part in POSE_PARTS),  # world_from_head the frame was drawn for
 )
 
 SUMMARY_KEYS = (

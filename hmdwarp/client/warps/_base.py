@@ -46,7 +46,7 @@ class Warp(ABC):
         where it has none.
         """
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027 (most warps own no buffers)
         """Free the buffers, if there are any."""
 
     def set_sizes(self, program: Compute) -> None:
