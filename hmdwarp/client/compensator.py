@@ -31,7 +31,8 @@ class EyeResult:
 class Compensator:
     """The passes of one plan for one pair of sizes, compiled and allocated at the start; run() only sets and dispatches.
 
-    headset: whose lens is applied; None if the plan has no lens. draw_depth(view, size, into): draws the client's own depth; wanted only if the plan has that pass.
+    headset: whose lens is applied; None if the plan has no lens. draw_depth(view, size, into): draws the client's own depth;
+    wanted only if the plan has that pass.
     """
 
     def __init__(
