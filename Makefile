@@ -29,7 +29,7 @@ setup:  ## make .venv ready (PYTHON=python3.12 chooses a Python)
 
 replay: setup  ## the main job: replay a recorded head trace 200 ms late and report on it
 	$(HMDWARP) replay $(TRACE) --scene $(SCENE) --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
-	  --lens $(LENS) --headset $(HEADSET) --out $(OUT) $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
+	  --lens $(LENS) --headset $(HEADSET) --metrics-every $(METRICS_EVERY) --out $(OUT) $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
 
 test: setup  ## all tests, as CI runs them
 	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)
