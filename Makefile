@@ -11,6 +11,8 @@ HEADSET = rift-dk1
 OUT = out/replay
 # How much of the trace; empty means all of it.
 SECONDS =
+# Every n-th refresh is measured; a picture takes a core half a second or more.
+METRICS_EVERY = 30
 # Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
 OPTIONS =
 # Two workers even on two cores, which llvmpipe alone cannot keep busy: 58 s instead of 87 s for 1545 tests.
