@@ -39,7 +39,7 @@ class RunOptions:
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
-    metrics_every: pictures are measured at every n-th refresh. workers: measuring processes, None for one per core but one.
+    metrics_every: pictures are measured at every n-th refresh. workers: measuring processes, None for one per core.
     Errors: InputError for a number that cannot be meant.
     """
 

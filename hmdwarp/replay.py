@@ -30,6 +30,7 @@ from .rig import Rig, build_rig
 from .version import __version__
 
 WORST_FRAMES = 6
+MOST_WORKERS = 8  # each takes 200 MB; measuring every tenth refresh keeps two busy
 EYES = ("left", "right")
 OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "report.html", "replay.mp4")
 
@@ -59,7 +60,7 @@ def replay(options: RunOptions, progress: Progress = lambda done, total: None) -
     what the machine lacks.
     """
     with build_rig(options) as rig, OutputFolder(options.out, owned=OWNED) as out:
-        workers = max(1, (os.cpu_count() or 2) - 1) if options.workers is None else options.workers
+        workers = min(os.cpu_count() or 1, MOST_WORKERS) if options.workers is None else options.workers
         with QualityPool(workers, rig.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(rig, key)) as pool:
             probe = Probe(rig, pool, _keep_every(rig))
             rows = _run(rig, probe, out, progress)
