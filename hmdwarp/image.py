@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .client.compensator import Compensator
-from .client.plan import Plan, build_plan
+from .client.plan import CLIENT_DEPTH, Plan, build_plan
+from .client.warps import warps
 from .colour import linear_from_srgb
-from .errors import InputError
+from .errors import InputError, PlanError
 from .frame import EyeImage
 from .geometry import View, inverse_depth_from_metres
 from .gpu.context import Gpu
@@ -59,11 +60,19 @@ def warp_image(
     for name, view in (("rendered", rendered), ("shown", shown)):
         if not isinstance(view, View):
             raise InputError(f"{name} is a {type(view).__name__}: wanted a hmdwarp.View")
-    plan = build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False)
+    plan = _plan(warp, fill)
     late_size = inverse_depth.shape[1::-1]
     shown_size = late_size if size is None else checked_size(size)
     with _shared_gpu() if gpu is None else gpu.current() as current:
         return _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+
+
+def _plan(warp: str, fill: str) -> Plan:
+    try:
+        return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False)
+    except PlanError as error:
+        able = [entry.name for entry in warps if CLIENT_DEPTH not in entry.reads]
+        raise PlanError(f"{error}, which a picture does not bring; for a picture with depth there are {', '.join(able)}") from error
 
 
 @attrs.frozen(eq=False)

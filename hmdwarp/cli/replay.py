@@ -31,7 +31,7 @@ def replay(
     against: Annotated[str, typer.Option("--against", help="The warp to compare with; '' for none.")] = "none",
     metrics_every: Annotated[int, typer.Option("--metrics-every", help="Measure every n-th refresh.")] = 10,
     workers: Annotated[
-        int | None, typer.Option("--workers", help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False)
+        int | None, typer.Option(help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False)
     ] = None,
     images: Annotated[int, typer.Option("--images", help="About how many refreshes to keep as pictures.")] = 6,
     video: Annotated[bool, typer.Option("--video", help="Also write replay.mp4: both panels, as the display gets them.")] = False,

@@ -16,7 +16,7 @@ def warp(
     out: Annotated[Path, typer.Option("--out", help="OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.")],
     warp: o.Warp = "forward",
     fill: o.Fill = "none",
-    size: o.Size = None,
+    size: Annotated[str | None, typer.Option(help="WxH pixels of the result; by default the frame's.", show_default=False)] = None,
 ) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..frame_files import read_frame, read_view
