@@ -161,6 +161,22 @@ def test_a_plane_before_a_plane_hides_it(gpu):
     assert (got[hidden_before] == -1).all(), "what the near plane hid is a hole"
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_near_border_is_inside_and_the_far_one_is_not(gpu, axis):
+    """A step of exactly half a pixel puts centres on borders: 4 pixels per tangent, 0.25 m, inverse depth 0.5."""
+    depth, step = np.full((8, 8), 0.5), np.eye(3)[axis] * 0.25
+    index = np.arange(64).reshape(8, 8)
+    backwards = Scatter(gpu, (8, 8), (8, 8), shown_pose=Pose(step)).run(depth)
+    assert np.array_equal(backwards, index), "what lands at 0.0 is in pixel 0"
+    forwards = Scatter(gpu, (8, 8), (8, 8), shown_pose=Pose(-step)).run(depth)
+    wanted = np.full((8, 8), -1)
+    if axis == 0:
+        wanted[:, 1:] = index[:, :-1]
+    else:
+        wanted[1:] = index[:-1]
+    assert np.array_equal(forwards, wanted), "what lands at 8.0 of 8 is outside, and not at the start of the next row"
+
+
 def test_one_pixel(gpu):
     scatter = Scatter(gpu, (1, 1), (1, 1))
     for depth, wanted in ((0.5, 0), (0.0, 0), (-1.0, -1), (1e9, 0)):

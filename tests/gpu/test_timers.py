@@ -30,12 +30,12 @@ class FakeThing:
 
 
 class FakeGl:
-    """A context whose queries answer `elapsed` ns; finish() takes a millisecond of a clock that only it moves."""
+    """A context whose queries answer `elapsed` ns; finish() takes a millisecond, and as long as the work that waits, of its own clock."""
 
     def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
         self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer}
         self.queries: list[FakeQuery] = []
-        self.now_ns = 0
+        self.now_ns = self.waiting_ns = 0
 
     def query(self, time):
         self.queries.append(FakeQuery(self.elapsed))
@@ -48,7 +48,8 @@ class FakeGl:
         return FakeThing()
 
     def finish(self):
-        self.now_ns += 1_000_000
+        self.now_ns += 1_000_000 + self.waiting_ns
+        self.waiting_ns = 0
 
 
 @pytest.fixture
@@ -100,11 +101,12 @@ def test_stages_nobody_collected_stay_until_somebody_does(fake):
 
 
 def test_wall_stages_wait_for_what_was_issued_before_and_inside(fake):
-    """Two finish() calls: one before the clock starts, so that earlier work is not counted, one before it stops."""
+    """Earlier work, still under way, is not counted; work issued inside is waited for."""
     gl = fake(1)
     timer = StageTimer(gl)
+    gl.waiting_ns = 7_000_000
     with timer.stage("warp"):
-        gl.now_ns += 5_000_000
+        gl.waiting_ns += 5_000_000
     with timer.stage("fill"):
         pass
     assert timer.collect() == [("warp", 6.0), ("fill", 1.0)]
