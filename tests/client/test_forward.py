@@ -177,6 +177,16 @@ def test_the_near_border_is_inside_and_the_far_one_is_not(gpu, axis):
     assert np.array_equal(forwards, wanted), "what lands at 8.0 of 8 is outside, and not at the start of the next row"
 
 
+def test_what_leaves_at_the_right_does_not_hide_the_start_of_the_next_row(gpu):
+    """The last column lands at exactly 8.0 of 8, before a sky that stays where it is."""
+    depth = np.zeros((8, 8))
+    depth[:, 7] = 0.5
+    got = Scatter(gpu, (8, 8), (8, 8), shown_pose=Pose((-0.25, 0, 0))).run(depth)
+    wanted = np.arange(64).reshape(8, 8)
+    wanted[:, 7] = -1
+    assert np.array_equal(got, wanted)
+
+
 def test_one_pixel(gpu):
     scatter = Scatter(gpu, (1, 1), (1, 1))
     for depth, wanted in ((0.5, 0), (0.0, 0), (-1.0, -1), (1e9, 0)):
