@@ -15,7 +15,7 @@ from pathlib import Path
 import moderngl
 import numpy as np
 
-from ..errors import ShaderError
+from ..errors import InputError, ShaderError
 from ..resources import folder
 
 VERSION = "#version 430"
@@ -140,6 +140,7 @@ class Compute:
             raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
         self.uniforms = Uniforms(self.program, flat.lines, path)
         self.group = _group_size(flat.text)
+        self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
 
     def run(self, width: int, height: int = 1) -> None:
@@ -147,8 +148,15 @@ class Compute:
         self.program.run(*self.groups(width, height), 1)
 
     def groups(self, width: int, height: int = 1) -> tuple[int, int]:
-        """Work groups that cover width x height pixels; a shader that does ROWS pixels an invocation needs fewer."""
-        return -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
+        """Work groups that cover width x height pixels; a shader that does ROWS pixels an invocation needs fewer.
+
+        Errors: InputError beyond the GL limit, where a dispatch would be dropped without a word.
+        """
+        groups = -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
+        if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
+            most = " x ".join(map(str, self._most_groups))
+            raise InputError(f"{self.path} needs {groups[0]} x {groups[1]} work groups, this GPU takes {most}: use smaller pictures")
+        return groups
 
 
 class Draw:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hmdwarp.gpu.shaders
-from hmdwarp.errors import ShaderError
+from hmdwarp.errors import InputError, ShaderError
 from hmdwarp.gpu.shaders import Compute, Draw, ShaderLibrary
 
 
@@ -216,6 +216,16 @@ def test_rows_an_invocation_does_need_fewer_groups(gpu, shaders):
     assert program.groups(64, 64) == (8, 2)
     assert program.groups(65, 65) == (9, 3)
     assert compute(gpu, shaders, "#ifndef ROWS\n#define ROWS 4\n#endif\nlayout(local_size_x = 8) in;\nvoid main() {}", ROWS=2).rows == 2
+
+
+def test_more_groups_than_the_gpu_takes_are_refused(gpu, shaders):
+    """GL drops such a dispatch silently: the picture would be an old one."""
+    program = compute(gpu, shaders, "layout(local_size_x = 1) in;\nvoid main() {}")
+    most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"]
+    assert program.groups(most[0], most[1]) == (most[0], most[1])
+    for size in ((most[0] + 1, 1), (1, most[1] + 1)):
+        with pytest.raises(InputError, match=r"test\.comp needs \d+ x \d+ work groups, this GPU takes \d+ x \d+"):
+            program.run(*size)
 
 
 # --- the cache -----------------------------------------------------------------------------------------------------------
