@@ -28,7 +28,7 @@ from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
 # OpenCV's threads spin for a few milliseconds after their work, on the cores that the next method needs; so it comes last.
-PAUSE_S = 0.02
+PAUSE_S = 0.05
 LATENCY_NS = 200_000_000
 # Against which OpenCV function each warp is held, and the ratio it must not exceed, per size.
 LIMITS = {
@@ -96,8 +96,10 @@ def measure(gpu: Gpu, methods: dict[str, Callable[[], object]], rounds: int) -> 
     times: dict[str, list[float]] = {name: [] for name in methods}
     first = next(iter(methods.values()))
     for number in range(rounds + 1):
-        time.sleep(PAUSE_S)
-        first()  # wakes the threads and the clocks up
+        awake_until = time.perf_counter() + PAUSE_S
+        while time.perf_counter() < awake_until:  # not asleep: a processor that has slept is slow for a while
+            first()
+            gpu.gl.finish()
         for name, run in methods.items():
             gpu.gl.finish()
             started = time.perf_counter_ns()
