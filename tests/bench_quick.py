@@ -110,6 +110,16 @@ def measure(gpu: Gpu, methods: dict[str, Callable[[], object]], rounds: int) -> 
     return {name: np.array(values) for name, values in times.items()}
 
 
+def warm(gpu: Gpu, methods: dict[str, Callable[[], object]], size: tuple[int, int], rounds: int) -> str:
+    """One line: the same ratios with each method alone in a tight loop, where everything it touches may stay in the caches."""
+    times = {}
+    for name in (*LIMITS[size], *{other for other, _ in LIMITS[size].values()}):
+        alone = {name: methods[name]}
+        times[name] = float(np.median(measure(gpu, alone, rounds)[name]))
+    ratios = (f"{name} {times[name]:.2f} ms, {times[name] / times[other]:.2f} x {other}" for name, (other, _) in LIMITS[size].items())
+    return f"alone in a tight loop: {'; '.join(ratios)}"
+
+
 def table(size: tuple[int, int], times: dict[str, np.ndarray]) -> tuple[Table, list[str]]:
     """What was measured at one size, and which limits were missed."""
     out = Table("method", "median ms", "least ms", "against", "ratio", "limit", title=f"{size[0]}x{size[1]}, one eye", title_justify="left")
@@ -135,8 +145,10 @@ def main() -> None:
         server = Server(gpu, load_scene("room"))
         console.print(f"{gpu.renderer}, OpenCV {cv2.__version__}, {arguments.rounds} rounds")
         for size in LIMITS:
-            shown, late = table(size, measure(gpu, Case(gpu, server, size, arguments.time).methods(), arguments.rounds))
+            methods = Case(gpu, server, size, arguments.time).methods()
+            shown, late = table(size, measure(gpu, methods, arguments.rounds))
             console.print(shown)
+            console.print(warm(gpu, methods, size, arguments.rounds))
             missed += late
         server.close()
     for line in missed:
