@@ -1,6 +1,6 @@
 """What this machine has of what the program needs, what is missing, and how to get it.
 
-Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window for `live`, an
+Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window, which nothing needs yet, an
 encoder for `--video`. Drivers and runtimes are asked in processes of their own (see _probes), because they may crash or hang.
 """
 
@@ -126,7 +126,7 @@ def opengl() -> list[Finding]:
 
 
 def openxr() -> list[Finding]:
-    """The loader and the runtime, up to the headset; optional, as only `live --source openxr` and `record` want them."""
+    """The loader and the runtime, up to the headset; optional, as replay wants none of them."""
     known = ask("openxr")
     if known["stage"] in ("start", "binding"):
         trouble = _one_line(known.get("message", known.get("error")))
@@ -194,8 +194,8 @@ def manifest_in_words(environ: Mapping[str, str]) -> str:
 
 
 def window() -> Finding:
-    """Whether a desktop window can be opened; optional, as only `live` without a headset wants one."""
-    remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then xvfb-run -a hmdwarp live ..."
+    """Whether a desktop window can be opened; optional, as replay wants none."""
+    remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then put xvfb-run -a before the command"
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return Finding("desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy)
     known = ask("window")

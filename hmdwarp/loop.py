@@ -1,4 +1,4 @@
-"""The stereo loop: head pose, server, link, newest pose, client. Replay, live, bench and study drive this one."""
+"""The stereo loop: head pose, server, link, newest pose, client. Every driver drives this one."""
 
 from __future__ import annotations
 

@@ -205,3 +205,12 @@ def test_a_late_picture_of_more_pixels_than_keys_is_refused(gpu):
     assert side * side > MOST_PIXELS
     with pytest.raises(InputError, match="a late picture of 16384x16384: 'forward' takes at most"):
         warps.get("forward")(gpu, (side, side), (8, 8))
+
+
+def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
+    most = gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // 4
+    side = gpu.max_texture_size
+    if side * side <= most:
+        pytest.skip(f"this GPU has room for the keys of its largest picture, {side}x{side}")
+    with pytest.raises(InputError, match="4 bytes a pixel"):
+        warps.get("forward")(gpu, (16, 16), (side, side))

@@ -33,6 +33,7 @@ class Forward(Warp):
         shaders, gl = self.gpu.shaders, self.gpu.gl
         self._clear = shaders.compute("warps/forward_clear.comp")
         self._nearest, self._colour, *self._settle = (shaders.compute("warps/forward.comp", PASS=k) for k in range(5))
+        _check_key_buffer(gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], self.shown_size)
         self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
         self._keys = gl.buffer(reserve=16 * self._quads)
         self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
@@ -63,3 +64,9 @@ class Forward(Warp):
     def close(self) -> None:
         self._keys.release()
         self._ties.release()
+
+
+def _check_key_buffer(limit_bytes: int, size: tuple[int, int]) -> None:
+    pixels = (limit_bytes - _TIE_HEADER) // 16 * 4
+    if size[0] * size[1] > pixels:
+        raise InputError(f"a shown picture of {size[0]}x{size[1]}: 'forward' keeps 4 bytes a pixel, this GPU has room for {pixels} pixels")
