@@ -12,7 +12,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -56,13 +55,18 @@ def replace(path: Path, name: str, text: str) -> None:
 
 
 def opening_picture(folder: Path) -> None:
-    """docs/opening.png: truth, late frame, warped, error, of one refresh of `walk`."""
+    """docs/opening.png: truth, late frame, warped, error, of one refresh of `look-around`."""
     out = folder / "opening"
-    options = ["--start", "7", "--seconds", "1.2", "--metrics-every", "6", "--images", "12", "--guard", "1.5", "--size", "640x640"]
+    options = ["--start", "1.1", "--seconds", "0.1", "--metrics-every", "1000", "--images", "1", "--guard", "1.5", "--size", "640x640"]
     options += ["--headset", "flat-90", "--fill", "interpolate", "--against", "", "--quiet", "--out", str(out)]
-    subprocess.run([sys.executable, "-m", "hmdwarp", "replay", "walk", *options], check=True)
-    picture = np.asarray(Image.open(sorted((out / "images").glob("*-left.png"))[3]))
-    Image.fromarray(picture).save(ROOT / "docs" / "opening.png", optimize=True)
+    subprocess.run([sys.executable, "-m", "hmdwarp", "replay", "look-around", *options], check=True)
+    strip = Image.open(out / "images" / "frame-000000-left.png")
+    late, warped, truth, error = (strip.crop((k * strip.width // 4, 0, (k + 1) * strip.width // 4, strip.height)) for k in range(4))
+    ordered = Image.new("RGB", strip.size, "white")
+    for k, panel in enumerate((truth, late, warped, error)):
+        ordered.paste(panel, (k * strip.width // 4, 0))
+    ordered.thumbnail((1920, 1920), Image.Resampling.LANCZOS)
+    ordered.save(ROOT / "docs" / "opening.png", optimize=True)
 
 
 def main() -> None:
