@@ -22,6 +22,7 @@ def main() -> None:
     from ..errors import HmdwarpError
 
     _end_cleanly_by_signals()
+    _print_what_the_terminal_can()
     try:
         from ._app import app
 
@@ -58,6 +59,12 @@ def _end_cleanly_by_signals() -> None:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP, and is obeyed
             signal.signal(number, end)
+
+
+def _print_what_the_terminal_can() -> None:
+    """A dash that the locale's encoding has not, or a file name that is no text, is printed as '?': no reason to end a run that is done."""
+    with suppress(AttributeError):  # closed (None), or somebody's own stream
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _nobody_reads() -> NoReturn:

@@ -74,7 +74,7 @@ def write_bytes(path: str | os.PathLike, content: bytes) -> None:
 
 def write_text(path: str | os.PathLike, content: str) -> None:
     """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
-    write_bytes(path, content.encode())
+    write_bytes(path, content.encode(errors="replace"))  # a file name that is no text (in a command, a note) holds lone surrogates
 
 
 def write_json(path: str | os.PathLike, value: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -96,3 +97,20 @@ def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
     import html
 
     assert shlex.join(["hmdwarp", *REPLAY, str(out), "--quiet"]) in html.unescape(page)
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
+def test_a_terminal_without_the_table_s_characters_gets_question_marks(encoding, tmp_path):
+    environment = {**ENVIRONMENT, "PYTHONIOENCODING": encoding}
+    done = subprocess.run([*PROGRAM, *REPLAY, str(tmp_path / "out")], capture_output=True, env=environment, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"PSNR" in done.stdout and b"? beyond the border" in done.stdout  # an ellipsis, which neither has
+
+
+def test_a_folder_whose_name_is_no_text(tmp_path):
+    """Names of files are bytes, and need not be UTF-8: the command in the report and the last line printed hold this one."""
+    out = os.fsencode(tmp_path) + b"/n\xff"
+    done = subprocess.run([*PROGRAM, *REPLAY, out], capture_output=True, env=ENVIRONMENT, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.splitlines()[-1].endswith(b"/n?/report.html")
+    assert b"/n?" in Path(os.fsdecode(out), "report.html").read_bytes()
