@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ..geometry import Pose
 from ._model import Background, Mesh, Scene, Texture
@@ -198,9 +199,3 @@ def _base_colour(material: Any) -> NDArray[np.float64] | None:
         return (factor[:3] / 255.0 if factor.dtype.kind in "ui" else factor[:3]).astype(np.float64)
     diffuse = getattr(material, "diffuse", None)
     return None if diffuse is None else linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
-
-
-def linear_from_srgb(values: NDArray) -> NDArray[np.float64]:
-    """sRGB 0..1 to linear light. Source: IEC 61966-2-1."""
-    values = np.asarray(values, np.float64)
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)

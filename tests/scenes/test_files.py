@@ -9,11 +9,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.scenes import Scene, load_scene
-from hmdwarp.scenes._files import linear_from_srgb, viewpoint_of
+from hmdwarp.scenes._files import viewpoint_of
 from hmdwarp.server import Server
 
 # Red above green on the left, blue above yellow on the right, in 8 x 8 pixels.
