@@ -10,6 +10,7 @@ import numpy as np
 from .loop import Refresh
 from .metrics import QUALITY
 from .poses import Origin, PoseSample, PoseTrack
+from .poses.quaternions import angle_between
 from .report.schema import POSE_PARTS
 
 Row = dict[str, Any]
@@ -89,8 +90,6 @@ def _drawn_columns(head: PoseSample | None) -> Row:
 def speeds(track: PoseTrack, time_ns: int, half_ns: int = 5_000_000) -> tuple[float, float]:
     """Angular speed in deg/s and linear speed in m/s, by central differences over 10 ms."""
     before, after = track.at(time_ns - half_ns).pose, track.at(time_ns + half_ns).pose
-    apart = [np.linalg.norm(before.orientation_xyzw - sign * after.orientation_xyzw) for sign in (1, -1)]
-    # Chord to angle: |q0 - q1| = 2 sin(angle / 4) on the unit sphere of quaternions, signs made alike.
-    turned = 4 * np.arcsin(min(*apart, 2.0) / 2)
+    turned = angle_between(before.orientation_xyzw, after.orientation_xyzw)
     seconds = 2 * half_ns * 1e-9
     return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
