@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import threading
 from collections.abc import Iterator
@@ -40,15 +39,6 @@ def create_context() -> moderngl.Context:
         raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
     context.gc_mode = "context_gc"
     return context
-
-
-def can_load_egl() -> bool:
-    """Whether the EGL library itself is there, without making a context."""
-    try:
-        ctypes.CDLL("libEGL.so.1")
-    except OSError:
-        return False
-    return True
 
 
 def is_software(gl: moderngl.Context) -> bool:

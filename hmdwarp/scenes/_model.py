@@ -132,16 +132,6 @@ class Scene:
         """Triangles of all meshes together."""
         return sum(len(mesh.triangles) for mesh in self.meshes)
 
-    @property
-    def bounds_m(self) -> Array:
-        """(2, 3) float64 lowest and highest corner in the world. A scene without vertices is its origin."""
-        used = [mesh.positions for mesh in self.meshes if len(mesh.positions)]
-        if not used:
-            return np.array([self.origin_m, self.origin_m])
-        low = np.min([p.min(axis=0) for p in used], axis=0)
-        high = np.max([p.max(axis=0) for p in used], axis=0)
-        return np.array([low, high], dtype=np.float64) + self.origin_m
-
 
 @attrs.frozen(eq=False)
 class SceneSource:
