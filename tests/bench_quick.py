@@ -1,14 +1,20 @@
 """How long one eye takes, against OpenCV on the same frame in the same process: `make bench-quick`.
 
 Prints ratios, which carry over between machines better than times do. Each round runs every method once, so that a machine
-that slows down slows all of them; the figures are medians over the rounds. OpenCV uses two threads.
+that slows down slows all of them; the figures are medians over the rounds. OpenCV uses two threads. At the end: how many frames a
+second a whole replay makes, from typing the command to its page, and how long the command line takes to start.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
+import subprocess
+import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -35,6 +41,11 @@ LIMITS = {
     (1280, 800): {"rotation": ("remap", 3.0), "backward": ("remap", 3.0), "forward": ("warpFrame", 1.2)},
     (2064, 2208): {"forward": ("warpFrame", 0.75)},
 }
+
+
+REPLAY = ("look-around", "--scene", "room", "--size", "640x400", "--metrics-every", "10", "--quiet")
+LEAST_FRAMES_PER_S = 10.0
+START_LIMITS_S = {"import hmdwarp": 0.3, "hmdwarp --help": 0.5}
 
 
 class Case:
@@ -134,10 +145,35 @@ def table(size: tuple[int, int], times: dict[str, np.ndarray]) -> tuple[Table, l
     return out, missed
 
 
+def seconds_of(*arguments: str) -> float:
+    """Wall time of a Python of its own."""
+    started = time.perf_counter()
+    subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - started
+
+
+def whole_replay(seconds: float) -> tuple[str, list[str]]:
+    """Frames a second of a whole replay with its default comparison, start-up and report included; and whether that is too few."""
+    with tempfile.TemporaryDirectory() as out:
+        took = seconds_of("-m", "hmdwarp", "replay", *REPLAY, "--seconds", f"{seconds:g}", "--out", out)
+        frames = json.loads((Path(out) / "summary.json").read_text(encoding="utf-8"))["frames"]
+    told = f"whole replay, 640x400 per eye, {frames} frames: {frames / took:.1f} a second (limit {LEAST_FRAMES_PER_S:g})"
+    return told, [told] if frames / took < LEAST_FRAMES_PER_S else []
+
+
+def starting(rounds: int) -> tuple[str, list[str]]:
+    """Medians of what each start of the program costs; and which are too long."""
+    how = {"import hmdwarp": ("-c", "import hmdwarp"), "hmdwarp --help": ("-m", "hmdwarp", "--help")}
+    took = {name: float(np.median([seconds_of(*arguments) for _ in range(rounds)])) for name, arguments in how.items()}
+    told = {name: f"{name} {seconds:.2f} s (limit {START_LIMITS_S[name]:g})" for name, seconds in took.items()}
+    return f"start: {'; '.join(told.values())}", [told[name] for name in told if took[name] > START_LIMITS_S[name]]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--time", type=float, default=3.0, help="seconds into look-around")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of the whole replay; 0 leaves it out")
     arguments = parser.parse_args()
     cv2.setNumThreads(2)
     console, missed = Console(), []
@@ -151,6 +187,9 @@ def main() -> None:
             console.print(warm(gpu, methods, size, arguments.rounds))
             missed += late
         server.close()
+    for line, late in (*([whole_replay(arguments.seconds)] if arguments.seconds else []), starting(arguments.rounds)):
+        console.print(line)
+        missed += late
     for line in missed:
         console.print(f"missed: {line}")
 
