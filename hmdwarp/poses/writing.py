@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
-from ..errors import InputError
+from ..errors import InputError, MachineError
+
+_NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 
 
 def write_whole(out: Path, write: Callable[[IO[str]], None], source: Path | None = None) -> None:
     """Call `write` with a text stream and move what it wrote to `out` in one step; a failure leaves nothing behind.
 
-    source: a file that must not be overwritten. Errors: InputError naming `out` and why it cannot be written.
+    source: a file that must not be overwritten. Errors: InputError naming `out` and why it cannot be written,
+    MachineError for a full disk.
     """
     if out.is_dir():
         raise InputError(f"{out} is a directory: wanted the name of a file to write")
@@ -31,7 +35,10 @@ def write_whole(out: Path, write: Callable[[IO[str]], None], source: Path | None
         Path(temporary).replace(out)
         temporary = None
     except OSError as error:
-        raise InputError(f"{out}: cannot be written: {error.strerror or error}") from None
+        why = f"{out}: cannot be written ({error.strerror or error})"
+        if error.errno in _NO_ROOM:
+            raise MachineError(f"{why}: make room or choose another folder") from None
+        raise InputError(f"{why}: choose a folder that you may write to") from None
     finally:
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)

@@ -31,11 +31,11 @@ def run(*arguments: object) -> str:
     return result.stdout
 
 
-def refused(*arguments: object) -> str:
-    """The one line of a refusal that ends the command line with status 2."""
+def refused(*arguments: object, status: int = 2) -> str:
+    """The one line of a refusal that ends the command line with that status."""
     with pytest.raises(HmdwarpError) as error:
         run(*arguments)
-    assert error.value.exit_status == 2
+    assert error.value.exit_status == status
     return str(error.value)
 
 
@@ -121,7 +121,7 @@ def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(FORMATS.get("tum"), "write", full)
-    assert "No space left on device" in refused("convert", path, out, "--to", "tum")
+    assert "No space left on device): make room" in refused("convert", path, out, "--to", "tum", status=3)
     assert out.read_text() == "what was there before"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["in.csv", "out.csv"]
 
