@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import shlex
 import sys
 from pathlib import Path
@@ -77,6 +78,7 @@ def replay(
 def _run(options, quiet: bool) -> None:
     from ..replay import replay as run
 
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
     if quiet:
         run(options)
         return
