@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
 GREY = 0.5
+_UNCHOSEN = (102, 102, 102)  # trimesh's diffuse colour where a file names none; its own exporter writes it as Kd 0.4
 _KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
 _STANDING_M = 1.6
 
@@ -92,8 +93,7 @@ def _parts_of(path: Path, notes: list[str]) -> list[trimesh.Trimesh]:
         raise SceneError(f"{path}: not a readable {kind.upper()} file ({type(error).__name__}: {reason}); export it again") from error
     finally:
         quiet.setLevel(before)
-    if kind == "obj":
-        notes += _missing_pictures(path)
+    notes += {"obj": _missing_pictures, "ply": _missing_ply_pictures}.get(kind, lambda _: [])(path)
     return [part for part in found if isinstance(part, trimesh.Trimesh)]
 
 
@@ -108,6 +108,19 @@ def _missing_pictures(path: Path) -> list[str]:
             if not (path.parent / picture).is_file():
                 notes.append(f"{path}: texture '{picture}' is missing; drawn grey")
     return notes
+
+
+def _missing_ply_pictures(path: Path) -> list[str]:
+    """The same for the pictures that a PLY names in its header, as MeshLab and others write them."""
+    names = []
+    with path.open("rb") as file:
+        for line in file:
+            words = line.decode("utf-8", "replace").split(maxsplit=2)
+            if words[:1] == ["end_header"]:
+                break
+            if words[:2] == ["comment", "TextureFile"] and len(words) == 3:
+                names.append(words[2].strip())
+    return [f"{path}: texture '{name}' is missing; drawn grey" for name in names if not (path.parent / name).is_file()]
 
 
 def _named_in(path: Path, keyword: str) -> list[str]:
@@ -169,7 +182,8 @@ def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], n
     base = _base_colour(material)
     if picture is not None and found_uv is not None:
         textures.append(Texture(name, picture))
-        return np.tile(base if base is not None else (1.0, 1.0, 1.0), (count, 1)), uv, len(textures) - 1
+        chosen = base is not None and tuple(getattr(material, "diffuse", ())[:3]) != _UNCHOSEN
+        return np.tile(base if chosen else (1.0, 1.0, 1.0), (count, 1)), uv, len(textures) - 1
     colours = getattr(visual, "vertex_colors", None) if visual.kind in ("vertex", "face") else None
     if colours is None:
         colours = (getattr(visual, "vertex_attributes", None) or {}).get("color")

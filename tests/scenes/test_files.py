@@ -89,6 +89,51 @@ def test_an_obj_without_its_material_file_is_grey_and_says_so(tmp_path):
     assert "'gone.mtl' is missing" in scene.notes[0]
 
 
+def picture_file(folder) -> None:
+    Image.fromarray(PICTURE).save(folder / "picture.png")
+
+
+@pytest.mark.parametrize(("material", "tint"), [("", 1.0), ("Kd 1 1 1\n", 1.0), ("Kd 0.4 0.4 0.4\n", 1.0), ("Kd 0.8 0.8 0.8\n", 0.6038)])
+def test_a_texture_is_tinted_only_by_a_colour_somebody_chose(tmp_path, material, tint):
+    """Kd is sRGB; without one, or with the 0.4 that trimesh writes where there is none, the picture alone counts."""
+    picture_file(tmp_path)
+    (tmp_path / "a.mtl").write_text(f"newmtl a\n{material}map_Kd picture.png\n")
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+    (tmp_path / "b.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd picture.png\n")
+    (tmp_path / "b.obj").write_text((tmp_path / "a.obj").read_text().replace("a.mtl", "b.mtl"))
+    light, white = (load_scene(tmp_path / f"{name}.obj").meshes[0].light for name in "ab")
+    assert np.allclose(light, tint * white, rtol=1e-3)
+
+
+PLY = """ply
+format ascii 1.0
+comment TextureFile picture.png
+element vertex 3
+property float x
+property float y
+property float z
+property float s
+property float t
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0 0 0
+1 0 0 1 0
+0 1 0 0 1
+3 0 1 2
+"""
+
+
+def test_a_ply_keeps_its_texture_and_says_so_where_that_is_missing(tmp_path):
+    (tmp_path / "a.ply").write_text(PLY)
+    assert "texture 'picture.png' is missing; drawn grey" in load_scene(tmp_path / "a.ply").notes[0]
+    picture_file(tmp_path)
+    scene = load_scene(tmp_path / "a.ply")
+    assert scene.notes == ()
+    assert (scene.textures[0].image == PICTURE).all()
+    assert scene.meshes[0].light.min() > 0.3  # lit as anything white is
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "binary"])
 def test_a_ply_keeps_its_vertex_colours_in_linear_light(tmp_path, encoding):
     vertices, faces, _ = upright_square()
