@@ -40,4 +40,4 @@ bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same f
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)
 
 docs: setup  ## run what the figures and pictures in README.md and docs/ come from, and write them there
-	@.venv/bin/python docs/regenerate.py
+	@.venv/bin/python docs/regenerate.py $(OPTIONS)
