@@ -18,7 +18,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[1]
 WARPS = ("none", "rotation", "planar", "forward", "backward")
 COMMON = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
-HEAD = "| PSNR dB | SSIM | FLIP | holes % | of them border % | flicker | warp ms | fill ms | lens ms |\n"
+HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker | warp ms | fill ms | lens ms |\n"
 
 
 def run(folder: Path, trace: str, *options: str) -> dict:
