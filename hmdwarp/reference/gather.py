@@ -125,8 +125,7 @@ def _where_depth_agrees(inverse_depth: Array, pixels: Array, expected: Array, er
     across = texel + np.where(within < 0.5, -1, 1)
     near, near_close = _agrees(inverse_depth, texel, expected, tolerance, floor)
     far, far_close = _agrees(inverse_depth, across, expected, tolerance, floor)
-    one = np.clip(np.where(near[..., None], texel, across), 0, np.array(inverse_depth.shape[1::-1]) - 1) + 0.5
-    at = np.where((near & far)[..., None], pixels, one)
+    at = np.where((near & far)[..., None], pixels, np.where(near[..., None], texel, across) + 0.5)
     # The place may lie in the next texel, or in the other half of its own, where the other three texels are others.
     from_border = np.minimum(within, 1 - within).min(axis=-1) <= error
     from_middle = np.abs(within - 0.5).min(axis=-1) <= error
@@ -134,11 +133,13 @@ def _where_depth_agrees(inverse_depth: Array, pixels: Array, expected: Array, er
 
 
 def _agrees(inverse_depth: Array, texel: Array, expected: Array, tolerance: float, floor: float):
-    """Whether the texel (the border's where it lies outside) holds the expected depth; and whether that is a close call."""
-    clipped = np.clip(texel, 0, np.array(inverse_depth.shape[1::-1]) - 1)
+    """Whether the texel lies inside the picture and holds the expected depth; and whether that is a close call."""
+    most = np.array(inverse_depth.shape[1::-1]) - 1
+    clipped = np.clip(texel, 0, most)
+    inside = (texel == clipped).all(axis=-1)
     held = inverse_depth[clipped[..., 1], clipped[..., 0]]
     limit = tolerance * (np.nan_to_num(expected) + floor)
     difference = np.abs(held - expected)
     # 16 u covers the division by w and the products of the comparison, relative to the larger of both depths.
     close = np.abs(difference - limit) <= 16 * FLOAT32_UNIT * (np.abs(held) + np.nan_to_num(expected) + limit) + 1e-30
-    return difference <= limit, close
+    return inside & (difference <= limit), inside & close

@@ -27,14 +27,14 @@ vec4 gathered(ivec2 shown, vec3 base) {
     float expected = own * depth_ratio;
     ivec2 nearest = ivec2(p);
     vec2 centre = vec2(nearest) + 0.5;
-    vec2 across = p.x < centre.x ? vec2(-1.0, 0.0) : vec2(1.0, 0.0);
-    across.y = p.y < centre.y ? -1.0 : 1.0;
+    vec2 across = centre + mix(vec2(1.0), vec2(-1.0), lessThan(p, centre));
+    ivec2 opposite = ivec2(floor(across));
     bool near_holds = holds(nearest, expected);
-    // Clamped as the colour's sampler does: beyond the border an image reads 0, which would pass for sky.
-    bool far_holds = holds(clamp(nearest + ivec2(across), ivec2(0), late_size - 1), expected);
-    vec2 at = near_holds ? (far_holds ? p : centre) : centre + across;
+    // Beyond the border an image reads 0, which would pass for sky.
+    bool opposite_holds = all(lessThan(uvec2(opposite), uvec2(late_size))) && holds(opposite, expected);
+    vec2 at = near_holds ? (opposite_holds ? p : centre) : across;
     vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
-    bool seen = (near_holds || far_holds) && sum.a > 0.0 && own >= 0.0 && q.z > 0.0 && inside(p, late_size);
+    bool seen = (near_holds || opposite_holds) && own >= 0.0 && q.z > 0.0 && inside(p, late_size);
     return seen ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
