@@ -276,7 +276,7 @@ def tracked_texts() -> list[tuple[str, str]]:
 
 FORBIDDEN = {
     "a path of somebody's machine": re.compile(r"(?<![\w./~-])/(?:home|root|work|Users|mnt|tmp)/\w"),
-    "the address of a package index": re.compile(r"https?://\S*(?:pypi|pythonhosted|/simple\b)|--(?:extra-)?index-url|--find-(?:links)"),
+    "the address of a package index": re.compile(r"https?://\S*(?:py[p]i|python[h]osted|/simple\b)|--(?:extra-)?index-url|--find-(?:links)"),
 }
 
 
