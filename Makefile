@@ -30,8 +30,8 @@ setup:  ## make .venv ready (PYTHON=python3.12 chooses a Python)
 	@.ci/setup
 
 replay: setup  ## the main job: replay a recorded head trace 200 ms late and report on it
-	$(HMDWARP) replay $(TRACE) --scene $(SCENE) --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
-	  --lens $(LENS) --headset $(HEADSET) --metrics-every $(METRICS_EVERY) --out $(OUT) $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
+	$(HMDWARP) replay "$(TRACE)" --scene "$(SCENE)" --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
+	  --lens $(LENS) --headset $(HEADSET) --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
 
 test: setup  ## all tests, as CI runs them
 	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)

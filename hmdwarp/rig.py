@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 import attrs
@@ -19,7 +19,7 @@ from .headsets import Headset, load_headset
 from .link import ConstantLink
 from .loop import Loop
 from .options import RunOptions
-from .poses import LoadedTrace, PoseSample, PoseTrack, load_trace
+from .poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, load_trace
 from .poses.predict import PREDICTORS, predict
 from .registry import unknown_name
 from .scenes import Scene, load_scene
@@ -30,22 +30,25 @@ from .server import Server
 class Requested:
     """Which head poses the server and the display ask for, and how much the server draws."""
 
-    track: PoseTrack
-    age_ns: int
-    predictor: str
-    horizon_ns: int
+    source: PoseSource
+    predicted: Callable[[int], PoseSample] | None
     size: tuple[int, int]
     guard: float
 
     def for_server(self, now_ns: int) -> PoseSample:
         """The pose a frame drawn now is meant for: now's, or the one predicted for when it will be seen."""
-        if self.predictor == "none":
-            return self.track.at(now_ns)
-        return predict(self.track, now_ns, now_ns + self.age_ns, self.predictor, self.horizon_ns)
+        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns)
 
     def for_display(self, shown_ns: int) -> PoseSample:
         """The head when the picture is seen."""
-        return self.track.at(shown_ns)
+        return self.source.head_at(shown_ns)
+
+
+def predictor(track: PoseTrack, method: str, age_ns: int, horizon_ms: float) -> Callable[[int], PoseSample] | None:
+    """The head when a frame drawn now will be seen, `age_ns` later, from what is known now; None for no prediction."""
+    if method == "none":
+        return None
+    return lambda now_ns: predict(track, now_ns, now_ns + age_ns, method, round(horizon_ms * 1e6))
 
 
 # A latency this near to a whole number of refreshes means that number: 16.67 ms is one refresh at 60 Hz, not a little more.
@@ -196,7 +199,11 @@ def build_rig(options: RunOptions) -> Rig:
         stack.callback(link.close)
         compensator = _compensator(gpu, plan, headset, size, options.guard, server)
         stack.callback(compensator.close)
-        requested = Requested(track, times.age_ns, options.predict, round(options.horizon_ms * 1e6), size, options.guard)
+        source = RecordedSource(track)
+        source.start()
+        stack.callback(source.close)
+        predicted = predictor(track, options.predict, times.age_ns, options.horizon_ms)
+        requested = Requested(source, predicted, size, options.guard)
         loop = Loop(requested, server, link, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
         return Rig(options, trace, track, scene, headset, size, plan, times, gpu, server, link, loop, notes, stack.pop_all())

@@ -86,14 +86,14 @@ def convert(
 
     from ..errors import InputError
     from ..poses.load import load_trace
-    from ..poses.writing import write_whole
+    from ..report.files import write_stream
 
     target = FORMATS.get(to)
     if not target.writes:
         able = ", ".join(f.name for f in FORMATS if f.writes)
         raise InputError(f"format {to} is read, not written: wanted one of {able}")
     loaded = load_trace(trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment))
-    write_whole(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
+    write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
     console.print(f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}", markup=False, highlight=False)
@@ -109,10 +109,10 @@ def synth(
 ) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
-    from ..poses.writing import write_whole
+    from ..report.files import write_stream
 
     track = synthesise(kind, seed, seconds, rate)
-    write_whole(out, lambda stream: write_synthetic(track, stream))
+    write_stream(out, lambda stream: write_synthetic(track, stream))
     typer.echo(f"{out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
 
 

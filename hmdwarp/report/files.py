@@ -8,10 +8,10 @@ import json
 import os
 import shutil
 import uuid
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,19 @@ def write_bytes(path: str | os.PathLike, content: bytes) -> None:
 def write_text(path: str | os.PathLike, content: str) -> None:
     """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
     write_bytes(path, content.encode(errors="replace"))  # a file name that is no text (in a command, a note) holds lone surrogates
+
+
+def write_stream(path: Path, write: Callable[[IO[str]], None], source: Path | None = None) -> None:
+    """Write a text file by calling `write` with a stream, so that a long one need not be in memory whole.
+
+    source: a file that must not be overwritten. Errors: InputError for a folder or the source itself; else as write_bytes.
+    """
+    if path.is_dir():
+        raise InputError(f"{path} is a directory: wanted the name of a file to write")
+    if source is not None and path.exists() and source.exists() and path.samefile(source):
+        raise InputError(f"{path} is the input itself: write to another file")
+    with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
+        write(stream)
 
 
 def write_json(path: str | os.PathLike, value: Any) -> None:

@@ -129,7 +129,7 @@ def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
 def test_places_that_cannot_be_written(tmp_path):
     path = write(tmp_path / "in.csv", rows(TRACK))
     assert "is a directory" in refused("convert", path, tmp_path)
-    assert "cannot be written" in refused("convert", path, tmp_path / "missing" / "out.csv")
+    assert "cannot write" in refused("convert", path, tmp_path / "missing" / "out.csv")
     assert "cannot be written" in refused("synth", "still", "--out", path / "below" / "out.csv")
 
 

@@ -129,8 +129,8 @@ def test_without_baseline_worst_frames_notes_or_any_measurement():
 
 def test_the_same_run_gives_the_same_page(tmp_path):
     path = write_report(tmp_path, a_summary(), rows=some_rows(seconds=1), command="x")
-    first = path.read_text()
-    assert first == write_report(tmp_path, a_summary(), rows=some_rows(seconds=1), command="x").read_text()
+    first = path.read_text(encoding="utf-8")
+    assert first == write_report(tmp_path, a_summary(), rows=some_rows(seconds=1), command="x").read_text(encoding="utf-8")
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
 
 
@@ -171,7 +171,7 @@ def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = Fa
     # The probe is the only thing that the page's own policy would not let run; all the rest of it stays in force.
     allowed = policy.replace("default-src 'none'", "default-src 'none'; script-src 'unsafe-inline'")
     copy = tmp_path / "copy.html"
-    copy.write_text(text.replace(policy, allowed + PROBE))
+    copy.write_text(text.replace(policy, allowed + PROBE), encoding="utf-8")
     options = [f"--blink-settings=preferredColorScheme={0 if dark else 1}", f"--window-size={width},900"]
     command = [CHROMIUM, *FLAGS, *options, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", copy.as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
