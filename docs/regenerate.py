@@ -18,7 +18,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[1]
 WARPS = ("none", "rotation", "planar", "forward", "backward")
 COMMON = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
-HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker | warp ms | fill ms | lens ms |\n"
+HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
 
 
 def run(folder: Path, trace: str, *options: str) -> dict:
@@ -32,11 +32,10 @@ def run(folder: Path, trace: str, *options: str) -> dict:
 
 def cells(summary: dict) -> str:
     """One row of figures, in the order of HEAD."""
-    q, t = summary["quality"], summary["time_ms"]
+    q = summary["quality"]
     shares = (100 * q[name]["mean"] for name in ("hole_share", "border_share"))
     quality = [f"{q['psnr_db']['mean']:.2f}", f"{q['ssim']['mean']:.3f}", f"{q['flip']['mean']:.3f}", *(f"{s:.1f}" for s in shares)]
-    times = [f"{t[name]['median']:.1f}" for name in ("warp", "fill", "lens")]
-    return " | ".join([*quality, f"{q['flicker']['mean']:.3f}", *times]) + " |"
+    return " | ".join([*quality, f"{q['flicker']['mean']:.3f}"]) + " |"
 
 
 def table(first: tuple[str, ...], rows: list[tuple[tuple[str, ...], dict]]) -> str:
@@ -79,9 +78,9 @@ def quality(folder: Path) -> None:
             for warp in WARPS:
                 by_warp[guard, trace, warp] = run(folder, trace, "--latency", "200", "--warp", warp, "--guard", guard)
     any_run = next(iter(by_warp.values()))
-    machine = f"{any_run['machine']['gl_renderer']}, {any_run['machine']['cpu_count']} cores, {any_run['clock']} clock"
+    machine = f"{any_run['machine']['gl_renderer']}, {any_run['machine']['cpu_count']} cores"
     rows = [((trace, f"`{warp}`"), by_warp["1.5", trace, warp]) for trace in ("look-around", "walk") for warp in WARPS]
-    replace(readme, "results", f"{table(('recording', 'warp'), rows)}\n\nTimes are medians for one eye on {machine}.")
+    replace(readme, "results", f"{table(('recording', 'warp'), rows)}\n\nMeasured on {machine}.")
     replace(results, "machine", f"hmdwarp {any_run['hmdwarp']}; {machine}; {any_run['machine']['gl_version']}.")
     for guard in ("1", "1.5"):
         rows = [((trace, f"`{warp}`"), by_warp[guard, trace, warp]) for trace in ("look-around", "walk") for warp in WARPS]

@@ -130,7 +130,7 @@ def test_places_that_cannot_be_written(tmp_path):
     path = write(tmp_path / "in.csv", rows(TRACK))
     assert "is a directory" in refused("convert", path, tmp_path)
     assert "cannot write" in refused("convert", path, tmp_path / "missing" / "out.csv")
-    assert "cannot be written" in refused("synth", "still", "--out", path / "below" / "out.csv")
+    assert "cannot write" in refused("synth", "still", "--out", path / "below" / "out.csv")
 
 
 def test_wrong_names_get_the_nearest_known_one(tmp_path):
