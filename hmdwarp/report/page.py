@@ -118,6 +118,7 @@ def render_report(
         command=command,
         notes=list(notes),
         columns=names,
+        baseline=baseline_summary,
         quality_rows=comparison[: len(QUALITY_FIGURES)],
         time_rows=comparison[len(QUALITY_FIGURES) :],
         tiles=_tiles(summary, baseline_summary, names),

@@ -118,4 +118,6 @@ def _head(figure: Figure) -> str:
 def _caption(summary: Summary, baseline: Summary | None) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     text = f"mean over measured pictures; times: median per eye, {clock};\np95: the worst 5 % begin there"
-    return text if baseline is None else f"{text}; *: better of the two"
+    if baseline is None:
+        return text
+    return f"{text}; *: better of the two; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}"
