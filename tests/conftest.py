@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,14 @@ def real_traces() -> Path:
     if not DEVELOPMENT_TRACES.is_dir():
         pytest.skip(f"no real head traces at {DEVELOPMENT_TRACES} (they lie beside the development checkout only)")
     return DEVELOPMENT_TRACES
+
+
+def pytest_configure() -> None:
+    """Signals as a terminal has them: under nohup, or in the background of a script, they are ignored, and so would be in every
+    program that a test starts and then interrupts."""
+    for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, usual)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
