@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,12 +19,6 @@ from .server.targets import TargetPool
 # The two things measured at a refresh: the asked-for warp and the one it is compared with.
 MAIN, AGAINST = 0, 1
 Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
-
-
-@attrs.frozen(eq=False)
-class _Truth:
-    picture: NDArray[np.uint8]
-    inverse_depth: NDArray[np.float32]
 
 
 class Probe:
@@ -56,28 +49,36 @@ class Probe:
         """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
         for eye, result in enumerate(refresh.eyes):
             late = refresh.frame.eyes[eye]
-            truth = self._truth(result)
-            self._take(number, eye, MAIN, late, result, truth)
+            truth = self._rig.server.draw(result.view, self._rig.size, self._target)
+            picture = picture_from_linear(download(truth.colour))
+            # The neighbour of a measured refresh is read for flicker alone.
+            depth = None if number % self._every else download(truth.inverse_depth)
+            self._take(number, eye, MAIN, late, result, picture, depth)
             if self._against is not None:
                 other = self._against.run(late, result.view, eye)
                 self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
-                self._take(number, eye, AGAINST, late, other, truth)
+                self._take(number, eye, AGAINST, late, other, picture, depth)
 
-    def _truth(self, result: EyeResult) -> _Truth:
-        image = self._rig.server.draw(result.view, self._rig.size, self._target)
-        return _Truth(picture_from_linear(download(image.colour)), download(image.inverse_depth))
-
-    def _take(self, number: int, eye: int, which: int, late: EyeImage, result: EyeResult, truth: _Truth) -> None:
-        now = Compared(picture_from_linear(download(result.shown.texture)), truth.picture, result.view)
+    def _take(
+        self,
+        number: int,
+        eye: int,
+        which: int,
+        late: EyeImage,
+        result: EyeResult,
+        truth: NDArray[np.uint8],
+        truth_inverse_depth: NDArray[np.float32] | None,
+    ) -> None:
+        now = Compared(picture_from_linear(download(result.shown.texture)), truth, result.view)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
-        if number % self._every:
+        if truth_inverse_depth is None:
             return
         job = QualityJob(
             now,
             before if before_number == number - 1 else None,
             download(result.warped.texture)[..., 3],
-            truth.inverse_depth,
+            truth_inverse_depth,
             late.view,
             late.size,
             late=picture_from_linear(download(late.colour)) if which == MAIN else None,

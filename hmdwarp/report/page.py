@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import base64
-import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ..metrics.worst import Kept
 from .charts import Series, time_series
-from .files import write_text
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
 
@@ -71,30 +68,6 @@ class _Chart:
     svg: str
 
 
-def write_report(
-    out_dir: str | os.PathLike,
-    summary: Summary,
-    baseline_summary: Summary | None = None,
-    *,
-    rows: Rows,
-    baseline_rows: Rows | None = None,
-    worst: Sequence[WorstFrame] = (),
-    command: str,
-    notes: Sequence[str] = (),
-) -> Path:
-    """Write out_dir/report.html and return its path.
-
-    summary, baseline_summary: as summary.json; rows, baseline_rows: as frames.csv's, None for absent values. command: what
-    the user typed, exactly. notes: what the run noticed, one sentence each. Errors: as files.write_bytes.
-    """
-    path = Path(out_dir) / "report.html"
-    page = render_report(
-        summary, baseline_summary, rows=rows, baseline_rows=baseline_rows, worst=worst, command=command, notes=notes
-    )
-    write_text(path, page)
-    return path
-
-
 def render_report(
     summary: Summary,
     baseline_summary: Summary | None = None,
@@ -105,7 +78,11 @@ def render_report(
     command: str,
     notes: Sequence[str] = (),
 ) -> str:
-    """The page of write_report as text; the same arguments give the same text."""
+    """The text of report.html; the same arguments give the same text.
+
+    summary, baseline_summary: as summary.json; rows, baseline_rows: as frames.csv's, None for absent values. command: what
+    the user typed, exactly. notes: what the run noticed, one sentence each.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
