@@ -37,6 +37,7 @@ def scene_from_file(path: Path) -> Scene:
     if not parts:
         raise SceneError(f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)")
     for part in parts:
+        _check_shape(path, part)
         _check_finite(path, part)
     low, high = (np.array([getattr(part.vertices, end)(axis=0) for part in parts]) for end in ("min", "max"))
     low, high = low.min(axis=0), high.max(axis=0)
@@ -127,6 +128,13 @@ def _named_in(path: Path, keyword: str) -> list[str]:
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = (line.split(maxsplit=1) for line in file if line.lstrip().startswith(keyword))
         return list(dict.fromkeys(words[1].strip() for words in lines if len(words) == 2 and words[0] == keyword))
+
+
+def _check_shape(path: Path, part: Any) -> None:
+    """trimesh hands on what a damaged file says, vertices of two numbers for instance."""
+    for name, array in (("vertices", part.vertices), ("faces", part.faces)):
+        if np.ndim(array) != 2 or np.shape(array)[1] != 3:
+            raise SceneError(f"{path}: {name} of shape {np.shape(array)}; wanted three numbers each; export the file again")
 
 
 def _check_finite(path: Path, part: Any) -> None:

@@ -203,6 +203,20 @@ def one_line_error(path) -> None:
         assert "\n" not in str(error)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "v 0\nv 1\nv 2\nf 1 2 3\n", "v 0 0 0\nf 1 1 -7\n"],
+    ids=["two numbers a vertex", "no such vertex", "one number a vertex", "a vertex before the first"],
+)
+def test_an_obj_whose_numbers_do_not_fit_is_refused(tmp_path, text):
+    path = tmp_path / "damaged.obj"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError) as refused:
+        load_scene(path)
+    assert str(path) in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
 @pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
