@@ -1,0 +1,76 @@
+"""The Pareto front: nobody on it is beaten, everybody off it is, and ties stay together in their order."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.metrics.pareto import error_and_time, pareto
+
+# Few different values, so that ties in one cost and in both are frequent; and any float, infinities included.
+COST = st.one_of(st.integers(0, 4).map(float), st.floats(allow_nan=False))
+ROWS = st.lists(st.tuples(COST, COST), max_size=40)
+
+
+def costs(row):
+    return row[:2]
+
+
+def beats(one, other):
+    return one[0] <= other[0] and one[1] <= other[1] and one != other
+
+
+def numbered(pairs):
+    return [(*pair, number) for number, pair in enumerate(pairs)]
+
+
+@given(ROWS)
+def test_the_front_is_what_nobody_beats(pairs):
+    """Against the definition itself, every pair compared."""
+    rows = numbered(pairs)
+    front = pareto(rows, costs)
+    assert front == [row for row in rows if not any(beats(other[:2], row[:2]) for other in rows)]
+
+
+@given(ROWS)
+def test_everybody_else_is_beaten_by_one_of_the_front(pairs):
+    rows = numbered(pairs)
+    front = pareto(rows, costs)
+    assert all(any(beats(winner[:2], row[:2]) for winner in front) for row in rows if row not in front)
+    assert bool(front) == bool(rows)
+
+
+@given(ROWS)
+def test_the_front_of_the_front_is_the_front(pairs):
+    front = pareto(numbered(pairs), costs)
+    assert pareto(front, costs) == front
+
+
+@given(ROWS, st.randoms(use_true_random=False))
+def test_the_order_of_the_rows_decides_nothing_but_the_order(pairs, random):
+    rows = numbered(pairs)
+    shuffled = random.sample(rows, len(rows))
+    front = pareto(shuffled, costs)
+    assert set(front) == set(pareto(rows, costs))
+    assert [shuffled.index(row) for row in front] == sorted(shuffled.index(row) for row in front)
+
+
+@given(ROWS, st.lists(st.tuples(st.one_of(st.none(), COST), st.none()), max_size=5))
+def test_what_was_not_measured_takes_no_part(pairs, blanks):
+    rows = numbered(pairs)
+    assert pareto([*numbered(blanks), *rows], costs) == pareto(rows, costs)
+
+
+def test_nan_is_refused():
+    with pytest.raises(HmdwarpError, match="not a number"):
+        pareto([(1.0, math.nan)], costs)
+
+
+def test_costs_of_a_row_of_the_bench():
+    row = {"quality": {"flip": {"mean": 0.1}, "psnr_db": {"mean": 30.0}, "ssim": {"mean": None}}, "time_ms": {"total": {"median": 7.0}}}
+    assert error_and_time(row) == (0.1, 7.0)
+    assert error_and_time(row, "psnr_db") == (-30.0, 7.0)
+    assert error_and_time(row, "ssim") == (None, 7.0)
+    assert pareto([row]) == [row]
