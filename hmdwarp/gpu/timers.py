@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import moderngl
@@ -69,3 +69,15 @@ class StageTimer:
         self._pending.clear()
         done, self._done = self._done, []
         return done
+
+
+def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:
+    """(wall_ms, gpu_ms) of one run: by the wall clock until the GPU has finished, and by a timer query, real or not."""
+    query = gl.query(time=True)
+    gl.finish()
+    started = time.perf_counter_ns()
+    with query:
+        run()
+    gl.finish()
+    wall_ms = (time.perf_counter_ns() - started) * 1e-6
+    return wall_ms, query.elapsed * 1e-6

@@ -10,6 +10,7 @@ from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.bandwidth import Copier
 from hmdwarp.gpu.context import Gpu
 from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
@@ -43,7 +44,7 @@ class Recorder(ShaderLibrary):
 
 @pytest.fixture(scope="module")
 def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
-    """(file, defines) of everything the program compiles: every registered pass, and the server with and without colour."""
+    """(file, defines) of everything the program compiles: every registered pass, the server with and without colour, the copy."""
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:
         for warp in warps:
@@ -57,6 +58,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
         server.draw(view, (8, 6))
         server.draw_depth(view, (8, 6), depth)
+        with Copier(gpu, 16):
+            pass
         return gpu.shaders.used
     finally:
         gpu.shaders = before

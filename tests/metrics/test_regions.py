@@ -1,0 +1,136 @@
+"""Where the error is: planes have no edges, steps do, and the regions together are the picture."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.metrics.image import flip, psnr_db
+from hmdwarp.metrics.regions import REGIONS, near_discontinuity, pooled, region_of, region_sums
+
+from .pictures import noise
+
+SIZE = (64, 48)
+FULL = np.ones((48, 64))
+
+
+def plane(normal, distance_m: float, size=SIZE, view: View | None = None) -> np.ndarray:
+    """(h, w) inverse depth of the plane normal . p = -distance; 0 where it is not before the eye."""
+    rays = (view or View(Pose(), Fov.symmetric(math.radians(6.4), math.radians(4.8)))).rays(size)
+    return np.maximum(-(rays @ np.asarray(normal, float)) / distance_m, 0).astype(np.float32)
+
+
+slopes = st.floats(-math.tan(math.radians(80)), math.tan(math.radians(80)))
+
+
+@settings(deadline=None, max_examples=40)
+@given(slopes, slopes, st.floats(0.1, 100))
+def test_a_plane_has_no_edge_however_slanted(across, up, distance_m):
+    """At 10 pixels a degree, up to 80 degrees on each axis, wherever it lies wholly before the eye."""
+    depth = plane((across, up, 1), distance_m)
+    if (depth > 0).all():
+        assert not near_discontinuity(depth).any()
+
+
+@settings(deadline=None, max_examples=40)
+@given(slopes, slopes, st.floats(0.3, 10))
+def test_a_corner_of_two_walls_is_no_edge(one, other, distance_m):
+    """The nearer of two planes that meet at the picture's centre line."""
+    left, right = plane((one, 0, 1), distance_m), plane((other, 0, 1), distance_m)
+    for depth in (np.maximum(left, right), np.minimum(left, right)):
+        if (depth > 0).all():
+            assert not near_discontinuity(depth).any()
+
+
+@pytest.mark.parametrize("column", [1, 2, 20, 61, 62])
+@pytest.mark.parametrize("behind", [0.0, 0.25, np.nan])
+def test_two_pixels_on_each_side_of_a_step(column, behind):
+    depth = np.full((48, 64), behind, np.float32)
+    depth[:, column:] = 0.5
+    near = near_discontinuity(depth)
+    wanted = np.zeros(64, bool)
+    wanted[max(0, column - 2) : column + 2] = True
+    assert (near == wanted).all()
+    assert (near_discontinuity(depth.T) == wanted[:, None]).all()
+
+
+def test_a_pole_one_pixel_wide_is_seen_on_a_slanted_wall():
+    wall = plane((3, 0, 1), 2.0)
+    pole = wall.copy()
+    pole[:, 30] *= 2
+    near = near_discontinuity(pole)
+    assert near[:, 28:33].all() and not near[:, :28].any() and not near[:, 33:].any()
+
+
+def test_far_things_before_the_sky_are_no_edge():
+    depth = np.zeros((48, 64), np.float32)
+    depth[:, 30:] = 1 / 600
+    assert not near_discontinuity(depth).any()
+    assert near_discontinuity(depth * 2).any()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (3, 1)])
+def test_tiny_pictures(size):
+    assert not near_discontinuity(np.ones(size, np.float32)).any()
+    assert near_discontinuity(np.arange(size[0] * size[1], dtype=np.float32).reshape(size)).any() == (size[0] * size[1] == 2)
+
+
+def test_a_hole_is_a_hole_also_at_an_edge():
+    depth = np.zeros((48, 64), np.float32)
+    depth[:, 20:] = 0.5
+    coverage = FULL.copy()
+    coverage[:, 20:30] = 0
+    region = region_of(coverage, depth)
+    assert (region[:, 20:30] == 0).all() and (region[:, 18:20] == 1).all()
+    assert (region[:, :18] == 2).all() and (region[:, 30:] == 2).all()
+
+
+def test_regions_together_are_the_picture():
+    """Pooled over the regions again, the squared errors give the picture's PSNR and FLIP: nothing is counted twice or left out."""
+    shown, truth = noise(1, SIZE), noise(2, SIZE)
+    rng = np.random.default_rng(3)
+    coverage, depth = rng.integers(0, 2, (48, 64)), np.zeros((48, 64), np.float32)
+    depth[:, 20:] = 0.5
+    mean, flip_map = flip(shown, truth, 20)
+    figures = pooled([region_sums(shown, truth, coverage, depth, flip_map)])
+    shares = [figures[name]["share"] for name in REGIONS]
+    assert all(shares) and sum(shares) == pytest.approx(1, abs=1e-12)
+    mean_square = sum(figures[name]["share"] * 10 ** (-figures[name]["psnr_db"] / 10) for name in REGIONS)
+    assert -10 * math.log10(mean_square) == pytest.approx(psnr_db(shown, truth), abs=1e-9)
+    assert sum(figures[name]["share"] * figures[name]["flip"] for name in REGIONS) == pytest.approx(mean, abs=1e-9)
+
+
+def test_pictures_are_pooled_before_the_logarithm():
+    """A picture whose holes are 10 pixels counts a hundredth of one whose holes are 1000; dB are never averaged."""
+    truth = np.zeros((48, 64, 3), np.uint8)
+    zeros = np.zeros((48, 64), np.float32)
+
+    def one(holes: int, error: int) -> dict:
+        coverage, shown = np.ones(48 * 64), truth.copy()
+        coverage[:holes] = 0
+        shown.reshape(-1, 3)[:holes] = error
+        return region_sums(shown, truth, coverage.reshape(48, 64), zeros, zeros)
+
+    figures = pooled([one(1000, 10), one(10, 200)])["holes"]
+    mean_square = (1000 * 10**2 + 10 * 200**2) / 1010 / 255**2
+    assert figures["psnr_db"] == pytest.approx(-10 * math.log10(mean_square))
+    assert figures["share"] == pytest.approx(1010 / (2 * 48 * 64))
+
+
+def test_an_empty_region_has_no_error():
+    flat = np.zeros((48, 64), np.float32)
+    figures = pooled([region_sums(noise(1, SIZE), noise(1, SIZE), FULL, flat, flat)])
+    assert figures["holes"] == {"share": 0.0, "psnr_db": None, "flip": None}
+    assert figures["elsewhere"] == {"share": 1.0, "psnr_db": 100.0, "flip": 0.0}
+    assert pooled([])["holes"] == {"share": None, "psnr_db": None, "flip": None}
+
+
+def test_sizes_must_agree():
+    flat = np.zeros((48, 64))
+    for wrong in ((FULL[:-1], flat, flat), (FULL, flat[:-1], flat), (FULL, flat, flat[:-1])):
+        with pytest.raises(InputError, match="wanted"):
+            region_sums(noise(1, SIZE), noise(2, SIZE), *wrong)
