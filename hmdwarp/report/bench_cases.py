@@ -1,0 +1,165 @@
+"""The rows of a bench in the groups that may be compared, and the figures of one row by a flat name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import attrs
+
+from ..errors import HmdwarpError
+from ..metrics import QUALITY
+from ..metrics.pareto import error_and_time, pareto
+from ..metrics.summary import HIGHER_IS_BETTER
+from .tables import Figure
+
+Row = Mapping[str, Any]
+
+# What makes two rows incomparable: (key, how it is told).
+_CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
+    ("trace", str),
+    ("latency_ms", lambda v: f"{v:g} ms"),
+    ("scene", lambda v: f"scene {v}"),
+    ("size", lambda v: f"{v[0]}x{v[1]}"),
+    ("headset", str),
+    ("lens", lambda v: f"lens {v}"),
+    ("guard", lambda v: f"guard {v:g}"),
+    ("predict", lambda v: f"predict {v}"),
+    ("rate_hz", lambda v: f"{v:g} Hz"),
+)
+_ALWAYS_TOLD = ("trace", "latency_ms")
+
+
+@attrs.frozen(eq=False)
+class Case:
+    """Rows of one recording, latency, scene, size and so on: in these, and only in these, error and time can be compared.
+
+    label: what tells this case from the others, at least recording and latency.
+    """
+
+    label: str
+    rows: tuple[Row, ...]
+
+    def ordered(self, measure: str = "flip") -> list[Row]:
+        """The rows by mean error, the best first, then by time; those not measured last."""
+        costs = [(error_and_time(row, measure), row) for row in self.rows]
+        return [row for pair, row in sorted(costs, key=lambda entry: tuple((cost is None, cost or 0.0) for cost in entry[0]))]
+
+    def front(self, measure: str = "flip") -> list[Row]:
+        """The rows that nobody beats in both error and time, in the order of the bench."""
+        return pareto(self.rows, lambda row: error_and_time(row, measure))
+
+
+def cases(rows: Iterable[Row]) -> list[Case]:
+    """The groups of comparable rows, in the order in which they first appear."""
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    rows = list(rows)
+    for row in rows:
+        groups.setdefault(tuple(_told(row).values()), []).append(row)
+    names = [name for name, _ in _CONDITIONS]
+    telling = [i for i, name in enumerate(names) if name in _ALWAYS_TOLD or len({key[i] for key in groups}) > 1]
+    return [Case(", ".join(key[i] for i in telling if key[i]), tuple(group)) for key, group in groups.items()]
+
+
+def common(rows: Iterable[Row]) -> list[str]:
+    """What all rows share, in words: the conditions that the labels of the cases leave out."""
+    told = [_told(row) for row in rows]
+    names = [name for name, _ in _CONDITIONS if name not in _ALWAYS_TOLD]
+    values = [{entry[name] for entry in told} for name in names]
+    return [text for found in values if len(found) == 1 for text in found if text]
+
+
+def _told(row: Row) -> dict[str, str]:
+    return {name: tell(row[name]) if row.get(name) is not None else "" for name, tell in _CONDITIONS}
+
+
+@attrs.frozen
+class Column:
+    """One column of a bench's table. `value` takes a row; numbers are formatted by `figure`, the rest is text."""
+
+    figure: Figure
+    value: Callable[[Row], Any]
+    is_number: bool = True
+
+    def text(self, row: Row) -> str:
+        """The cell of this row; a dash where nothing was measured."""
+        value = self.value(row)
+        if not self.is_number:
+            return "–" if value is None else str(value)
+        return self.figure.text(value)
+
+
+def _text_column(name: str, label: str, value: Callable[[Row], Any] | None = None) -> Column:
+    return Column(Figure(name, label, "", 0), value or (lambda row: row.get(name)), is_number=False)
+
+
+def _time(stage: str, which: str) -> Callable[[Row], float | None]:
+    return lambda row: row["time_ms"][stage][which]
+
+
+def _quality(name: str, which: str) -> Callable[[Row], float | None]:
+    return lambda row: row["quality"][name][which]
+
+
+def _region(name: str, figure: str) -> Callable[[Row], float | None]:
+    return lambda row: ((row.get("regions") or {}).get(name) or {}).get(figure)
+
+
+_QUALITY_FORMS = {
+    "psnr_db": ("PSNR", "dB", 2, 1),
+    "ssim": ("SSIM", "", 3, 1),
+    "flip": ("FLIP", "", 3, 1),
+    "hole_share": ("holes", "%", 1, 100),
+    "border_share": ("border", "%", 1, 100),
+    "flicker": ("flicker", "", 3, 1),
+}
+REGIONS = ("holes", "edges", "elsewhere")
+
+
+def _columns() -> dict[str, Column]:
+    columns = [
+        _text_column("trace", "recording"),
+        _text_column("scene", "scene"),
+        Column(Figure("latency_ms", "latency", "ms", 0), lambda row: row.get("latency_ms")),
+        _text_column("size", "size", lambda row: "x".join(map(str, row["size"])) if row.get("size") else None),
+        _text_column("lens", "lens"),
+        _text_column("headset", "headset"),
+        _text_column("warp", "warp"),
+        _text_column("fill", "fill"),
+        Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch")),
+    ]
+    for stage in ("warp", "fill", "effects", "lens", "total"):
+        label = "" if stage == "total" else f"{stage} "
+        columns.append(Column(Figure(f"{stage}_ms", f"{label}time".strip(), "ms", 2), _time(stage, "median")))
+        columns.append(Column(Figure(f"{stage}_ms_p95", f"{label}p95".strip(), "ms", 2), _time(stage, "p95")))
+    for name, (label, unit, digits, scale) in _QUALITY_FORMS.items():
+        columns.append(Column(Figure(name, label, unit, digits, scale), _quality(name, "mean")))
+        columns.append(Column(Figure(f"{name}_p95", f"{label} p95", unit, digits, scale), _quality(name, "p95")))
+    for region in REGIONS:
+        columns.append(Column(Figure(f"{region}_share", f"{region} share", "%", 1, 100), _region(region, "share")))
+        columns.append(Column(Figure(f"{region}_flip", f"FLIP {region}", "", 3), _region(region, "flip")))
+        columns.append(Column(Figure(f"{region}_psnr_db", f"PSNR {region}", "dB", 2), _region(region, "psnr_db")))
+    return {column.figure.name: column for column in columns}
+
+
+COLUMNS = _columns()
+assert set(QUALITY) <= set(COLUMNS)
+
+
+def column(name: str) -> Column:
+    """A column by its name. Errors: HmdwarpError that lists the names there are."""
+    if name not in COLUMNS:
+        raise HmdwarpError(f"no column {name!r} in a bench's table: wanted one of {', '.join(COLUMNS)}")
+    return COLUMNS[name]
+
+
+def measure_label(measure: str) -> str:
+    """The name of a measure of error with its unit and the direction in which it is better."""
+    label, unit, *_ = _QUALITY_FORMS[measure]
+    better = "higher" if measure in HIGHER_IS_BETTER else "lower"
+    return f"{label}{f' in {unit}' if unit else ''}, {better} is better"
+
+
+def sequence_text(words: Sequence[str]) -> str:
+    """Words as in a sentence: a, b and c."""
+    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))

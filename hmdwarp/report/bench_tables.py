@@ -1,0 +1,140 @@
+"""The table a person decides from, for the terminal and as Markdown: what each method costs and what it gives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+DECISION = ("warp", "fill", "total_ms", "total_ms_p95", "psnr_db", "ssim", "flip", "hole_share", "flicker", "mismatch")
+_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "psnr_db": "PSNR", "hole_share": "holes%", "mismatch": "mis%"}
+_GIVEN_UP_FIRST = ("total_ms_p95", "ssim", "mismatch", "flicker", "psnr_db", "hole_share")
+_GAP = 2  # between two columns
+_LEAST_TEXT = 10  # of the column of warps, however narrow the terminal is
+MARK = "*"
+
+
+def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = "flip") -> Table:
+    """All rows, case by case, the least error first; `*` marks those that no other beats in both error and time.
+
+    width: what the terminal has. Names of warps with settings are folded between their parts; then columns are left out, the
+    least telling first, until the rest fits; numbers are never cut. measure: the figure of `quality` that decides.
+    """
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    rows = list(rows)
+    groups = cases(rows)
+    heading = groups[0].label if len(groups) == 1 else f"{len(groups)} cases"
+    names, warp_width = _that_fit(groups, width)
+    table = Table(
+        title=", ".join([heading, *common(rows)]), title_justify="left", caption=_caption(rows, names, measure), caption_justify="left",
+        box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
+    )  # fmt: skip
+    table.add_column(" ", no_wrap=True, width=len(MARK))
+    for name in names:
+        width = warp_width if name == "warp" else _width(name, groups)
+        table.add_column(_head(name), justify="right" if column(name).is_number else "left", width=width, no_wrap=True)
+    for group in groups:
+        if len(groups) > 1:
+            table.add_section()
+            table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
+        best = _identities(group.front(measure))
+        for row in group.ordered(measure):
+            marked = id(row) in best
+            cells = [_folded(column(name).text(row), warp_width) if name == "warp" else column(name).text(row) for name in names]
+            table.add_row(Text(MARK if marked else "", style="bold green"), *(Text(cell, style="bold" if marked else "") for cell in cells))
+    return table
+
+
+def _identities(rows: Iterable[Row]) -> set[int]:
+    return {id(row) for row in rows}
+
+
+def _head(name: str) -> str:
+    return _HEADS.get(name, column(name).figure.label)
+
+
+def _width(name: str, groups: Sequence[Case]) -> int:
+    return max(map(_cells, [_head(name), *(column(name).text(row) for group in groups for row in group.rows)]))
+
+
+def _cells(text: str) -> int:
+    from rich.cells import cell_len
+
+    return max(map(cell_len, text.split("\n")))
+
+
+def _pieces(text: str) -> list[str]:
+    """Where a name may be broken: after the colon, comma or blank between its parts."""
+    return re.split(r"(?<=[:, ])(?=\S)", text)
+
+
+def _folded(text: str, width: int) -> str:
+    """The text in lines of at most `width` cells, broken between its pieces, and inside one only if that alone is too wide."""
+    lines = [""]
+    for piece in _pieces(text):
+        if _cells((lines[-1] + piece).rstrip()) <= width or not lines[-1]:
+            lines[-1] += piece
+        else:
+            lines.append(piece)
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
+    """The columns that there is room for, and the room for the warp's name."""
+    names = list(DECISION)
+    labels = [group.label for group in groups] if len(groups) > 1 else []
+    texts = [_head("warp"), *labels, *(row["warp"] for group in groups for row in group.rows)]
+    least = max(_cells(piece.rstrip()) for text in texts for piece in _pieces(text))
+
+    def room() -> int:
+        others = [len(MARK), *(_width(name, groups) for name in names if name != "warp")]
+        return width - sum(others) - _GAP * len(others)
+
+    for given_up in _GIVEN_UP_FIRST:
+        if room() >= least:
+            break
+        names.remove(given_up)
+    return names, max(min(room(), max(map(_cells, texts))), _LEAST_TEXT)
+
+
+def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
+    clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock"), "?") for row in rows})
+    order = f"ordered by {measure_label(measure)}; {MARK}: no other is both quicker and better"
+    lines = [order, f"ms: median per eye, {', '.join(clocks)}"]
+    if "mismatch" in names:
+        lines[1] += "; mis%: hole for one eye only"
+    left_out = [_head(name) for name in DECISION if name not in names]
+    if left_out:
+        lines.append(f"left out, for they do not fit: {', '.join(left_out)}")
+    return "\n".join(lines)
+
+
+def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, mark: str | None = None) -> str:
+    """A Markdown table of the rows as given, one line each; ends with a line feed.
+
+    columns: names of bench_cases.COLUMNS. mark: a figure of `quality`; the rows that no other of their case beats in it and in
+    time get bold names. Warps and fills are set as code. Errors: HmdwarpError for an unknown column.
+    """
+    rows = list(rows)
+    chosen = [column(name) for name in columns]
+    best = _identities(row for case in cases(rows) for row in case.front(mark)) if mark else set()
+    heads = [f"{c.figure.label} {c.figure.unit}".strip() for c in chosen]
+    lines = [heads, ["---:" if c.is_number else "---" for c in chosen]]
+    lines += [[_markdown_cell(c.figure.name, c.text(row), id(row) in best) for c in chosen] for row in rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _markdown_cell(name: str, text: str, bold: bool) -> str:
+    text = " ".join(text.replace("|", "\\|").split())
+    if name in ("warp", "fill"):
+        text = f"`{text.replace('`', chr(39))}`"
+        return f"**{text}**" if bold and name == "warp" else text
+    return text if COLUMNS[name].is_number else text.replace("<", "&lt;")

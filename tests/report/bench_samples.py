@@ -1,0 +1,122 @@
+"""A made-up bench in the form of bench.json: 15 warps, two fills, two recordings, three latencies; numbers roughly like real ones."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+# warp: (ms, FLIP at 200 ms in look-around, share of holes there)
+WARPS = {
+    "none": (2.1, 0.359, 0.0), "rotation": (2.7, 0.149, 0.02), "planar": (3.5, 0.126, 0.021), "environment": (3.9, 0.118, 0.0),
+    "forward_raster": (6.2, 0.121, 0.103), "forward": (7.4, 0.091, 0.103), "forward_ordered": (19.0, 0.091, 0.103),
+    "splat": (31.0, 0.079, 0.034), "backward": (4.7, 0.074, 0.032), "iterative": (8.8, 0.081, 0.04), "search": (22.0, 0.072, 0.032),
+    "mesh": (160.0, 0.07, 0.031), "mesh_adaptive": (21.0, 0.071, 0.031), "multi": (15.3, 0.058, 0.012), "layered": (24.0, 0.049, 0.006),
+}  # fmt: skip
+AXES = ("x", "y", "z", "yaw", "pitch", "roll")
+MACHINE = {"gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)", "gl_version": "4.5 (Core Profile) Mesa 22.3.6", "cpu_count": 2}
+
+
+def _dice(*key: object) -> np.random.Generator:
+    return np.random.default_rng(zlib.crc32(repr(key).encode()))
+
+
+def a_row(
+    warp: str = "forward", fill: str = "interpolate", trace: str = "look-around", latency_ms: float = 200.0, **changes: Any
+) -> dict[str, Any]:
+    """One row of the bench; the same arguments give the same row."""
+    ms, flip, holes = WARPS.get(warp.partition(":")[0], (5.0, 0.1, 0.02))
+    noise = 1 + 0.03 * _dice(warp, fill, trace, latency_ms).standard_normal(8)
+    hard = (latency_ms / 200) ** 0.5 * (1.35 if trace == "walk" else 1.0)
+    error = min(0.6, flip * hard * (0.9 if fill == "interpolate" and holes else 1.0) * noise[0])
+    holes = min(0.5, holes * hard * (2 if trace == "walk" else 1))
+    stages = {
+        "warp": ms * noise[1],
+        "fill": (3.7 if fill == "interpolate" else 0.0) * noise[2],
+        "effects": 0.0,
+        "lens": 8.3 * noise[3],
+    }
+    stages["total"] = sum(stages.values())
+    quality = {
+        "psnr_db": 6 - 21 * np.log10(error), "ssim": 1 - 1.3 * error, "flip": error, "hole_share": holes, "border_share": holes / 4,
+        "flicker": error / 7 * noise[4],
+    }  # fmt: skip
+    shares = {"holes": holes, "edges": 0.12, "elsewhere": 0.88 - holes}
+    parts = {"holes": 0.6, "edges": error * 1.9, "elsewhere": error * 0.6}
+    bounds = {"warp": 2.6, "fill": 1.6, "lens": 2.2}
+    return {
+        "schema": 1, "hmdwarp": "0.1.0", "trace": trace, "scene": "room", "effects": [], "latency_ms": latency_ms,
+        "warp": warp, "fill": fill, "lens": "radial", "headset": "rift-dk1", "size": [1280, 800], "frames": 120,
+        "rate_hz": 60.0, "guard": 1.5, "predict": "none",
+        "pixels_per_degree": 12.8, "machine": MACHINE, "clock": "wall",
+        "time_ms": {stage: {"median": value, "p95": 1.15 * value} for stage, value in stages.items()},
+        "quality": {name: {"mean": value, "p95": 1.4 * value} for name, value in quality.items()},
+        "measured": dict.fromkeys(quality, 20), "notes": [],
+        "regions": {
+            name: {"share": share, "psnr_db": 30 - 40 * parts[name] if share else None, "flip": parts[name] if share else None}
+            for name, share in shares.items()
+        },
+        "mismatch": holes * 0.7,
+        "passes": [
+            {"name": name, "bytes": int(bound * 8e6), "bound_ms": bound, "median_ms": stages[name], "times_bound": stages[name] / bound}
+            for name, bound in bounds.items() if stages[name]
+        ],
+        **changes,
+    }  # fmt: skip
+
+
+def some_rows(
+    warps: Sequence[str] = tuple(WARPS),
+    fills: Sequence[str] = ("none", "interpolate"),
+    traces: Sequence[str] = ("look-around", "walk"),
+    latencies: Sequence[float] = (200.0, 400.0, 800.0),
+) -> list[dict[str, Any]]:
+    """Every combination, as the bench runs them."""
+    return [a_row(w, f, t, ms) for t in traces for ms in latencies for w in warps for f in fills]
+
+
+def a_grid(warps: Sequence[str] = tuple(WARPS)) -> list[dict[str, Any]]:
+    """Error over head offset: metres on three axes, degrees on the others."""
+    rows = []
+    for warp in warps:
+        _, flip, holes = WARPS.get(warp.partition(":")[0], (0, 0.1, 0.02))
+        for axis in AXES:
+            turning = axis in ("yaw", "pitch", "roll")
+            for step in np.linspace(-1, 1, 7):
+                free = turning and warp != "none"
+                error = (0.01 + flip * (0.4 if free else 1.6) * abs(step) ** 0.8) * (1 + 0.02 * _dice(warp, axis, step).standard_normal())
+                rows.append({
+                    "warp": warp, "axis": axis, "offset": float(step * (30 if turning else 0.3)), "psnr_db": 40 - 60 * error, "flip": error,
+                    "hole_share": holes * abs(step),
+                })  # fmt: skip
+    return rows
+
+
+def some_fused() -> list[dict[str, Any]]:
+    """The gather warps fused with the lens."""
+    rows = []
+    for warp in ("none", "rotation", "planar", "environment", "backward", "iterative", "search"):
+        fused, separate = WARPS[warp][0] + 4, WARPS[warp][0] + 8.3
+        rows.append({
+            "warp": warp, "fused_ms": fused, "separate_ms": separate, "speedup": separate / fused,
+            "psnr_db": {"fused": 29.1, "separate": 27.6}, "flip": {"fused": 0.071, "separate": 0.083},
+            "sharpness": {"fused": 0.93, "separate": 0.78},
+        })  # fmt: skip
+    return rows
+
+
+def a_bench(**changes: Any) -> dict[str, Any]:
+    """The whole of bench.json."""
+    return {
+        "schema": 1, "hmdwarp": "0.1.0", "command": "hmdwarp bench --budget 20 --out out/bench", "machine": MACHINE, "clock": "wall",
+        "clocks": {"wall_ms": 4.18, "gpu_ms": None, "note": "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used."},
+        "copy_gb_s": 9.7, "rows": some_rows(), "grid": a_grid(), "fused": some_fused(),
+        "choice": {
+            "budget_ms": 20.0, "warp": "backward", "fill": "interpolate", "settings": {"steps": 3}, "total_ms": 16.7,
+            "flip": 0.067, "psnr_db": 31.0,
+            "next": {"warp": "multi", "fill": "interpolate", "total_ms": 27.3, "flip": 0.052, "psnr_db": 32.1},
+        },
+        "seconds": 431.5, **changes,
+    }  # fmt: skip

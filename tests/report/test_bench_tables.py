@@ -1,0 +1,111 @@
+"""The table of the bench: fits the terminal without losing a digit, the best first, the front marked; and as Markdown."""
+
+import io
+import re
+
+import pytest
+from rich.console import Console
+
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.metrics.summary import aggregate
+from hmdwarp.report.bench_cases import COLUMNS, cases, common
+from hmdwarp.report.bench_tables import DECISION, bench_table, markdown_table
+
+from .bench_samples import WARPS, a_row, some_rows
+
+SPECS = (*WARPS, "iterative:seed=forward,steps=3", "mesh:cut=slope")
+
+
+def printed(rows, width=100) -> str:
+    console = Console(file=io.StringIO(), width=width)
+    console.print(bench_table(rows, width=width))
+    return console.file.getvalue()
+
+
+def body(text: str) -> list[str]:
+    return [line for line in text.splitlines() if re.search(r"\d\.\d\d", line)]
+
+
+@pytest.mark.parametrize("warps", [tuple(WARPS), SPECS])
+@pytest.mark.parametrize("width", [60, 80, 100, 140])
+def test_fits_and_no_number_is_cut(width, warps):
+    rows = some_rows(warps, latencies=(200.0, 800.0))
+    rows[0] = a_row("none", "none", time_ms={stage: {"median": 12345.678, "p95": 23456.789} for stage in ("warp", "fill", "lens", "total")})
+    text = printed(rows, width)
+    assert max(map(len, text.splitlines())) <= width
+    assert "…" not in text and len(body(text)) == len(rows)
+    assert text.count("12345.68") == 1
+    for name in warps:  # whole, though maybe in several lines
+        assert all(part in text for part in re.split(r"(?<=[:,])", name))
+
+
+def test_columns_are_given_up_in_order_and_told():
+    rows = some_rows()
+    wide, narrow = printed(rows, 100), printed(rows, 70)
+    assert "left out" not in wide and all(word in wide for word in ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP"))
+    assert "left out, for they do not fit: p95" in narrow and "FLIP" in narrow and "holes%" in narrow
+    assert len(body(printed(rows, 48))) == len(rows)  # the least there is: warp, fill, ms and FLIP
+
+
+def test_each_case_begins_with_its_best_and_marks_its_front():
+    rows = some_rows()
+    lines = printed(rows).splitlines()
+    for case in cases(rows):
+        start = next(i for i, line in enumerate(lines) if line.strip() == case.label) + 1
+        block = lines[start : start + len(case.rows)]
+        flips = [COLUMNS["flip"].text(row) for row in case.ordered()]
+        assert flips == sorted(flips) and [flip in line for flip, line in zip(flips, block, strict=True)] == [True] * len(block)
+        best = {id(row) for row in case.front()}
+        assert [line.startswith("*") for line in block] == [id(row) in best for row in case.ordered()]
+        assert 1 < len(best) < len(block)
+
+
+def test_one_case_needs_no_heading_inside():
+    text = printed(some_rows(traces=("walk",), latencies=(400.0,)))
+    assert text.splitlines()[0].startswith("walk, 400 ms, scene room, 1280x800") and "cases" not in text
+
+
+def test_what_differs_makes_another_case():
+    rows = [a_row(), a_row("backward"), a_row(size=[640, 400]), a_row(guard=1.0), a_row(scene="planes")]
+    groups = cases(rows)
+    assert [len(group.rows) for group in groups] == [2, 1, 1, 1]
+    assert groups[1].label == "look-around, 200 ms, scene room, 640x400, guard 1.5"
+    assert "scene room" not in common(rows) and "rift-dk1" in common(rows)
+    assert cases([]) == [] and "0 cases" in printed([])
+
+
+def test_what_was_not_measured_is_a_dash_and_comes_last():
+    nothing = a_row("rotation", **aggregate([]), mismatch=None, regions={})
+    text = printed([nothing, a_row()])
+    assert len(re.findall("–", text)) == 8
+    assert text.index("forward") < text.index("rotation")
+
+
+def test_names_are_no_markup():
+    assert "[bold]x[/bold]" in printed([a_row("[bold]x[/bold]", trace="[red]t.csv")]).replace("\n", "")
+    assert "[red]t.csv" in printed([a_row(trace="[red]t.csv")])
+
+
+def test_markdown_has_the_rows_as_given():
+    rows = some_rows(("none", "backward"), ("none",), ("walk",), (200.0,))
+    text = markdown_table(rows, ["trace", "latency_ms", "warp", "total_ms", "flip", "hole_share", "edges_flip"], mark="flip")
+    head, rule, *lines = text.splitlines()
+    assert head == "| recording | latency ms | warp | time ms | FLIP | holes % | FLIP edges |"
+    assert rule == "| --- | ---: | --- | ---: | ---: | ---: | ---: |"
+    cells = [COLUMNS[name].text(rows[1]) for name in ("total_ms", "flip", "hole_share", "edges_flip")]
+    assert cells[0] == f"{rows[1]['time_ms']['total']['median']:.2f}" and cells[2] == f"{100 * rows[1]['quality']['hole_share']['mean']:.1f}"
+    assert lines[1] == f"| walk | 200 | **`backward`** | {' | '.join(cells)} |"
+    assert len(lines) == 2 and text.endswith("|\n")
+
+
+def test_markdown_cells_cannot_break_the_table():
+    text = markdown_table([a_row("a|b`c", trace="x|y\nz <b>")], ["trace", "warp"])
+    assert text.splitlines()[2] == "| x\\|y z &lt;b> | `a\\|b'c` |"
+
+
+def test_every_column_has_a_text_for_every_row():
+    for row in (a_row(), a_row(**aggregate([]), mismatch=None, regions=None, size=None)):
+        assert all(isinstance(column.text(row), str) and column.text(row) for column in COLUMNS.values())
+    with pytest.raises(HmdwarpError, match="'flop'.*flip"):
+        markdown_table([], ["flop"])
+    assert set(DECISION) <= set(COLUMNS)
