@@ -34,7 +34,8 @@ def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = "flip")
     heading = groups[0].label if len(groups) == 1 else f"{len(groups)} cases"
     names, warp_width = _that_fit(groups, width)
     table = Table(
-        title=", ".join([heading, *common(rows)]), title_justify="left", caption=_caption(rows, names, measure), caption_justify="left",
+        title=Text(", ".join([heading, *common(rows)])), title_justify="left",
+        caption=Text(_caption(rows, names, measure)), caption_justify="left",
         box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     table.add_column(" ", no_wrap=True, width=len(MARK))

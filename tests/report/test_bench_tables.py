@@ -93,7 +93,8 @@ def test_markdown_has_the_rows_as_given():
     assert head == "| recording | latency ms | warp | time ms | FLIP | holes % | FLIP edges |"
     assert rule == "| --- | ---: | --- | ---: | ---: | ---: | ---: |"
     cells = [COLUMNS[name].text(rows[1]) for name in ("total_ms", "flip", "hole_share", "edges_flip")]
-    assert cells[0] == f"{rows[1]['time_ms']['total']['median']:.2f}" and cells[2] == f"{100 * rows[1]['quality']['hole_share']['mean']:.1f}"
+    assert cells[0] == f"{rows[1]['time_ms']['total']['median']:.2f}"
+    assert cells[2] == f"{100 * rows[1]['quality']['hole_share']['mean']:.1f}"
     assert lines[1] == f"| walk | 200 | **`backward`** | {' | '.join(cells)} |"
     assert len(lines) == 2 and text.endswith("|\n")
 
