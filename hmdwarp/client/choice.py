@@ -1,0 +1,132 @@
+"""Which warp and fill to take for a time: the ladder of those that are worth their time, from the rows of a benchmark."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import attrs
+
+from ..errors import InputError
+
+# What makes two rows the same case, so that their figures may be compared.
+_CASE = ("trace", "scene", "latency_ms", "lens", "headset", "size", "rate_hz", "guard", "predict", "frames")
+Row = Mapping[str, Any]
+
+
+@attrs.frozen
+class Rung:
+    """One combination that is worth its time: nothing that is as cheap is more accurate.
+
+    warp: a registered name with its settings, as --warp takes it. total_ms: per eye. error: mean FLIP, 0 is perfect.
+    """
+
+    warp: str
+    fill: str
+    total_ms: float
+    error: float
+    psnr_db: float | None = None
+
+    def __str__(self) -> str:
+        return self.warp if self.fill == "none" else f"{self.warp} + {self.fill}"
+
+    def scaled(self, factor: float) -> Rung:
+        """The same on a machine, or at a size, that takes `factor` times as long."""
+        return attrs.evolve(self, total_ms=self.total_ms * factor)
+
+
+def ladder(rows: Iterable[Row]) -> tuple[Rung, ...]:
+    """The Pareto front of error against time, from the cheapest to the most accurate; each rung is dearer and better than the last.
+
+    rows: as in bench.json. Figures are means over the cases (trace, scene, latency, ..) that every combination was measured in;
+    of several sizes the largest counts, where time is scarcest. A row without a time or a FLIP is no measurement.
+    Errors: InputError if no combination was measured, or no case is common to all.
+    """
+    measured = _largest(_measured(rows))
+    combined: dict[tuple[str, str], dict[tuple, list[tuple[float, float, float | None]]]] = {}
+    for row, figures in measured:
+        combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
+    shared = set.intersection(*(set(cases) for cases in combined.values()))
+    if not shared:
+        raise InputError(
+            f"the {len(combined)} combinations of warp and fill were measured in no common case, so they cannot be compared: "
+            "measure all of them with the same traces, scenes and latencies"
+        )
+    rungs = [_rung(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()]
+    return _front(rungs)
+
+
+def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
+    """The `choice` entry of bench.json: the most accurate combination within `budget_ms` per eye, and the next step up, if any.
+
+    Errors: as ladder; InputError for a budget that is no positive time, or in which nothing fits.
+    """
+    rungs = ladder(rows)
+    at = best_within(rungs, budget_ms)
+    following = _told(rungs[at + 1]) if at + 1 < len(rungs) else None
+    return {"budget_ms": float(budget_ms), **_told(rungs[at]), "settings": settings_of(rungs[at].warp), "next": following}
+
+
+def best_within(rungs: tuple[Rung, ...], budget_ms: float) -> int:
+    """Which of the rungs is the most accurate within the budget. Errors: InputError with the cheapest time if none is."""
+    if not (math.isfinite(budget_ms) and budget_ms > 0):
+        raise InputError(f"budget {budget_ms:g} ms: wanted a time above 0 ms for one eye")
+    fitting = [number for number, rung in enumerate(rungs) if rung.total_ms <= budget_ms]
+    if not fitting:
+        cheapest = rungs[0]
+        raise InputError(
+            f"budget {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes {cheapest.total_ms:.2f} ms per eye: "
+            "allow that much, or use a smaller size"
+        )
+    return fitting[-1]
+
+
+def settings_of(warp: str) -> dict[str, str]:
+    """The settings in a warp's spec: 'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}."""
+    _, _, settings = warp.partition(":")
+    return dict(part.split("=", 1) for part in settings.split(",") if "=" in part)
+
+
+def _told(rung: Rung) -> dict[str, Any]:
+    return {"warp": rung.warp, "fill": rung.fill, "total_ms": rung.total_ms, "flip": rung.error, "psnr_db": rung.psnr_db}
+
+
+def _measured(rows: Iterable[Row]) -> list[tuple[Row, tuple[float, float, float | None]]]:
+    found = []
+    for row in rows:
+        total = row["time_ms"]["total"]["median"]
+        error = row["quality"]["flip"]["mean"]
+        if total is None or error is None or not total > 0:
+            continue
+        found.append((row, (float(total), float(error), row["quality"]["psnr_db"]["mean"])))
+    if not found:
+        raise InputError("no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both")
+    return found
+
+
+def _largest(measured: list[tuple[Row, tuple]]) -> list[tuple[Row, tuple]]:
+    pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
+    return [found for found, count in zip(measured, pixels, strict=True) if count == max(pixels)]
+
+
+def _case(row: Row) -> tuple:
+    return tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
+
+
+def _rung(warp: str, fill: str, figures: list[tuple[float, float, float | None]]) -> Rung:
+    times, errors, psnr = zip(*figures, strict=True)
+    return Rung(warp, fill, _mean(times), _mean(errors), None if None in psnr else _mean(psnr))
+
+
+def _mean(values: tuple[float, ...]) -> float:
+    # fsum: the mean must not depend on the order of the rows.
+    return math.fsum(values) / len(values)
+
+
+def _front(rungs: list[Rung]) -> tuple[Rung, ...]:
+    front: list[Rung] = []
+    for rung in sorted(rungs, key=lambda r: (r.total_ms, r.error, r.warp, r.fill)):
+        if not front or rung.error < front[-1].error:
+            front.append(rung)
+    return tuple(front)
