@@ -11,6 +11,7 @@ from ..geometry import View
 from .flicker import error_image, flicker
 from .holes import border_share, hole_share
 from .image import check_pair, flip, psnr_db, ssim
+from .regions import region_sums
 
 
 @attrs.frozen(eq=False)
@@ -42,7 +43,8 @@ class QualityJob:
     flicker; None if there is none. covered: (h, w), coverage after the warp and before the fill, anything but 0 is covered;
     truth_inverse_depth: (h, w) in 1/m in the shown view; rendered, rendered_size: the view and (w, h) of the late frame.
     Without coverage there are no hole figures, without the truth's depth or the rendered view no border figure.
-    late: the late frame's picture, only carried along for reports. error_map: whether the FLIP map is wanted too.
+    late: the late frame's picture, only carried along for reports. error_map: whether the FLIP map is wanted too; regions: whether
+    it is wanted where the error is (that needs coverage and the truth's depth).
     Errors: InputError for sizes that do not belong together.
     """
 
@@ -54,20 +56,25 @@ class QualityJob:
     rendered_size: tuple[int, int] | None = None
     late: NDArray | None = None
     error_map: bool = False
+    regions: bool = False
 
     def __attrs_post_init__(self) -> None:
         size = self.now.shown.shape[:2]
         for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: wanted the same (h, w)")
+        if self.regions and (self.covered is None or self.truth_inverse_depth is None):
+            raise InputError("where the error is can be told only with the coverage and the truth's inverse depth: give both")
 
 
 @attrs.frozen(eq=False)
 class QualityResult:
-    """`values`: QUALITY names to figures, None where there was nothing to measure; `error_map`: (h, w) bytes, FLIP 0..1 as 0..255."""
+    """`values`: QUALITY names to figures, None where there was nothing to measure; `error_map`: (h, w) bytes, FLIP 0..1 as 0..255;
+    `regions`: as metrics.regions.region_sums. The last two only where they were asked for."""
 
     values: dict[str, float | None]
     error_map: NDArray[np.uint8] | None = None
+    regions: dict[str, dict[str, float]] | None = None
 
 
 def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
@@ -82,7 +89,9 @@ def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
         "border_share": _border(job),
         "flicker": None if job.previous is None else flicker(now.error, now.view, job.previous.error, job.previous.view),
     }
-    return QualityResult(values, np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None)
+    error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
+    regions = region_sums(now.shown, now.truth, job.covered, job.truth_inverse_depth, flip_map) if job.regions else None
+    return QualityResult(values, error_map, regions)
 
 
 def _border(job: QualityJob) -> float | None:

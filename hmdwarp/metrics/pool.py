@@ -54,8 +54,11 @@ class QualityPool:
         self._pixels_per_degree = pixels_per_degree
         self._keeper = WorstKeeper(worst, bucket)
         self._results: dict[Any, dict[str, float | None]] = {}
+        self._regions: dict[Any, dict[str, dict[str, float]]] = {}
         self._kept: dict[Any, Kept] = {}
         self._lock = threading.Lock()
+        self._under_way = 0
+        self._idle = threading.Condition(self._lock)
         self._failure: HmdwarpError | None = None
         self._stopping = threading.Event()
         # One waiting job per worker keeps them busy; more would only hold pictures in memory.
@@ -80,9 +83,21 @@ class QualityPool:
         if not self._workers and not self._stopping.is_set():
             self._measure_here(key, job, keep)
             return
+        with self._lock:
+            self._under_way += 1
         if not self._put((key, job, keep)):
             self._raise_failure()
             raise HmdwarpError("this pool of measuring processes is closed: submit inside its with block")
+
+    def wait(self) -> None:
+        """Until everything submitted so far is measured and the workers are idle, so that what is timed next has the machine to itself.
+
+        Errors: as submit.
+        """
+        with self._idle:
+            while self._under_way and not self._stopping.is_set():
+                self._idle.wait(timeout=0.1)
+        self._raise_failure()
 
     def finish(self) -> dict[Any, dict[str, float | None]]:
         """Wait for everything submitted, end the workers, and give all results in the order of their keys."""
@@ -109,6 +124,12 @@ class QualityPool:
         """The figures measured so far, QUALITY names to numbers or None, in the order of the keys."""
         with self._lock:
             return {key: self._results[key] for key in sorted(self._results)}
+
+    @property
+    def regions(self) -> dict[Any, dict[str, dict[str, float]]]:
+        """Where the error is, of the jobs submitted with regions=True that have been measured, in the order of the keys."""
+        with self._lock:
+            return {key: self._regions[key] for key in sorted(self._regions)}
 
     @property
     def kept(self) -> list[Kept]:
@@ -159,6 +180,9 @@ class QualityPool:
             key, job, keep = item
             try:
                 self._store(key, job, keep, worker.measure(job))
+                with self._idle:
+                    self._under_way -= 1
+                    self._idle.notify_all()
             except Exception as error:
                 self._fail(key, error)
                 return
@@ -166,6 +190,8 @@ class QualityPool:
     def _store(self, key: Any, job: QualityJob, keep: bool, result: QualityResult) -> None:
         with self._lock:
             self._results[key] = result.values
+            if result.regions is not None:
+                self._regions[key] = result.regions
             # Only what reports show is worth keeping: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
             shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None)
             kept = Kept(key, shown, result)

@@ -68,6 +68,38 @@ def test_the_same_bits_with_any_number_of_workers():
     assert all(set(values) == set(QUALITY) and {type(v) for v in values.values()} == {float} for values in here.results.values())
 
 
+@pytest.mark.parametrize("workers", [0, 1, 2])
+def test_waiting_is_until_all_is_measured(workers):
+    with QualityPool(workers, PPD) as pool:
+        pool.wait()
+        for round_ in range(3):
+            keys = [(round_, number) for number in range(5)]
+            for key in keys:
+                pool.submit(key, job(key[1]))
+            pool.wait()
+            assert [key for key in pool.results if key[0] == round_] == keys
+
+
+def test_waiting_ends_when_a_worker_dies():
+    with pytest.raises(HmdwarpError, match="measuring"), QualityPool(1, PPD) as pool:
+        pool._workers[0].kill()
+        pool.submit((0, 0), job(0))
+        pool.wait()
+        raise AssertionError("a dead worker was waited for in vain")
+
+
+def test_where_the_error_is_comes_along_where_it_is_wanted():
+    wanted = attrs.evolve(job(1), regions=True)
+    with QualityPool(1, PPD) as pool:
+        pool.submit((0, 0), wanted)
+        pool.submit((1, 0), job(1))
+    assert list(pool.regions) == [(0, 0)]
+    assert pool.regions[0, 0] == measure(wanted, PPD).regions
+    assert pool.results[0, 0] == pool.results[1, 0]
+    with pytest.raises(InputError, match="coverage"):
+        attrs.evolve(job(1), covered=None, regions=True)
+
+
 def test_what_is_kept_keeps_its_late_picture():
     pool = run(1, [(0, 0), (1, 0), (3, 0)])
     assert [kept.key for kept in pool.kept] == [(0, 0), (3, 0)]
