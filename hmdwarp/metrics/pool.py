@@ -193,7 +193,7 @@ class QualityPool:
             if result.regions is not None:
                 self._regions[key] = result.regions
             # Only what reports show is worth keeping: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
-            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None)
+            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, regions=False)
             kept = Kept(key, shown, result)
             if keep:
                 self._kept[key] = kept
