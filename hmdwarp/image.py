@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .client.compensator import Compensator
-from .client.plan import CLIENT_DEPTH, Plan, build_plan
+from .client.given import Given
+from .client.plan import PICTURE, Plan, build_plan
 from .client.warps import warps
 from .colour import linear_from_srgb
 from .errors import InputError, PlanError
@@ -69,9 +70,9 @@ def warp_image(
 
 def _plan(warp: str, fill: str) -> Plan:
     try:
-        return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False)
+        return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False, brings=PICTURE)
     except PlanError as error:
-        able = [entry.name for entry in warps if CLIENT_DEPTH not in entry.reads]
+        able = [entry.name for entry in warps if set(entry.reads) <= set(PICTURE)]
         raise PlanError(f"{error}, which a picture does not bring; for a picture with depth there are {', '.join(able)}") from error
 
 
@@ -99,7 +100,7 @@ def _warp(gpu: Gpu, plan: Plan, given: _Late, shown: View, shown_size: tuple[int
     compensator = Compensator(gpu, plan, None, given.size, shown_size)
     try:
         gpu.timer.collect()
-        result = compensator.run(late, shown)
+        result = compensator.run(Given(late, shown))
         picture = download(result.shown.texture).astype(np.float32)
         warped = download(result.warped.texture)[..., 3]
         times = dict(gpu.timer.collect())

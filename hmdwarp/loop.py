@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING
 
 import attrs
 
+from .client.given import Given
+
 if TYPE_CHECKING:
     from .client.compensator import Compensator, EyeResult
+    from .client.history import History
     from .frame import Frame
     from .headsets import Headset
     from .link import ConstantLink
@@ -18,11 +21,13 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class Refresh:
-    """One picture pair: when and for which head it was made, from which frame, and what came out (overwritten at the next)."""
+    """One picture pair: when and for which head it was made, from which frame, what the passes were given, and what came out
+    (overwritten at the next)."""
 
     shown_ns: int
     head: PoseSample
     frame: Frame
+    given: tuple[Given, ...]
     eyes: tuple[EyeResult, ...]
     stage_ms: tuple[tuple[tuple[str, float], ...], ...]
 
@@ -35,15 +40,17 @@ class Refresh:
 class Loop:
     """One refresh after the other: `draw` what the server sends now, `show` what has arrived by the display instant."""
 
-    def __init__(self, requested: Requested, server: Server, link: ConstantLink, compensator: Compensator, headset: Headset) -> None:
-        self._requested, self._server, self._link = requested, server, link
+    def __init__(
+        self, requested: Requested, server: Server, link: ConstantLink, history: History, compensator: Compensator, headset: Headset
+    ) -> None:
+        self._requested, self._server, self._link, self._history = requested, server, link, history
         self._compensator, self._headset = compensator, headset
 
     def draw(self, now_ns: int) -> None:
         """The server draws both eyes for the pose it is asked for now, and the frame goes on its way."""
-        head = self._requested.for_server(now_ns)
-        size, guard = self._requested.size, self._requested.guard
-        frame = self._server.draw_frame(self._headset.views(head.pose), now_ns, size, guard)
+        asked = self._requested
+        head = asked.for_server(now_ns)
+        frame = self._server.draw_frame(self._headset.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
         self._link.send(attrs.evolve(frame, head=head), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
@@ -52,8 +59,21 @@ class Loop:
         if frame is None:
             return None
         head = self._requested.for_display(shown_ns)
+        given = self._given(frame, head, shown_ns)
         eyes, times = [], []
-        for eye, view in enumerate(self._headset.views(head.pose)):
-            eyes.append(self._compensator.run(frame.eyes[eye], view, eye))
+        for one in given:
+            eyes.append(self._compensator.run(one))
             times.append(tuple(self._compensator.gpu.timer.collect()))
-        return Refresh(shown_ns, head, frame, tuple(eyes), tuple(times))
+        return Refresh(shown_ns, head, frame, given, tuple(eyes), tuple(times))
+
+    def _given(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[Given, ...]:
+        asked, first = self._requested, self._headset.views(head.pose)
+        last: tuple = (None, None)
+        if asked.scanout_ns:
+            last = self._headset.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
+        return tuple(Given(frame.eyes[eye], first[eye], eye, self._others(frame, eye), last[eye]) for eye in range(len(first)))
+
+    def _others(self, frame: Frame, eye: int) -> tuple:
+        needs = self._requested.needs
+        beside = (frame.eyes[1 - eye],) if needs.other_eye else ()
+        return (*beside, *(past.eyes[eye] for past in self._history.frames[: needs.past]))

@@ -39,7 +39,8 @@ class RunOptions:
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
-    metrics_every: pictures are measured at every n-th refresh. workers: measuring processes, None for one per core.
+    fused: warp and lens in one resample. scanout_ms: from the first row of the display to its last, 0 for a display that lights up at
+    once. metrics_every: pictures are measured at every n-th refresh. workers: measuring processes, None for one per core.
     Errors: InputError for a number that cannot be meant.
     """
 
@@ -62,6 +63,8 @@ class RunOptions:
     workers: int | None = attrs.field(default=None, validator=_number("workers", most=256))
     images: int = attrs.field(default=6, validator=_number("images"))
     video: bool = False
+    fused: bool = False
+    scanout_ms: float = attrs.field(default=0.0, validator=_number("scanout", " ms", most=100))
     trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     out: Path = attrs.field(default=Path("out/replay"), converter=Path)
     command: str = ""

@@ -11,8 +11,10 @@ import attrs
 import numpy as np
 
 from .client.compensator import Compensator
-from .client.plan import BYTES_PER_PIXEL, Plan, build_plan
+from .client.history import History
+from .client.plan import BYTES_PER_PIXEL, LAYER_BYTES, Plan, build_plan
 from .errors import InputError, MachineError
+from .frame import Needs
 from .gpu.context import Gpu
 from .gpu.textures import check_size
 from .headsets import Headset, load_headset
@@ -28,12 +30,14 @@ from .server import Server
 
 @attrs.frozen(eq=False)
 class Requested:
-    """Which head poses the server and the display ask for, and how much the server draws."""
+    """Which head poses the server and the display ask for, what the server draws, and how long the display takes to show it."""
 
     source: PoseSource
     predicted: Callable[[int], PoseSample] | None
     size: tuple[int, int]
     guard: float
+    needs: Needs
+    scanout_ns: int = 0
 
     def for_server(self, now_ns: int) -> PoseSample:
         """The pose a frame drawn now is meant for: now's, or the one predicted for when it will be seen."""
@@ -60,9 +64,9 @@ def refreshes_of(latency_ms: float, rate_hz: float) -> int:
     return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
 
 
-def frames_held(options: RunOptions, rate_hz: float) -> int:
-    """The most frames there are at a time: under way, shown, and being drawn."""
-    return refreshes_of(options.latency_ms, rate_hz) + 2
+def frames_held(options: RunOptions, rate_hz: float, needs: Needs) -> int:
+    """The most frames there are at a time: under way, shown, being drawn, and older ones kept."""
+    return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.past
 
 
 @attrs.frozen
@@ -149,6 +153,7 @@ class Rig:
     gpu: Gpu
     server: Server
     link: ConstantLink
+    history: History
     loop: Loop
     notes: list[str]
     _cleanup: ExitStack
@@ -192,10 +197,12 @@ def build_rig(options: RunOptions) -> Rig:
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         check_size(gpu.gl, size)
-        _check_room(gpu, options, times.rate_hz, late_size)
+        _check_room(gpu, options, times.rate_hz, late_size, plan)
         server = Server(gpu, scene)
         stack.callback(server.close)
-        link: ConstantLink = ConstantLink(times.link_latency_ns(options.latency_ms), server.recycle)
+        history = History(plan.needs.past, plan.needs.past_spacing_ns, server.recycle)
+        stack.callback(history.close)
+        link: ConstantLink = ConstantLink(times.link_latency_ns(options.latency_ms), history.offer)
         stack.callback(link.close)
         compensator = _compensator(gpu, plan, headset, size, options.guard, server)
         stack.callback(compensator.close)
@@ -203,10 +210,10 @@ def build_rig(options: RunOptions) -> Rig:
         source.start()
         stack.callback(source.close)
         predicted = predictor(track, options.predict, times.age_ns, options.horizon_ms)
-        requested = Requested(source, predicted, size, options.guard)
-        loop = Loop(requested, server, link, compensator, headset)
+        requested = Requested(source, predicted, size, options.guard, plan.needs, round(options.scanout_ms * 1e6))
+        loop = Loop(requested, server, link, history, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
-        return Rig(options, trace, track, scene, headset, size, plan, times, gpu, server, link, loop, notes, stack.pop_all())
+        return Rig(options, trace, track, scene, headset, size, plan, times, gpu, server, link, history, loop, notes, stack.pop_all())
 
 
 def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple[int, int]:
@@ -217,13 +224,13 @@ def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple
         raise InputError(f"guard {guard:g} on headset '{headset.name}': {error}; use a smaller guard") from error
 
 
-def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int]) -> None:
+def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int], plan: Plan) -> None:
     """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
     if max(late_size) > gpu.max_texture_size:
         found = f"guard {options.guard:g} makes frames of {late_size[0]}x{late_size[1]} pixels"
         raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
-    frames = frames_held(options, rate_hz)
-    needed = frames * 2 * late_size[0] * late_size[1] * sum(BYTES_PER_PIXEL.values())
+    frames = frames_held(options, rate_hz, plan.needs)
+    needed = frames * 2 * late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * plan.needs.layers)
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
             f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, "
@@ -248,4 +255,5 @@ def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -
     effects = scene.effects if scene is not None else SceneEffect.NONE
     if options.against:
         build_plan(effects, options.against, "none", "none", client_geometry=True)
-    return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True)
+    fused, scanout = options.fused, options.scanout_ms > 0
+    return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout)

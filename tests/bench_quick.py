@@ -22,6 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hmdwarp.client.fills import fills
+from hmdwarp.client.given import Given
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import picture_from_linear
@@ -60,13 +61,14 @@ class Case:
         self.shown = View(track.at(now).pose, fov)
         self.late = server.draw(View(track.at(now - LATENCY_NS).pose, fov), size)
         self.client_depth = server.draw_depth(self.shown, size, allocate(gpu.gl, size, SCALAR))
+        self.given = Given(self.late, self.shown, client_inverse_depth=self.client_depth)
         self.canvas, self.other = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
 
     def methods(self) -> dict[str, Callable[[], object]]:
         made: dict[str, Callable[[], object]] = {}
         for name in warps.names():
             warp = warps.get(name)(self.gpu, self.size, self.size)
-            made[name] = lambda warp=warp: warp.run(self.late, self.shown, self.canvas, self.client_depth)
+            made[name] = lambda warp=warp: warp.run(self.given, self.canvas)
         for entry in fills:
             if entry.is_pass:
                 fill = entry(self.gpu, self.size)

@@ -44,7 +44,7 @@ def plan(
     in_columns(
         [
             ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(built.layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),
-            ("The link", f"holds at most {frames_held(options, rate_hz)} of them at {latency:g} ms and {rate_hz:g} Hz"),
+            ("The link", f"holds at most {frames_held(options, rate_hz, built.needs)} of them at {latency:g} ms and {rate_hz:g} Hz"),
         ]
     )
 

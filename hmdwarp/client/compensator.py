@@ -7,12 +7,13 @@ from collections.abc import Callable
 import attrs
 import moderngl
 
-from ..frame import EyeImage
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
+from .given import Given
 from .plan import Plan
+from .warps import Output
 
 DrawDepth = Callable[[View, tuple[int, int], moderngl.Texture], object]
 
@@ -20,11 +21,12 @@ DrawDepth = Callable[[View, tuple[int, int], moderngl.Texture], object]
 @attrs.frozen(eq=False)
 class EyeResult:
     """One eye after the plan. `warped` holds the coverage before the fill, `shown` what the eye sees before the lens, `panel`
-    what goes to the display. The textures belong to the compensator and are written again at the next frame of that eye."""
+    what goes to the display; a warp that is fused with the lens makes the panel alone, the others are None then. The textures belong
+    to the compensator and are written again at the next frame of that eye."""
 
     view: View
-    warped: Canvas
-    shown: Canvas
+    warped: Canvas | None
+    shown: Canvas | None
     panel: Canvas
 
 
@@ -47,26 +49,31 @@ class Compensator:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._draw_depth = draw_depth
         self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
-        self._warp = plan.warp(gpu, late_size, shown_size)
+        lens = plan.lens(gpu, headset, shown_size) if plan.lens.is_pass else None
+        self._lens = None if plan.fused else lens
+        output = Output(lens if plan.fused else None, plan.scanout)
+        self._warp = plan.warp(gpu, late_size, shown_size, plan.choice.settings, output)
         self._fill = plan.fill(gpu, shown_size) if plan.fill.is_pass else None
-        self._lens = plan.lens(gpu, headset, shown_size) if plan.lens.is_pass else None
         self._canvases = [self._canvases_of_one_eye() for _ in range(2)]
 
-    def _canvases_of_one_eye(self) -> tuple[Canvas, Canvas, Canvas]:
+    def _canvases_of_one_eye(self) -> tuple[Canvas | None, Canvas | None, Canvas]:
+        if self.plan.fused:
+            return None, None, Canvas(self.gpu.gl, self.shown_size)
         warped = Canvas(self.gpu.gl, self.shown_size)
         shown = Canvas(self.gpu.gl, self.shown_size) if self._fill else warped
         panel = Canvas(self.gpu.gl, self.shown_size) if self._lens else shown
         return warped, shown, panel
 
-    def run(self, late: EyeImage, shown_view: View, eye: int = 0) -> EyeResult:
+    def run(self, given: Given) -> EyeResult:
         """Every pass of the plan for eye 0 or 1, each timed as a stage of gpu.timer."""
-        warped, shown, panel = self._canvases[eye]
+        warped, shown, panel = self._canvases[given.eye]
         stage = self.gpu.timer.stage
         if self._client_depth is not None:
             with stage("client_depth"):
-                self._draw_depth(shown_view, self.shown_size, self._client_depth)
+                self._draw_depth(given.shown, self.shown_size, self._client_depth)
+            given = attrs.evolve(given, client_inverse_depth=self._client_depth)
         with stage("warp"):
-            self._warp.run(late, shown_view, warped, self._client_depth)
+            self._warp.run(given, warped if warped is not None else panel)
             self._publish()
         if self._fill is not None:
             with stage("fill"):
@@ -74,9 +81,9 @@ class Compensator:
                 self._publish()
         if self._lens is not None:
             with stage("lens"):
-                self._lens.run(shown, shown_view.fov, eye, panel)
+                self._lens.run(shown, given.shown.fov, given.eye, panel)
                 self._publish()
-        return EyeResult(shown_view, warped, shown, panel)
+        return EyeResult(given.shown, warped, shown, panel)
 
     def _publish(self) -> None:
         """Make what a compute pass stored visible to the next pass, to copies and to read-backs."""
@@ -85,7 +92,7 @@ class Compensator:
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
         self._warp.close()
-        for canvas in {id(c): c for eye in self._canvases for c in eye}.values():
+        for canvas in {id(c): c for eye in self._canvases for c in eye if c is not None}.values():
             canvas.release()
         if self._client_depth is not None:
             self._client_depth.release()

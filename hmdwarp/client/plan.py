@@ -8,18 +8,22 @@ from __future__ import annotations
 import attrs
 
 from ..errors import PlanError
+from ..frame import Needs
 from ..scenes.effects import SceneEffect
+from .choices import Choice, parse_warp
 from .fills import Fill, fills
 from .lens import LensPass, lenses
-from .warps import Warp, warps
+from .warps import Warp
 
 # What a frame brings along, what the client can make by itself, and what the passes hand on.
-LATE = ("late.colour", "late.inverse_depth")
+PICTURE = ("late.colour", "late.inverse_depth")
+LATE = (*PICTURE, "late.layers", "late.cube", "late.others")
 CLIENT_DEPTH = "client.inverse_depth"
 SHOWN = "shown.colour"
 PANEL = "panel.colour"
 
 BYTES_PER_PIXEL = {"late.colour": 8, "late.inverse_depth": 4}  # rgba16f and r32f
+LAYER_BYTES, CUBE_BYTES = 12, 8  # a pixel of one more layer; of the cube's six faces
 
 
 @attrs.frozen
@@ -35,14 +39,29 @@ class Step:
 
 @attrs.frozen
 class Plan:
-    """The ordered passes, and those left out with their reasons."""
+    """The ordered passes, and those left out with their reasons. choice: the warp with its settings.
+
+    fused: the warp looks through the lens itself. scanout: rows are shown one after the other.
+    """
 
     effects: SceneEffect
-    warp: type[Warp]
+    choice: Choice
     fill: type[Fill]
     lens: type[LensPass]
+    fused: bool
+    scanout: bool
     steps: tuple[Step, ...]
     left_out: tuple[tuple[str, str], ...]
+
+    @property
+    def warp(self) -> type[Warp]:
+        """The warp without its settings."""
+        return self.choice.warp
+
+    @property
+    def needs(self) -> Needs:
+        """What frames must carry for this plan besides colour and inverse depth."""
+        return self.warp.needs(self.choice.settings)
 
     @property
     def draws_client_depth(self) -> bool:
@@ -55,31 +74,64 @@ class Plan:
         return tuple(dict.fromkeys(name for step in self.steps for name in step.reads if name in LATE))
 
     def bytes_per_pixel(self) -> int:
-        """What one pixel of a frame weighs with the layers this plan reads."""
-        return sum(BYTES_PER_PIXEL[name] for name in self.layers)
+        """What one pixel of a frame weighs with the layers this plan reads; a cube is counted apart."""
+        return sum(BYTES_PER_PIXEL.get(name, 0) for name in self.layers) + LAYER_BYTES * self.needs.layers
 
 
-def build_plan(effects: SceneEffect, warp: str, fill: str, lens: str, *, client_geometry: bool) -> Plan:
-    """The plan for the named passes. client_geometry: whether the client has the scene's triangles to draw depth from.
+def build_plan(
+    effects: SceneEffect,
+    warp: str,
+    fill: str,
+    lens: str,
+    *,
+    client_geometry: bool,
+    brings: tuple[str, ...] = LATE,
+    fused: bool = False,
+    scanout: bool = False,
+) -> Plan:
+    """The plan for the named passes; warp may carry settings (`mesh:cut=slope`).
 
-    Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none before it writes.
+    client_geometry: whether the client has the scene's triangles to draw depth from. brings: what late pictures come with. fused:
+    warp and lens in one resample. scanout: rows shown one after the other.
+    Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none before it writes, and for what
+    the warp cannot do; InputError for a setting it has not.
     """
-    chosen = (warps.get(warp), fills.get(fill), lenses.get(lens))
+    choice, chosen_fill, chosen_lens = parse_warp(warp), fills.get(fill), lenses.get(lens)
+    _refuse_impossible(choice.warp, chosen_fill, chosen_lens, fused=fused, scanout=scanout)
     steps, left_out = [], []
-    if CLIENT_DEPTH in chosen[0].reads and client_geometry:
+    if CLIENT_DEPTH in choice.warp.reads and client_geometry:
         steps.append(Step("client_depth", "client_depth", f"warp '{warp}' reads the client's own depth", (), (CLIENT_DEPTH,)))
     else:
-        left_out.append(("client_depth", _why_no_client_depth(chosen[0], client_geometry)))
-    steps.append(Step("warp", f"warp {warp}", f"asked for: {chosen[0].summary}", chosen[0].reads, (SHOWN,)))
-    for stage, entry, writes in (("fill", chosen[1], SHOWN), ("lens", chosen[2], PANEL)):
-        if entry.is_pass:
+        left_out.append(("client_depth", _why_no_client_depth(choice.warp, client_geometry)))
+    steps.append(_warp_step(choice, chosen_lens if fused else None))
+    for stage, entry, writes in (("fill", chosen_fill, SHOWN), ("lens", chosen_lens, PANEL)):
+        if stage == "lens" and fused:
+            left_out.append((stage, f"warp '{choice}' looks through the lens itself: one resample instead of two"))
+        elif entry.is_pass:
             steps.append(Step(stage, f"{stage} {entry.name}", f"asked for: {entry.summary}", entry.reads, (writes,)))
         else:
             left_out.append((stage, f"{stage} 'none' was asked for: {entry.summary}"))
     if not effects:
         left_out.append(("effects", "the scene calls for none: it is static and matt"))
-    _refuse_unwritten(steps)
-    return Plan(effects, *chosen, tuple(steps), tuple(left_out))
+    _refuse_unwritten(steps, brings)
+    return Plan(effects, choice, chosen_fill, chosen_lens, fused, scanout, tuple(steps), tuple(left_out))
+
+
+def _warp_step(choice: Choice, lens: type[LensPass] | None) -> Step:
+    reason = f"asked for: {choice.warp.summary}"
+    if lens is None:
+        return Step("warp", f"warp {choice}", reason, choice.warp.reads, (SHOWN,))
+    return Step("warp", f"warp {choice} + lens {lens.name}", f"{reason}; fused with the lens: {lens.summary}", choice.warp.reads, (PANEL,))
+
+
+def _refuse_impossible(warp: type[Warp], fill: type[Fill], lens: type[LensPass], *, fused: bool, scanout: bool) -> None:
+    if fused and not lens.look:
+        raise PlanError(f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out")
+    if fused and fill.is_pass:
+        raise PlanError(f"fused with fill '{fill.name}': a fill needs the picture between warp and lens; use fill none, or leave fused out")
+    for asked, able, what in ((fused, warp.fuses, "be fused with the lens"), (scanout, warp.scans_out, "follow the scan-out")):
+        if asked and not able:
+            raise PlanError(f"warp '{warp.name}' cannot {what}: only gather warps can, which ask for every pixel by itself")
 
 
 def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
@@ -89,11 +141,12 @@ def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
     return "the client has no geometry to draw it from"
 
 
-def _refuse_unwritten(steps: list[Step]) -> None:
-    known = set(LATE)
+def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...]) -> None:
+    known = set(brings)
     for step in steps:
         missing = [name for name in step.reads if name not in known]
         if missing:
             hint = "; it needs the scene's geometry on the client" if CLIENT_DEPTH in missing else ""
             raise PlanError(f"{step.name} reads {', '.join(missing)}, which no pass before it writes{hint}")
         known.update(step.writes)
+

@@ -44,14 +44,6 @@ class WarpMap:
         safe = np.where(w > 0, w, np.nan)
         return homogeneous[..., :2] / safe[..., None], inverse_depth / safe, w
 
-    def gather_seed(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(G, g) such that the plane `inverse_depth = r` of the from view is gathered by `p_from ~ q (1 + r g_z) - r q_z g`, q = G p_to.
-
-        That is the inverse of H + r e (0 0 1) by the Sherman-Morrison formula, so r may stay on the GPU.
-        """
-        gather = np.linalg.inv(self.H)
-        return gather, gather @ self.e
-
     def moves_whole_pixels(self) -> bool:
         """Whether every pixel centre lands on a pixel centre at any depth: nothing moved, or only a guard band was cut off."""
         shift = np.round(self.H[:2, 2])

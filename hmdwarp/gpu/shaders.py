@@ -19,7 +19,7 @@ from ..errors import InputError, ShaderError
 from ..resources import folder
 
 VERSION = "#version 430"
-_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
+_INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
 # Mesa: "0:14(3): error", NVIDIA: "0(14) : error", Apple/Intel: "ERROR: 0:14:"
 _MESSAGE_LINE = re.compile(r"\b0[:(](\d+)\)?")
 _DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's letter for a uniform's type
@@ -49,14 +49,21 @@ class Flattened:
 def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
     """The text of shader `path` (relative to shaders/) with its includes, each file once, and `defines` on top.
 
+    `#include NAME` takes the file that the define NAME holds; such a define is not put into the text.
     Errors: ShaderError for a missing file or include, naming the including line.
     """
+    defines = dict(defines or {})
     root = root or folder("shaders")
     out, seen = Flattened(), set()
 
     def add(line: str, origin: tuple[str, int]) -> None:
         out.lines.append(line)
         out.origins.append(origin)
+
+    def named(define: str, wanted_by: str) -> str:
+        if define not in defines:
+            raise ShaderError(f"{wanted_by} includes {define}, which no define gives a file")
+        return str(defines[define])
 
     def visit(name: str, wanted_by: str) -> None:
         if name in seen:
@@ -69,13 +76,14 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
         for number, line in enumerate(text.splitlines(), start=1):
             include = _INCLUDE.match(line)
             if include:
-                visit(include.group(1), f"{name}:{number}")
+                visit(include.group(1) or named(include.group(2), f"{name}:{number}"), f"{name}:{number}")
             elif not line.startswith("#version"):
                 add(line, (name, number))
 
     add(VERSION, ("(version)", 1))
-    for key, value in (defines or {}).items():
-        add(f"#define {key} {value}", ("(defines)", 1))
+    for key, value in defines.items():
+        if not str(value).endswith(".glsl"):
+            add(f"#define {key} {value}", ("(defines)", 1))
     visit(path, "the program")
     return out
 

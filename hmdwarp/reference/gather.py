@@ -6,46 +6,26 @@ import numpy as np
 
 from ..geometry import Pose, View, WarpMap
 from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from .picture import GPU_SAMPLER_PIXELS, ReferencePicture, near_edge, sample_covered
+from .picture import Asked, ReferencePicture, near_edge, sample_covered
 
 
-def none(
-    colour: Array,
-    inverse_depth: Array,
-    late: View,
-    shown: View,
-    shown_size: tuple[int, int],
-    *,
-    sampler_pixels: float = GPU_SAMPLER_PIXELS,
-    **_: object,
-) -> ReferencePicture:
+def none(asked: Asked) -> ReferencePicture:
     """The late picture at the same angles from the view axis."""
-    return _through_infinity(colour, late, View(late.pose, shown.fov), shown_size, sampler_pixels)
+    return _through_infinity(asked, View(asked.late.pose, asked.shown.fov))
 
 
-def rotation(
-    colour: Array,
-    inverse_depth: Array,
-    late: View,
-    shown: View,
-    shown_size: tuple[int, int],
-    *,
-    sampler_pixels: float = GPU_SAMPLER_PIXELS,
-    **_: object,
-) -> ReferencePicture:
+def rotation(asked: Asked) -> ReferencePicture:
     """Each shown pixel's direction, looked up in the late picture."""
-    return _through_infinity(
-        colour, late, View(Pose(late.pose.position_m, shown.pose.orientation_xyzw), shown.fov), shown_size, sampler_pixels
-    )
+    shown = asked.shown
+    return _through_infinity(asked, View(Pose(asked.late.pose.position_m, shown.pose.orientation_xyzw), shown.fov))
 
 
-def _through_infinity(colour: Array, late: View, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> ReferencePicture:
-    size = colour.shape[1::-1]
-    far = np.zeros(shown_size[::-1])
-    pixels, _, _ = project(world_directions(shown, shown_size), np.zeros(3), far, late, size)
-    return sample_covered(
-        colour, pixels, pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, far), sampler_pixels
-    )
+def _through_infinity(asked: Asked, shown: View) -> ReferencePicture:
+    size, late = asked.size, asked.late
+    far = np.zeros(asked.shown_size[::-1])
+    pixels, _, _ = project(world_directions(shown, asked.shown_size), np.zeros(3), far, late, size)
+    bound = pixel_error_bound(WarpMap.between(shown, asked.shown_size, late, size), asked.shown_size, far)
+    return sample_covered(asked.colour, pixels, bound, asked.sampler_pixels)
 
 
 def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
@@ -57,18 +37,10 @@ def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
     return float(samples[(len(samples) + 1) // 2 - 1]) if len(samples) else 0.0
 
 
-def planar(
-    colour: Array,
-    inverse_depth: Array,
-    late: View,
-    shown: View,
-    shown_size: tuple[int, int],
-    *,
-    sampler_pixels: float = GPU_SAMPLER_PIXELS,
-    **_: object,
-) -> ReferencePicture:
+def planar(asked: Asked) -> ReferencePicture:
     """Each shown ray, met with the plane at the median depth before the late eye."""
-    size, r = colour.shape[1::-1], median_inverse_depth(inverse_depth)
+    late, shown, shown_size, size = asked.late, asked.shown, asked.shown_size, asked.size
+    r = median_inverse_depth(asked.inverse_depth)
     rays = world_directions(shown, shown_size)
     moved = shown.pose.position_m - late.pose.position_m
     # Along the late eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
@@ -84,31 +56,22 @@ def planar(
     bound = pixel_error_bound(
         WarpMap.between(shown, shown_size, late, size), shown_size, np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
     )
-    # The Sherman-Morrison form cancels by up to 1 + 2 r |moved| before it divides by past.
-    return sample_covered(colour, pixels, 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6), sampler_pixels)
+    # The shader's form cancels by up to 1 + 2 r |moved| before it divides by past.
+    grown = 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
+    return sample_covered(asked.colour, pixels, grown, asked.sampler_pixels)
 
 
-def backward(
-    colour: Array,
-    inverse_depth: Array,
-    late: View,
-    shown: View,
-    shown_size: tuple[int, int],
-    client_inverse_depth: Array,
-    tolerance: float,
-    floor: float,
-    sampler_pixels: float = GPU_SAMPLER_PIXELS,
-) -> ReferencePicture:
+def backward(asked: Asked) -> ReferencePicture:
     """Each shown point, looked up in the late picture where the late depth there agrees with the point's own."""
-    size = colour.shape[1::-1]
-    known = client_inverse_depth >= 0
-    own = np.where(known, client_inverse_depth, 0)
+    late, shown, shown_size, size, settings = asked.late, asked.shown, asked.shown_size, asked.size, asked.settings
+    known = asked.client_inverse_depth >= 0
+    own = np.where(known, asked.client_inverse_depth, 0)
     moved = shown.pose.position_m - late.pose.position_m
     pixels, expected, w = project(world_directions(shown, shown_size), moved, own, late, size)
     pixels = np.where(known[..., None], pixels, np.nan)
     bound = pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, own)
-    at, agree, undecided = _where_depth_agrees(inverse_depth, pixels, expected, bound, tolerance, floor)
-    looked = sample_covered(colour, np.where(agree[..., None], at, np.nan), bound, sampler_pixels, least=0.0)
+    at, agree, undecided = _where_depth_agrees(asked.inverse_depth, pixels, expected, bound, settings.tolerance, settings.floor)
+    looked = sample_covered(asked.colour, np.where(agree[..., None], at, np.nan), bound, asked.sampler_pixels, least=0.0)
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known

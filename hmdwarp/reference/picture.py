@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+
+from ..geometry import View
 
 Array = NDArray[np.float64]
 
@@ -13,6 +17,42 @@ HALF_UNIT = 2.0**-10  # relative error of a stored rgba16f value: GL leaves the 
 HALF_SMALLEST = 2.0**-24  # the smallest denormal half float
 # A GPU's bilinear sampler rounds the place to 1/256 pixel (8 fraction bits); llvmpipe computes it in float32.
 GPU_SAMPLER_PIXELS = 1 / 256
+
+
+@attrs.frozen(eq=False)
+class LatePicture:
+    """colour (h, w, 4) premultiplied linear with coverage in alpha, inverse_depth (h, w) in 1/m, -1 for none, and their view."""
+
+    colour: Array
+    inverse_depth: Array
+    view: View
+
+
+@attrs.frozen(eq=False)
+class Asked:
+    """What a twin is asked: the late picture and its view, the shown view and its (w, h), and what else the warp reads.
+
+    colour, inverse_depth as in LatePicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the late view, nearest
+    first. cube: (3n, 2n, 4) as geometry.cube lays it out. others: further late pictures. settings: the warp's. sampler_pixels: how
+    far, in pixels, the sampler may place a bilinear look beside where it was asked for.
+    """
+
+    colour: Array
+    inverse_depth: Array
+    late: View
+    shown: View
+    shown_size: tuple[int, int]
+    client_inverse_depth: Array | None = None
+    layers: tuple[LatePicture, ...] = ()
+    cube: Array | None = None
+    others: tuple[LatePicture, ...] = ()
+    settings: Any = None
+    sampler_pixels: float = GPU_SAMPLER_PIXELS
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) of the late picture."""
+        return self.colour.shape[1::-1]
 
 
 @attrs.frozen(eq=False)

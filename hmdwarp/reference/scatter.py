@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import View, WarpMap
+from ..geometry import WarpMap
 from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from .picture import ReferencePicture
+from .picture import Asked, ReferencePicture
 
 FARTHEST, NEAREST = 2.0**-20, 2.0**11  # 1/m
 
 
-def forward(colour: Array, inverse_depth: Array, late: View, shown: View, shown_size: tuple[int, int], **_: object) -> ReferencePicture:
+def forward(asked: Asked) -> ReferencePicture:
     """Each drawn pixel to the shown pixel it lands in; of several the nearest. Colours are copied.
 
     Depths that float32 may take for equal are undecided here; tests/client/test_forward.py decides exact ties. As for the shader,
     all that is farther than 1000 km is equally far (the lowest index wins), and all that is nearer than 0.5 mm equally near.
     """
-    size = colour.shape[1::-1]
+    colour, inverse_depth, size = asked.colour, asked.inverse_depth, asked.size
+    late, shown, shown_size = asked.late, asked.shown, asked.shown_size
     drawn = inverse_depth >= 0
     own = np.where(drawn, inverse_depth, 0).astype(np.float64)
     moved = late.pose.position_m - shown.pose.position_m

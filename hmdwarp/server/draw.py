@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ..errors import InputError
-from ..frame import EyeImage, Frame
+from ..frame import EyeImage, Frame, Needs
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.shaders import Draw
@@ -57,8 +57,10 @@ class Server:
         self._draw(view, self._framebuffers.over(into), self._depth, colour=False)
         return into
 
-    def draw_frame(self, views: Sequence[View], drawn_ns: int, size: tuple[int, int], guard: float = 1.0) -> Frame:
-        """All eyes into pooled targets, each with its field of view enlarged by `guard` (see Fov.guarded).
+    def draw_frame(
+        self, views: Sequence[View], drawn_ns: int, size: tuple[int, int], guard: float = 1.0, needs: Needs | None = None
+    ) -> Frame:
+        """All eyes into pooled targets, each with its field of view enlarged by `guard` (see Fov.guarded), with what `needs` asks for.
 
         The frame's views are the enlarged ones. Give the frame back with recycle(). Errors: InputError for a guard below 1.
         """

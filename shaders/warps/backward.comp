@@ -1,11 +1,9 @@
 // Gathers each shown pixel from the late picture through the client's own depth; a depth test keeps what was hidden empty.
 // In: shown pixel and the client's inverse depth there. Out: rendered pixel by H, e (here shown -> rendered) and what it held.
 // Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams 1978), per texel of the footprint.
-#include "lib/rows.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-layout(rgba16f) writeonly uniform image2D shown_colour;
-uniform ivec2 shown_size;
+#include OUTPUT
 layout(r32f) readonly uniform image2D late_inverse_depth;
 layout(r32f) readonly uniform image2D client_inverse_depth;
 uniform float depth_tolerance;
@@ -19,9 +17,9 @@ bool holds(ivec2 texel, float expected) {
 // Two texels decide: the nearest, and the one across the corner of the bilinear footprint, which an edge through the footprint
 // almost always parts from it. Both hold the expected depth: bilinear. One does: that one alone, so that no surface bleeds into
 // another. (Asking all four would cost llvmpipe half as much time again.)
-vec4 gathered(ivec2 shown, vec3 base) {
-    float own = imageLoad(client_inverse_depth, shown).r;
-    vec3 q = base + e * own;
+vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
+    float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
+    vec3 q = base + parallax * own;
     float depth_ratio = 1.0 / q.z;
     vec2 p = q.xy * depth_ratio;
     float expected = own * depth_ratio;
@@ -36,15 +34,4 @@ vec4 gathered(ivec2 shown, vec3 base) {
     vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
     bool seen = (near_holds || opposite_holds) && own >= 0.0 && q.z > 0.0 && inside(p, late_size);
     return seen ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
-}
-
-void main() {
-    ivec2 first = first_pixel();
-    if (first.x >= shown_size.x) return;
-    vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
-    for (int row = 0; row < ROWS; ++row) {
-        if (first.y + row >= shown_size.y) break;
-        ivec2 shown = first + ivec2(0, row);
-        imageStore(shown_colour, shown, gathered(shown, base + H[1] * float(row)));
-    }
 }

@@ -7,12 +7,14 @@ import math
 import numpy as np
 import pytest
 
+from hmdwarp.client.given import Given
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE
+from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE, BackwardSettings
 from hmdwarp.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.reference import gather
+from hmdwarp.reference.picture import Asked
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 
@@ -27,7 +29,7 @@ def backward(
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, shown_size)
     late = EyeImage(View(late_pose or Pose(), FOV), *textures[:2])
-    warps.get("backward")(gpu, size, shown_size).run(late, View(pose, FOV), canvas, textures[2])
+    warps.get("backward")(gpu, size, shown_size).run(Given(late, View(pose, FOV), client_inverse_depth=textures[2]), canvas)
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(*client_depth.shape, 4).astype(np.float64)
     for thing in (*textures, canvas):
@@ -109,7 +111,8 @@ def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
     colour = colour.astype(np.float16).astype(np.float64)
     pose = Pose(rng.normal(scale=0.02, size=3), (*rng.normal(scale=0.02, size=3), 1))
     got = backward(gpu, colour, late_depth, client, pose)
-    wanted = gather.backward(colour, late_depth, View(Pose(), FOV), View(pose, FOV), size, client, DEPTH_TOLERANCE, DEPTH_FLOOR)
+    settings = BackwardSettings()
+    wanted = gather.backward(Asked(colour, late_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings))
     decided = ~wanted.undecided
     assert decided.sum() > 30
     assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])

@@ -2,116 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from worlds import World, read
 
-from hmdwarp import reference
 from hmdwarp.client.fills import fills
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
-from hmdwarp.client.plan import CLIENT_DEPTH
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE
-from hmdwarp.frame import EyeImage
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.geometry import View
+from hmdwarp.gpu.textures import Canvas
 from hmdwarp.reference.interpolate import interpolate
-from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS
-
-
-def twin_of(name: str):
-    """The float64 twin of a warp: the public function of its name in a module of hmdwarp.reference."""
-    modules = (importlib.import_module(f"hmdwarp.reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__))
-    twins = {module: vars(module)[name] for module in modules if name in vars(module) and vars(module)[name].__module__ == module.__name__}
-    assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in hmdwarp/reference, found {len(twins)}"
-    return next(iter(twins.values()))
-
 
 SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
-
-
-def read(texture) -> np.ndarray:
-    """Texture to float64, bottom row first as stored."""
-    dtype = {"f2": np.float16, "f4": np.float32}[texture.dtype]
-    return np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1).astype(np.float64)
-
-
-class World:
-    """A late picture of a few planes with holes, and a shown view a plausible head motion away."""
-
-    def __init__(self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True) -> None:
-        self.rng = rng = np.random.default_rng(seed)
-        self.size, self.shown_size = size, shown_size or size
-        fov = Fov(*np.deg2rad([-rng.uniform(30, 55), rng.uniform(30, 55), -rng.uniform(30, 55), rng.uniform(30, 55)]))
-        self.late_view = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
-        turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=5 if moved else 0, size=3)))
-        step = rng.normal(scale=0.03 if moved else 0, size=3)
-        pose = Pose(self.late_view.pose.position_m + step, (self.late_view.pose.rotation * turn).as_quat())
-        self.shown_view = View(pose if moved else self.late_view.pose, fov)
-        self._draw()
-        self.client = self._client_depth()
-        self.upload(gpu)
-        # llvmpipe turns a place into 0..1 and back in float32: a division and a product, each half a unit of the place.
-        self.sampler_pixels = 4 * 2.0**-24 * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
-
-    def _draw(self) -> None:
-        rng, (wide, high) = self.rng, self.size
-        colour = rng.uniform(0, 2, (high, wide, 3))
-        depth = np.full((high, wide), 0.2)
-        y, x = np.mgrid[:high, :wide] / max(self.size)
-        for _ in range(6):
-            inside = (abs(x - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2)) & (abs(y - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2))
-            plane = rng.uniform(0.05, 1.5) + rng.normal(scale=0.1) * x + rng.normal(scale=0.1) * y
-            depth = np.where(inside & (plane > depth), plane, depth)
-        depth[(x + y) % 0.3 < 0.03] = 0  # infinitely far
-        if depth.size > 4:
-            depth[rng.uniform(size=depth.shape) < 0.02] = -1  # no depth
-        covered = depth >= 0
-        self.inverse_depth = depth.astype(np.float32).astype(np.float64)
-        self.colour = np.concatenate([colour * covered[..., None], covered[..., None]], axis=2).astype(np.float16).astype(np.float64)
-
-    def _client_depth(self) -> np.ndarray:
-        """Any depth will do for the contract: the late depth itself, resized, so that many pixels agree and many do not."""
-        (wide, high), (w, h) = self.size, self.shown_size
-        return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
-
-    def upload(self, gpu) -> None:
-        texture, depth = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
-        texture.write(self.colour.astype(np.float16).tobytes(), alignment=1)
-        depth.write(self.inverse_depth.astype(np.float32).tobytes(), alignment=1)
-        self.late = EyeImage(self.late_view, texture, depth)
-        self.client_texture = allocate(gpu.gl, self.shown_size, SCALAR)
-        self.client_texture.write(self.client.astype(np.float32).tobytes(), alignment=1)
-
-    def warp(self, gpu, name: str) -> np.ndarray:
-        entry = warps.get(name)
-        warp, canvas = entry(gpu, self.size, self.shown_size), Canvas(gpu.gl, self.shown_size)
-        own = self.client_texture if CLIENT_DEPTH in entry.reads else None
-        warp.run(self.late, self.shown_view, canvas, own)
-        gpu.gl.memory_barrier()
-        out = read(canvas.texture)
-        warp.run(self.late, self.shown_view, canvas, own)  # a second run must not see what the first left behind
-        gpu.gl.memory_barrier()
-        assert np.array_equal(out, read(canvas.texture), equal_nan=True), "two runs differ"
-        warp.close()
-        canvas.release()
-        return out
-
-    def reference(self, name: str):
-        return twin_of(name)(
-            self.colour,
-            self.inverse_depth,
-            self.late_view,
-            self.shown_view,
-            self.shown_size,
-            client_inverse_depth=self.client,
-            tolerance=DEPTH_TOLERANCE,
-            floor=DEPTH_FLOOR,
-            sampler_pixels=self.sampler_pixels,
-        )
 
 
 @pytest.mark.parametrize("name", warps.names())

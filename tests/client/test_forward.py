@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hmdwarp.client.given import Given
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import MOST_PIXELS
 from hmdwarp.errors import InputError
@@ -36,7 +37,7 @@ class Scatter:
     def run(self, depth: np.ndarray) -> np.ndarray:
         """(h, w) index of the drawn pixel that each shown pixel shows, -1 for none."""
         self.depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
-        self.warp.run(self.late, self.shown_view, self.canvas)
+        self.warp.run(Given(self.late, self.shown_view), self.canvas)
         self.gpu.gl.memory_barrier()
         out = np.frombuffer(self.canvas.texture.read(alignment=1), np.float16).reshape(self.shown_size[1], self.shown_size[0], 4)
         out = out.astype(np.int64)

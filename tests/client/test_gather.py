@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from hmdwarp.client.given import Given
 from hmdwarp.client.warps import warps
 from hmdwarp.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
@@ -28,7 +29,7 @@ def warped(
     colour.write(picture.tobytes(), alignment=1)
     inverse.write(np.full(SIZE[::-1], depth, np.float32).tobytes(), alignment=1)
     warp, canvas = warps.get(name)(gpu, SIZE, SIZE), Canvas(gpu.gl, SIZE)
-    warp.run(EyeImage(View(late or Pose(), FOV), colour, inverse), View(shown, fov), canvas)
+    warp.run(Given(EyeImage(View(late or Pose(), FOV), colour, inverse), View(shown, fov)), canvas)
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(SIZE[1], SIZE[0], 4)
     warp.close()

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import itertools
 
+import attrs
 import moderngl
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from worlds import World
 
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.fills import fills
+from hmdwarp.client.given import Given
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import BYTES_PER_PIXEL, CLIENT_DEPTH, LATE, PANEL, SHOWN, Plan, build_plan
+from hmdwarp.client.plan import CLIENT_DEPTH, LATE, PANEL, SHOWN, Plan, build_plan
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError, UnknownNameError
-from hmdwarp.frame import EyeImage
-from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.shaders import ShaderLibrary
-from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.scenes.effects import SceneEffect
 
@@ -67,9 +67,8 @@ def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
     wanted = {name for name in warps.get(choice[0]).reads if name in LATE}
     assert set(plan.layers) == wanted
-    assert plan.bytes_per_pixel() == sum(BYTES_PER_PIXEL[name] for name in wanted)
-    # rgba16f is eight bytes, r32f four.
-    assert plan.bytes_per_pixel() == 8 + 4 * ("late.inverse_depth" in wanted)
+    # rgba16f is eight bytes, r32f four; a layer has both.
+    assert plan.bytes_per_pixel() == 8 * ("late.colour" in wanted) + 4 * ("late.inverse_depth" in wanted) + 12 * plan.needs.layers
 
 
 @pytest.mark.parametrize("warp", warps.names())
@@ -180,11 +179,11 @@ class Costs:
         return [thing for made in self.made.values() for thing in made if not isinstance(thing.mglo, moderngl.InvalidObject)]
 
 
-def late_image(gpu) -> EyeImage:
-    colour, depth = allocate(gpu.gl, LATE_SIZE, COLOUR), allocate(gpu.gl, LATE_SIZE, SCALAR)
-    colour.write(np.ones((LATE_SIZE[1], LATE_SIZE[0], 4), np.float16).tobytes(), alignment=1)
-    depth.write(np.full(LATE_SIZE[::-1], 0.5, np.float32).tobytes(), alignment=1)
-    return EyeImage(View(Pose(), Fov(-0.7, 0.7, -0.6, 0.6)), colour, depth)
+def given_for(gpu, warp: str) -> Given:
+    """All that this warp reads, for LATE_SIZE and SHOWN_SIZE."""
+    world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
+    world.bring(gpu, warps.get(warp))
+    return attrs.evolve(world.given(warps.get(warp)), client_inverse_depth=None)
 
 
 def draw_depth(view, size, into) -> None:
@@ -194,25 +193,23 @@ def draw_depth(view, size, into) -> None:
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice):
     warp, fill, lens, _ = choice
-    plan, late = plan_of(*choice), late_image(gpu)
+    plan, given = plan_of(*choice), given_for(gpu, warp)
+    alone = Costs(gpu, monkeypatch)
+    warps.get(warp)(gpu, LATE_SIZE, SHOWN_SIZE).close()
+    own = alone.counts
     costs = Costs(gpu, monkeypatch)
     compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, draw_depth)
     # A canvas per eye for the warp, one more for each pass after it, and the client's depth once.
     canvases = 2 * (1 + (fill != "none") + (lens != "none"))
-    assert len(costs.made["texture"]) == canvases + plan.draws_client_depth
-    assert len(costs.made["framebuffer"]) == canvases
-    assert all(texture.size == SHOWN_SIZE for texture in costs.made["texture"])
-    folders = {path.split("/")[0] for path in costs.paths()}
-    assert folders == {"warps"} | ({"fills"} if fill != "none" else set()) | ({"lens"} if lens != "none" else set())
-    if warp != "planar":
-        assert "warps/median.comp" not in costs.paths()
-    if warp != "forward":
-        assert not any("forward" in path for path in costs.paths())
-    assert bool(costs.made["buffer"]) == (warp in ("forward", "planar"))
+    assert len(costs.made["texture"]) == own["texture"] + canvases + plan.draws_client_depth
+    assert len(costs.made["framebuffer"]) == own["framebuffer"] + canvases
+    assert len(costs.made["buffer"]) == own["buffer"]
+    others = {path for path in costs.paths() if path not in alone.paths()}
+    assert {path.split("/")[0] for path in others} == ({"fills"} if fill != "none" else set()) | ({"lens"} if lens != "none" else set())
 
     before = costs.counts
     for eye in (0, 1, 0):
-        result = compensator.run(late, late.view, eye)
+        result = compensator.run(attrs.evolve(given, eye=eye))
     assert costs.counts == before, "run() compiles and allocates nothing"
     assert (result.shown is result.warped) == (fill == "none")
     assert (result.panel is result.shown) == (lens == "none")
@@ -221,8 +218,6 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice):
 
     compensator.close()
     assert costs.alive() == [], "close() frees everything"
-    late.colour.release()
-    late.inverse_depth.release()
 
 
 def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
@@ -237,18 +232,16 @@ def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
 
 
 def test_the_eyes_have_pictures_of_their_own(gpu):
-    late = late_image(gpu)
+    given = given_for(gpu, "forward")
     compensator = Compensator(gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE)
-    left = compensator.run(late, late.view, 0)
-    right = compensator.run(late, late.view, 1)
+    left = compensator.run(given)
+    right = compensator.run(attrs.evolve(given, eye=1))
     assert len({id(c.texture) for c in (left.warped, left.shown, right.warped, right.shown)}) == 4
     compensator.close()
     gpu.timer.collect()
 
 
 def test_backward_run_without_a_depth_is_refused(gpu):
-    late = late_image(gpu)
-    canvas_size = SHOWN_SIZE
-    warp = warps.get("backward")(gpu, LATE_SIZE, canvas_size)
+    warp = warps.get("backward")(gpu, LATE_SIZE, SHOWN_SIZE)
     with pytest.raises(PlanError, match="needs the client's own depth"):
-        warp.run(late, late.view, None, None)
+        warp.run(given_for(gpu, "backward"), None)

@@ -176,20 +176,21 @@ def test_a_plane_moves_by_its_homography(views, tilt, distance, share):
 
 
 @given(neighbouring_views(), INVERSE_DEPTHS)
-def test_gather_seed_is_the_inverse_of_the_plane_s_homography(views, r):
+def test_the_way_back_meets_the_plane_of_the_rendered_view(views, r):
+    """A gather through the plane at inverse depth r of the view it looks into: s = r b_z / (1 - r e_z), as planar.comp has it."""
     frm, to = views
-    warp = WarpMap.between(frm, (640, 400), to, (320, 500))
-    G, g = warp.gather_seed()
-    assume(abs(1 + r * g[2]) > 0.05)  # the shown eye is not in the plane
-    homography = warp.H + r * np.outer(warp.e, [0, 0, 1])
+    forward, back = WarpMap.between(frm, (640, 400), to, (320, 500)), WarpMap.between(to, (320, 500), frm, (640, 400))
+    past = 1 - r * back.e[2]
+    assume(abs(past) > 0.05)  # the shown eye is not in the plane
+    homography = forward.H + r * np.outer(forward.e, [0, 0, 1])
     wanted = np.linalg.inv(homography)
-    seeded = G * (1 + r * g[2]) - r * np.outer(g, G[2])
-    # The same matrix up to a factor 1 + r g_z; entries of both are good to the condition of what was inverted.
-    scale = np.abs(wanted).max() * (1 + r * np.abs(g[2]))
-    assert np.abs(seeded / (1 + r * g[2]) - wanted).max() <= 64 * UNIT * scale * np.linalg.cond(homography)
-    # 1 + r g_z > 0 exactly if the plane stays ahead of the shown eye: its signs are what the shader tests.
+    seeded = back.H + r * np.outer(back.e, back.H[2]) / past
+    scale = np.abs(wanted).max() * (1 + r * np.abs(back.e[2]))
+    # Both maps are made of products of pixels, up to 640.
+    assert np.abs(seeded - wanted).max() <= 64 * UNIT * 640 * scale * np.linalg.cond(homography)
+    # past > 0 exactly if the plane stays ahead of the shown eye: its sign is what the shader tests.
     behind = to.pose.relative_to(frm.pose).position_m
-    assert np.sign(1 + r * g[2]) == np.sign(1 - r * -behind[2])
+    assert np.sign(past) == np.sign(1 - r * -behind[2])
 
 
 def test_known_map():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import typing
 
+import attrs
 import pytest
 
+from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.fills import fills
-from hmdwarp.client.lens import lenses
-from hmdwarp.client.warps import warps
+from hmdwarp.client.lens import LensPass, lenses
+from hmdwarp.client.warps import Output, warps
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.bandwidth import Copier
 from hmdwarp.gpu.context import Gpu
@@ -47,12 +50,11 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
     """(file, defines) of everything the program compiles: every registered pass, the server with and without colour, the copy."""
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:
-        for warp in warps:
-            warp(gpu, (9, 7), (8, 6)).close()
+        looks = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).look]
+        for spec in every_choice():
+            _compile_all(gpu, spec, looks)
         for fill in fills:
             fill(gpu, (8, 6))
-        for lens in lenses:
-            lens(gpu, load_headset("rift-dk1"), (8, 6))
         server = Server(gpu, load_scene("planes"))
         depth = allocate(gpu.gl, (8, 6), SCALAR)
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
@@ -63,6 +65,25 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         return gpu.shaders.used
     finally:
         gpu.shaders = before
+
+
+def every_choice() -> list[str]:
+    """Each warp with its defaults, and with every other word that one of its settings may be."""
+    specs = []
+    for warp in warps:
+        specs.append(warp.name)
+        for field in attrs.fields(warp.Settings):
+            words = typing.get_args(typing.get_type_hints(warp.Settings)[field.name])
+            specs += [f"{warp.name}:{field.name}={word}" for word in words if word != field.default]
+    return specs
+
+
+def _compile_all(gpu: Gpu, spec: str, looks: list[LensPass]) -> None:
+    """As the plan may ask for it: for the shown view, through each lens, with and without scan-out."""
+    choice = parse_warp(spec)
+    for lens in [None, *looks] if choice.warp.fuses else [None]:
+        for scanout in [False, True] if choice.warp.scans_out else [False]:
+            choice.warp(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout)).close()
 
 
 def test_every_stage_is_compiled_as_the_program_uses_it(variants):
@@ -89,7 +110,8 @@ def test_every_define_the_program_sets_is_read(variants):
     """By the file itself, or by the other stage of its pair, which is given the same."""
     for path, defines in variants:
         pair = {other for other, _ in variants if other.rpartition(".")[0] == path.rpartition(".")[0]}
-        text = "\n".join(line for other in pair for line in flatten(other).lines)
+        text = "\n".join(line for other in pair for line in flatten(other, dict(defines)).lines)
+        text += "".join((ROOT / part).read_text(encoding="utf-8") for part in {path, *(n for n in FILES if n.endswith(".glsl"))})
         for name, _ in defines:
             assert re.search(rf"\b{name}\b", text), f"{path} is given {name} and does not know it"
 
@@ -112,7 +134,8 @@ def test_every_file_says_what_it_is(name):
 
 @pytest.mark.parametrize("name", [n for n in STAGES if n.endswith(".comp")])
 def test_every_compute_shader_checks_its_bounds_first(name):
-    main = (ROOT / name).read_text(encoding="utf-8").partition("void main() {")[2]
+    outputs = {"OUTPUT": "lib/to_shown.glsl"}
+    main = flatten(name, outputs).text.partition("void main() {")[2]
     if "barrier();" in main:
         return  # a work group that waits for all its members reads within bounds by construction
     assert re.search(r"if \([^)]*>=[^)]*\) return;", "\n".join(main.splitlines()[:4]))

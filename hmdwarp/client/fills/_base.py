@@ -33,3 +33,8 @@ class Fill(ABC):
     @abstractmethod
     def run(self, warped: Canvas, into: Canvas) -> None:
         """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0."""
+
+    @classmethod
+    def bytes_moved(cls, shown_pixels: int) -> int:
+        """What one eye's picture must at least read and write in memory: one colour of 8 bytes each way."""
+        return 16 * shown_pixels

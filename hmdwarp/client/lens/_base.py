@@ -13,13 +13,18 @@ if TYPE_CHECKING:
 
 
 class LensPass(ABC):
-    """Distorts the shown picture so that the headset's lens undoes it. is_pass: False where nothing is to be done."""
+    """Distorts the shown picture so that the headset's lens undoes it. is_pass: False where nothing is to be done.
+
+    look: the shader library with `vec3 lens_scales(float r2)` and its uniforms, which a gather warp that is fused with the lens
+    includes too.
+    """
 
     name: ClassVar[str]
     summary: ClassVar[str]
     source: ClassVar[str]
     reads: ClassVar[tuple[str, ...]] = ("shown.colour",)
     is_pass: ClassVar[bool] = True
+    look: ClassVar[str] = ""
 
     def __init__(self, gpu: Gpu, headset: Headset, panel_size: tuple[int, int]) -> None:
         self.gpu, self.headset, self.panel_size = gpu, headset, panel_size
@@ -32,3 +37,12 @@ class LensPass(ABC):
     @abstractmethod
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         """Write the panel picture of eye 0 (left) or 1 (right) into `into`."""
+
+    def look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
+        """The uniforms of `look` for one eye."""
+        raise NotImplementedError(f"lens '{self.name}' has no look of its own")
+
+    @classmethod
+    def bytes_moved(cls, panel_pixels: int) -> int:
+        """What one eye's panel must at least read and write in memory: one colour of 8 bytes each way."""
+        return 16 * panel_pixels

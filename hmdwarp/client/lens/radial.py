@@ -18,6 +18,7 @@ class Radial(LensPass):
 
     name = "radial"
     summary = "radial polynomial of the headset's lens, one per colour"
+    look = "lens/radial.glsl"
     source = "Brown 1966, Decentering Distortion of Lenses (the radial part); coefficients: see 'hmdwarp list headsets'"
 
     def prepare(self) -> None:
@@ -26,22 +27,22 @@ class Radial(LensPass):
         self._program = self.gpu.shaders.compute("lens/radial.comp")
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
+        shown.texture.use(0)
+        into.bind_for_writing()
+        self._program.uniforms.set(shown=0, panel=0, panel_size=self.panel_size, **self.look_uniforms(fov, eye))
+        self._program.run(*self.panel_size)
+
+    def look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         lens = self.headset.lens
         left, right, down, up = fov.tangents
         span = np.array([right - left, up - down])
         scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
-        shown.texture.use(0)
-        into.bind_for_writing()
-        self._program.uniforms.set(
-            shown=0,
-            panel=0,
-            panel_size=self.panel_size,
-            lens_from_panel=(*scale, *offset),
-            shown_from_tangent=(*(1 / span), *(-np.array([left, down]) / span)),
-            tangent_per_unit=lens.tangent_per_unit,
+        return {
+            "lens_from_panel": (*scale, *offset),
+            "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
+            "tangent_per_unit": lens.tangent_per_unit,
             **{colour: _as_matrix(lens.coefficients[colour]) for colour in ("red", "green", "blue")},
-        )
-        self._program.run(*self.panel_size)
+        }
 
 
 def _as_matrix(coefficients: tuple[float, ...]) -> np.ndarray:

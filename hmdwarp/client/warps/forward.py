@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import moderngl
 
 from ...errors import InputError
-from ...frame import EyeImage
-from ...geometry import View, WarpMap
-from ...gpu.textures import Canvas
+from ...geometry import WarpMap
 from . import warps
-from ._base import Warp
+from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..given import Given
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
@@ -38,8 +42,16 @@ class Forward(Warp):
         self._keys = gl.buffer(reserve=16 * self._quads)
         self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
 
-    def run(self, late: EyeImage, shown: View, into: Canvas, client_inverse_depth: moderngl.Texture | None = None) -> None:
-        forward = WarpMap.between(late.view, self.late_size, shown, self.shown_size)
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        """Each drawn pixel's depth twice and colour once; the shown keys cleared, raised (read, written) and read; the result cleared
+        and written."""
+        drawn = 2 * DEPTH_BYTES + COLOUR_BYTES
+        return late_pixels * drawn + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+
+    def run(self, given: Given, into: Canvas) -> None:
+        late = given.late
+        forward = WarpMap.between(late.view, self.late_size, given.shown, self.shown_size)
         late.colour.bind_to_image(1, read=True, write=False)
         late.inverse_depth.bind_to_image(2, read=True, write=False)
         into.bind_for_writing()

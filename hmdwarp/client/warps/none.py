@@ -17,5 +17,5 @@ class NoWarp(HomographyWarp):
     gets_wrong = "everything that moves relative to the head"
     source = "the baseline of every comparison"
 
-    def relative_map(self, late: View, shown: View) -> WarpMap:
-        return WarpMap.between(View(late.pose, shown.fov), self.shown_size, late, self.late_size)
+    def map_between(self, shown: View, late: View) -> WarpMap:
+        return super().map_between(View(late.pose, shown.fov), late)

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import moderngl
 
-from ...frame import EyeImage
-from ...geometry import View, WarpMap
-from ...gpu.textures import Canvas
 from . import warps
-from ._base import Warp
-from ._homography import bind_late_colour
+from ._gather import GatherWarp
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..given import Given
 
 
 @warps.register
-class Planar(Warp):
+class Planar(GatherWarp):
     """A gather through the fronto-parallel plane at the median inverse depth, found on the GPU."""
 
     name = "planar"
     summary = "turns and shifts the picture as one plane at its median depth"
-    kind = "gather"
     reads = ("late.colour", "late.inverse_depth")
     exact_when = "the eye only turns, or everything lies on one plane facing the eye"
     gets_wrong = "parallax: nearer things move too little, farther ones too much"
@@ -26,23 +27,17 @@ class Planar(Warp):
 
     def prepare(self) -> None:
         self._median = self.gpu.shaders.compute("warps/median.comp")
-        self._gather = self.gpu.shaders.compute("warps/planar.comp")
+        self._gather = self.gather("warps/planar.comp")
         self._plane = self.gpu.gl.buffer(reserve=16)
 
-    def run(self, late: EyeImage, shown: View, into: Canvas, client_inverse_depth: moderngl.Texture | None = None) -> None:
-        forward = WarpMap.between(late.view, self.late_size, shown, self.shown_size)
-        gather, step = forward.gather_seed()
+    def run(self, given: Given, into: Canvas) -> None:
         self._plane.bind_to_storage_buffer(0)
-        late.inverse_depth.use(1)
+        given.late.inverse_depth.use(1)
         self.set_sizes(self._median)
         self._median.uniforms.set(late_inverse_depth=1)
         self._median.run(1)
         self.gpu.gl.memory_barrier(moderngl.SHADER_STORAGE_BARRIER_BIT)
-        bind_late_colour(late, 0, whole_pixels=forward.moves_whole_pixels())
-        into.bind_for_writing()
-        self.set_sizes(self._gather)
-        self._gather.uniforms.set(H=gather, e=step, late_colour=0, shown_colour=0)
-        self._gather.run(*self.shown_size)
+        self.run_gather(self._gather, given, into)
 
     def close(self) -> None:
         self._plane.release()

@@ -17,6 +17,5 @@ class Rotation(HomographyWarp):
     gets_wrong = "near things under translation: they stay glued to the far background"
     source = "van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware"
 
-    def relative_map(self, late: View, shown: View) -> WarpMap:
-        turned = Pose(late.pose.position_m, shown.pose.orientation_xyzw)
-        return WarpMap.between(View(turned, shown.fov), self.shown_size, late, self.late_size)
+    def map_between(self, shown: View, late: View) -> WarpMap:
+        return super().map_between(View(Pose(late.pose.position_m, shown.pose.orientation_xyzw), shown.fov), late)

@@ -1,0 +1,78 @@
+"""A compensator that changes what it runs, so that it stays within its time."""
+
+from __future__ import annotations
+
+import functools
+import operator
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ..frame import Needs
+from .compensator import Compensator, EyeResult
+from .governor import Change, Governor
+
+if TYPE_CHECKING:
+    from ..gpu.context import Gpu
+    from .choice import Rung
+    from .given import Given
+    from .plan import Plan
+
+Stages = Sequence[tuple[str, float]]
+
+
+class AdaptiveCompensator:
+    """Has a compensator for each rung of the governor's ladder and runs the governor's; stands where a Compensator stands.
+
+    Frames carry what any of the rungs needs. All are compiled and allocated at the start, so that a change costs nothing at the
+    refresh it happens. took() tells the governor what a refresh took, after both eyes: they change together. `changes` lists
+    what happened.
+    """
+
+    def __init__(self, governor: Governor, compensators: Mapping[Rung, Compensator]) -> None:
+        self._governor, self._compensators = governor, dict(compensators)
+        self._carried = needs_of(compensator.plan for compensator in compensators.values())
+        self.changes: list[Change] = []
+
+    @property
+    def gpu(self) -> Gpu:
+        return self._running.gpu
+
+    @property
+    def plan(self) -> Plan:
+        """What runs at the next refresh."""
+        return self._running.plan
+
+    @property
+    def _running(self) -> Compensator:
+        return self._compensators[self._governor.rung]
+
+    def run(self, given: Given) -> EyeResult:
+        """As Compensator.run, by the present rung, which gets what it would get alone."""
+        return self._running.run(_only(given, self._carried, self.plan.needs))
+
+    def took(self, stages: Sequence[Stages]) -> None:
+        """What the passes of each eye took at the refresh that was just made; the slower eye counts."""
+        change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
+        if change is not None:
+            self.changes.append(change)
+
+    def close(self) -> None:
+        """Free every texture and buffer of all rungs."""
+        for compensator in self._compensators.values():
+            compensator.close()
+
+
+def needs_of(plans: Iterable[Plan]) -> Needs:
+    """What frames must carry so that each of the plans can run."""
+    return functools.reduce(operator.or_, (plan.needs for plan in plans), Needs())
+
+
+def _only(given: Given, carried: Needs, needs: Needs) -> Given:
+    """What a plan with `needs` would be given if it were alone, out of what is carried for all."""
+    beside = 1 if carried.other_eye else 0
+    past = given.others[beside : beside + needs.past]
+    others = (*given.others[:beside], *past) if needs.other_eye else past
+    late = attrs.evolve(given.late, layers=given.late.layers[: needs.layers], cube=given.late.cube if needs.cube else None)
+    return attrs.evolve(given, late=late, others=others)

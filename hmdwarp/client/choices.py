@@ -1,0 +1,57 @@
+"""`mesh` or `mesh:cut=slope`: which warp is asked for, and with which settings."""
+
+from __future__ import annotations
+
+import types
+import typing
+from typing import Any, get_type_hints
+
+import attrs
+
+from ..errors import InputError
+from .warps import Warp, warps
+
+
+@attrs.frozen
+class Choice:
+    """A warp and its settings. str() is the shortest text that means it: settings at their defaults are left out."""
+
+    warp: type[Warp]
+    settings: Any
+
+    def __str__(self) -> str:
+        default = self.warp.Settings()
+        told = [
+            f"{field.name}={getattr(self.settings, field.name)}"
+            for field in attrs.fields(self.warp.Settings)
+            if getattr(self.settings, field.name) != getattr(default, field.name)
+        ]
+        return f"{self.warp.name}:{','.join(told)}" if told else self.warp.name
+
+
+def parse_warp(text: str) -> Choice:
+    """'name' or 'name:key=value,key=value'. Errors: UnknownNameError for the name; InputError for a setting it has not, or a bad value."""
+    name, _, rest = text.partition(":")
+    warp = warps.get(name)
+    fields = {field.name: field for field in attrs.fields(warp.Settings)}
+    kinds = get_type_hints(warp.Settings)
+    values = {}
+    for part in filter(None, (piece.strip() for piece in rest.split(","))):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if key not in fields or not equals:
+            known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
+            raise InputError(f"warp '{text}': '{part}' is no setting of '{warp.name}'; its settings and their defaults: {known}")
+        values[key] = _converted(text, key, value, kinds[key])
+    try:
+        return Choice(warp, warp.Settings(**values))
+    except (ValueError, TypeError) as error:
+        raise InputError(f"warp '{text}': {error}") from error
+
+
+def _converted(text: str, key: str, value: str, kind: Any) -> Any:
+    if typing.get_origin(kind) in (typing.Union, types.UnionType, typing.Literal):
+        return value
+    try:
+        return kind(value)
+    except ValueError as error:
+        raise InputError(f"warp '{text}': {key} is '{value}': wanted {kind.__name__}") from error

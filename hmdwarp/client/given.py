@@ -1,0 +1,30 @@
+"""What the passes of one eye are given at one refresh."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ..frame import EyeImage
+from ..geometry import View
+
+if TYPE_CHECKING:
+    import moderngl
+
+
+@attrs.frozen(eq=False)
+class Given:
+    """One eye's late picture and the view to show it in.
+
+    shown: the view when the first row lights up; shown_last: when the last one does, None for a display that lights up at once.
+    others: further late pictures of the same scene with their own views: the other eye's, then this eye's older ones, newest
+    first. client_inverse_depth: r32f of the shown size, the client's own depth in the shown view, -1 where it has none.
+    """
+
+    late: EyeImage
+    shown: View
+    eye: int = 0
+    others: tuple[EyeImage, ...] = ()
+    shown_last: View | None = None
+    client_inverse_depth: moderngl.Texture | None = None

@@ -1,0 +1,39 @@
+"""The few older frames that some warps look into."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..frame import Frame
+
+
+class History:
+    """Keeps up to `keep` frames that are no longer the newest, at least `spacing_ns` apart; all others go to `discard` at once.
+
+    Never more than `keep` are held. frames: newest first.
+    """
+
+    def __init__(self, keep: int, spacing_ns: int, discard: Callable[[Frame], None]) -> None:
+        self._keep, self._spacing_ns, self._discard = keep, spacing_ns, discard
+        self._held: deque[Frame] = deque()
+
+    @property
+    def frames(self) -> tuple[Frame, ...]:
+        return tuple(self._held)
+
+    def offer(self, frame: Frame) -> None:
+        """A frame that a newer one has replaced."""
+        if self._keep == 0 or (self._held and frame.drawn_ns - self._held[0].drawn_ns < self._spacing_ns):
+            self._discard(frame)
+            return
+        self._held.appendleft(frame)
+        if len(self._held) > self._keep:
+            self._discard(self._held.pop())
+
+    def close(self) -> None:
+        """Give all that are held to `discard`."""
+        while self._held:
+            self._discard(self._held.pop())

@@ -1,0 +1,86 @@
+"""What the gather warps share: one shader function per warp, run for the shown view or fused with the lens, at once or row by row."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import moderngl
+import numpy as np
+
+from ...geometry import View, WarpMap
+from ._base import Warp
+
+if TYPE_CHECKING:
+    from ...frame import EyeImage
+    from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
+    from ..given import Given
+
+
+class GatherWarp(Warp):
+    """A warp whose shader has `vec4 gathered(vec2 shown, vec3 base, vec3 parallax)`: what the shown pixel at `shown` sees, where
+    `base + parallax * inverse_depth` is the rendered pixel (homogeneous) of a point at that inverse depth in the shown view."""
+
+    kind = "gather"
+    fuses = True
+    scans_out = True
+    rows: ClassVar[int] = 8  # pixels of one column that an invocation does; heavy shaders do better with 4
+
+    def gather(self, path: str, **defines: object) -> Compute:
+        """The program of `path` for this warp's output."""
+        lens = self.output.lens
+        defines |= {"ROWS": self.rows}
+        if lens is not None:
+            defines |= {"LENS": lens.look, "ROWS": 4}  # eight would spill registers
+        if self.output.scanout:
+            defines |= {"SCANOUT": 1}
+        return self.gpu.shaders.compute(path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines)
+
+    def map_between(self, shown: View, late: View) -> WarpMap:
+        """From shown to rendered pixels."""
+        return WarpMap.between(shown, self.shown_size, late, self.late_size)
+
+    def run_gather(self, program: Compute, given: Given, into: Canvas, *, colour_unit: int = 0, **uniforms: object) -> None:
+        """Bind the late colour and the result, set the map and the sizes, and run for every pixel of the output."""
+        maps = self._maps(given)
+        exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
+        bind_late_colour(given.late, colour_unit, whole_pixels=exact)
+        into.bind_for_writing()
+        self.set_sizes(program)
+        program.uniforms.set(late_colour=colour_unit, written=0, **self._coefficients(maps), **uniforms)
+        if self.output.lens is not None:
+            program.uniforms.set(panel_size=into.size, **self.output.lens.look_uniforms(given.shown.fov, given.eye))
+        program.run(*into.size)
+
+    def _maps(self, given: Given) -> list[WarpMap]:
+        if not self.output.scanout:
+            return [self.map_between(given.shown, given.late.view)]
+        first, last = given.shown, given.shown_last if given.shown_last is not None else given.shown
+        middle = View(first.pose.towards(last.pose, 0.5), first.fov)
+        return [self.map_between(view, given.late.view) for view in (first, middle, last)]
+
+    def _coefficients(self, maps: list[WarpMap]) -> dict[str, np.ndarray]:
+        """H and e, or with scan-out the parabola through three instants of it: t = 0 at the first row, 1 past the last.
+
+        A head that turns by an angle a during scan-out leaves the parabola by at most a^3 / 72 sqrt(3) of the matrix's entries:
+        5 degrees (300 a second, 16.7 ms) are 5e-6, a hundredth of a pixel at 2000 pixels.
+        """
+        if len(maps) == 1:
+            return {"H": maps[0].H, "e": maps[0].e}
+        named = {}
+        for name in ("H", "e"):
+            first, middle, last = (getattr(one, name) for one in maps)
+            square = 2 * (first + last - 2 * middle)
+            named |= {name: first, f"{name}_linear": last - first - square, f"{name}_square": square}
+        return named
+
+
+def bind_late_colour(late: EyeImage, unit: int, *, whole_pixels: bool) -> None:
+    """Bind the late colour for bilinear looks; for nearest ones where every look falls on a pixel centre.
+
+    Bilinear hardware computes the centre's coordinate with an error of up to 1e-4 pixels (llvmpipe) or 1/512 (GPUs), enough to
+    change the last bit of a dark pixel beside a bright one; so an unmoved head is given nearest looks and is bit-exact.
+    """
+    chosen = moderngl.NEAREST if whole_pixels else moderngl.LINEAR
+    late.colour.filter = (chosen, chosen)
+    late.colour.use(unit)

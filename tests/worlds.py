@@ -1,0 +1,158 @@
+"""Random late pictures and everything a warp may read, on the GPU and for the float64 twins."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+
+import attrs
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hmdwarp import reference
+from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.given import Given
+from hmdwarp.client.plan import CLIENT_DEPTH
+from hmdwarp.client.warps import Warp
+from hmdwarp.frame import EyeImage, Layer
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
+
+
+def twin_of(name: str):
+    """The float64 twin of a warp: the public function of its name in a module of hmdwarp.reference."""
+    modules = (importlib.import_module(f"hmdwarp.reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__))
+    twins = {module: vars(module)[name] for module in modules if name in vars(module) and vars(module)[name].__module__ == module.__name__}
+    assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in hmdwarp/reference, found {len(twins)}"
+    return next(iter(twins.values()))
+
+
+def read(texture) -> np.ndarray:
+    """Texture to float64, bottom row first as stored."""
+    dtype = {"f2": np.float16, "f4": np.float32}[texture.dtype]
+    return np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1).astype(np.float64)
+
+
+class World:
+    """A late picture of a few planes with holes, and a shown view a plausible head motion away."""
+
+    def __init__(self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True) -> None:
+        self.rng = rng = np.random.default_rng(seed)
+        self.size, self.shown_size = size, shown_size or size
+        self.layers: tuple[LatePicture, ...] = ()
+        self.others: tuple[LatePicture, ...] = ()
+        self.other_images: tuple[EyeImage, ...] = ()
+        fov = Fov(*np.deg2rad([-rng.uniform(30, 55), rng.uniform(30, 55), -rng.uniform(30, 55), rng.uniform(30, 55)]))
+        self.late_view = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
+        turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=5 if moved else 0, size=3)))
+        step = rng.normal(scale=0.03 if moved else 0, size=3)
+        pose = Pose(self.late_view.pose.position_m + step, (self.late_view.pose.rotation * turn).as_quat())
+        self.shown_view = View(pose if moved else self.late_view.pose, fov)
+        self._draw()
+        self.client = self._client_depth()
+        self.upload(gpu)
+        # llvmpipe turns a place into 0..1 and back in float32: a division and a product, each half a unit of the place.
+        self.sampler_pixels = 4 * 2.0**-24 * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
+
+    def _draw(self) -> None:
+        rng, (wide, high) = self.rng, self.size
+        colour = rng.uniform(0, 2, (high, wide, 3))
+        depth = np.full((high, wide), 0.2)
+        y, x = np.mgrid[:high, :wide] / max(self.size)
+        for _ in range(6):
+            inside = (abs(x - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2)) & (abs(y - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2))
+            plane = rng.uniform(0.05, 1.5) + rng.normal(scale=0.1) * x + rng.normal(scale=0.1) * y
+            depth = np.where(inside & (plane > depth), plane, depth)
+        depth[(x + y) % 0.3 < 0.03] = 0  # infinitely far
+        if depth.size > 4:
+            depth[rng.uniform(size=depth.shape) < 0.02] = -1  # no depth
+        covered = depth >= 0
+        self.inverse_depth = depth.astype(np.float32).astype(np.float64)
+        self.colour = np.concatenate([colour * covered[..., None], covered[..., None]], axis=2).astype(np.float16).astype(np.float64)
+
+    def _client_depth(self) -> np.ndarray:
+        """Any depth will do for the contract: the late depth itself, resized, so that many pixels agree and many do not."""
+        (wide, high), (w, h) = self.size, self.shown_size
+        return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
+
+    def upload(self, gpu) -> None:
+        self.late = EyeImage(self.late_view, *self._textures(gpu, self.colour, self.inverse_depth))
+        self.client_texture = allocate(gpu.gl, self.shown_size, SCALAR)
+        self.client_texture.write(self.client.astype(np.float32).tobytes(), alignment=1)
+
+    def _textures(self, gpu, colour: np.ndarray, inverse_depth: np.ndarray) -> tuple:
+        texture, depth = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
+        texture.write(colour.astype(np.float16).tobytes(), alignment=1)
+        depth.write(inverse_depth.astype(np.float32).tobytes(), alignment=1)
+        return texture, depth
+
+    def _picture(self) -> tuple[np.ndarray, np.ndarray]:
+        """Another random picture of this world's late size."""
+        before = self.colour, self.inverse_depth
+        self._draw()
+        drawn = self.colour, self.inverse_depth
+        self.colour, self.inverse_depth = before
+        return drawn
+
+    def bring(self, gpu, entry: type[Warp]) -> None:
+        """Everything else that a warp of this kind reads: layers behind the visible surfaces, further late pictures."""
+        settings = entry.Settings()
+        if "late.layers" in entry.reads:
+            self.layers = tuple(self._behind(k + 1) for k in range(entry.needs(settings).layers))
+            uploaded = tuple(Layer(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
+            self.late = attrs.evolve(self.late, layers=uploaded)
+        if "late.others" in entry.reads:
+            self.others = tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
+            self.other_images = tuple(EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others)
+
+    def _behind(self, number: int) -> LatePicture:
+        """A layer: farther than the visible surface by a factor, missing where a peel would find nothing more."""
+        colour, _ = self._picture()
+        missing = (self.inverse_depth <= 0) | (self.rng.uniform(size=self.inverse_depth.shape) < 0.3)
+        depth = np.where(missing, -1, self.inverse_depth * 0.6**number).astype(np.float32).astype(np.float64)
+        colour[..., 3] = 1
+        return LatePicture(colour * ~missing[..., None], depth, self.late_view)
+
+    def _beside(self) -> View:
+        """The late view from a few centimetres beside."""
+        pose = self.late_view.pose
+        return View(Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.late_view.fov)
+
+    def given(self, entry: type[Warp]) -> Given:
+        own = self.client_texture if CLIENT_DEPTH in entry.reads else None
+        return Given(self.late, self.shown_view, others=self.other_images, client_inverse_depth=own)
+
+    def warp(self, gpu, spec: str) -> np.ndarray:
+        choice = parse_warp(spec)
+        self.bring(gpu, choice.warp)
+        warp = choice.warp(gpu, self.size, self.shown_size, choice.settings)
+        canvas, given = Canvas(gpu.gl, self.shown_size), self.given(choice.warp)
+        warp.run(given, canvas)
+        gpu.gl.memory_barrier()
+        out = read(canvas.texture)
+        warp.run(given, canvas)  # a second run must not see what the first left behind
+        gpu.gl.memory_barrier()
+        assert np.array_equal(out, read(canvas.texture), equal_nan=True), "two runs differ"
+        warp.close()
+        canvas.release()
+        return out
+
+    def asked(self, settings: object) -> Asked:
+        return Asked(
+            self.colour,
+            self.inverse_depth,
+            self.late_view,
+            self.shown_view,
+            self.shown_size,
+            client_inverse_depth=self.client,
+            layers=self.layers,
+            others=self.others,
+            settings=settings,
+            sampler_pixels=self.sampler_pixels,
+        )
+
+    def reference(self, spec: str):
+        """What the twin makes of it; after warp(), which brings what the warp reads."""
+        choice = parse_warp(spec)
+        return twin_of(choice.warp.name)(self.asked(choice.settings))
