@@ -5,40 +5,96 @@ Boxes are (left, bottom, right, top), lengths in points; all functions are pure.
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_RADII = (1.5, 4, 7, 11, 16, 22, 29, 37, 46, 57, 70, 86, 105, 130, 160, 200, 260, 340)
-_DIRECTIONS = 24
+_RADII = (1.5, 4, 7, 11, 16, 22, 29, 37, 48, 62, 80, 105, 140, 190, 260, 340)
+_DIRECTIONS = 20
 _SWEEPS = 4
 _GAP = 1.0  # kept free around every label
 # In points of distance: what a fault of a place is worth.
-_COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE = 1e5, 3e4, 60.0, 40.0, 8.0
+_COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 60.0, 40.0, 12.0, 32.0
 
 
 def place_labels(points: Array, sizes: Array, area: tuple[float, float], *, clearance: float = 4, line: Array | None = None) -> Array:
     """Lower left corners, (n, 2), of labels of `sizes` (n, 2) beside `points` (n, 2) in an area (w, h) with its corner at (0, 0).
 
     Each label goes as near to its point as it can without covering another label, a point (a square of half side `clearance`) or
-    the leader that ties another label to its point, and so that leaders cross rarely; `line` (m, 2), a polyline, is
-    avoided where that is cheap. Where there is no room at all, the least bad place is taken. Deterministic.
+    the leader that ties another label to its point, so that leaders cross rarely and it is nearest to its own point; `line`
+    (m, 2), a polyline, is avoided where that is cheap. Where there is no room at all, the least bad place is taken. Deterministic.
     """
     points, sizes = np.asarray(points, dtype=np.float64).reshape(-1, 2), np.asarray(sizes, dtype=np.float64).reshape(-1, 2)
     count = len(points)
     markers = np.concatenate([points - clearance, points + clearance], axis=1)
+    choices = [_Places.of(i, points, sizes[i], markers, area, clearance, line) for i in range(count)]
     crowd = np.linalg.norm(points[:, None] - points[None], axis=2).clip(max=120).sum(axis=1)
-    corners = np.full((count, 2), np.nan)
-    for sweep in range(_SWEEPS):
-        before = corners.copy()
-        for index in np.argsort(crowd, kind="stable"):
-            others = np.flatnonzero(~np.isnan(corners[:, 0]) & (np.arange(count) != index))
-            places = _places(points[index], sizes[index], clearance)
-            corners[index] = places[np.argmin(_cost(places, index, others, points, sizes, corners, markers, area, line))]
-        if sweep and np.array_equal(before, corners):
+    best, least = np.zeros((count, 2)), np.inf
+    for order in (np.argsort(crowd, kind="stable"), np.argsort(-points[:, 0], kind="stable"), np.argsort(points[:, 1], kind="stable")):
+        boxes, cost = _settled(choices, order, points)
+        if cost < least:
+            best, least = boxes[:, :2], cost
+    return best
+
+
+def _settled(choices: list[_Places], order: NDArray, points: Array) -> tuple[Array, float]:
+    """Labels placed one after the other, then each anew among all others until none moves: boxes, and what they cost together."""
+    count = len(choices)
+    boxes, tips, costs = np.full((count, 4), np.nan), np.full((count, 2), np.nan), np.zeros(count)
+    for _ in range(_SWEEPS):
+        before = boxes.copy()
+        for index in order:
+            others = np.flatnonzero(~np.isnan(boxes[:, 0]) & (np.arange(count) != index))
+            choice = choices[index]
+            cost = choice.cost + choice.quarrels(boxes[others], points[others], tips[others])
+            chosen = np.argmin(cost)
+            boxes[index], tips[index], costs[index] = choice.boxes[chosen], choice.tips[chosen], cost[chosen]
+        if np.array_equal(before, boxes):
             break
-    return corners
+    return boxes, float(costs.sum())
+
+
+@attrs.frozen(eq=False)
+class _Places:
+    """Where one label could go: k boxes, the ends of their leaders, and what each costs whatever the other labels do."""
+
+    point: Array
+    boxes: Array
+    tips: Array
+    cost: Array
+
+    @classmethod
+    def of(
+        cls, index: int, points: Array, size: Array, markers: Array, area: tuple[float, float], clearance: float, line: Array | None
+    ) -> _Places:
+        point = points[index]
+        corners = _places(point, size, clearance)
+        boxes = np.concatenate([corners, corners + size], axis=1)
+        tips = leader_tips(point, boxes)
+        reach = np.linalg.norm(tips - point, axis=1)
+        way = corners + size / 2 - point
+        cost = reach + 3 * np.abs(np.arctan2(way[:, 1], way[:, 0]))  # to the right, if all else is nearly equal
+        outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
+        cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0) + _COVERS * boxes_touch(boxes, markers).sum(axis=1)
+        foreign = np.delete(points, index, axis=0)
+        foreign = foreign[np.abs(foreign - point).max(axis=1) > 0.5] if len(foreign) else foreign  # nobody can tell those apart
+        if len(foreign):
+            nearest = np.linalg.norm(np.stack([leader_tips(other, boxes) - other for other in foreign]), axis=2).min(axis=0)
+            cost += _DOUBTFUL * (nearest < reach + 3)
+        cost += _PASSES * segments_hit(np.broadcast_to(point, tips.shape), tips, np.delete(markers, index, axis=0)).sum(axis=1)
+        if line is not None and len(line) > 1:
+            cost += _OVER_LINE * segments_hit(line[:-1], line[1:], boxes).sum(axis=0)
+        return cls(point, boxes, tips, cost)
+
+    def quarrels(self, boxes: Array, points: Array, tips: Array) -> Array:
+        """What each place costs beside labels that stand in `boxes` (n, 4), tied to their points."""
+        start = np.broadcast_to(self.point, self.tips.shape)
+        cost = _COVERS * boxes_touch(self.boxes, boxes, _GAP).sum(axis=1)
+        cost += _CUT * segments_hit(start, self.tips, boxes).sum(axis=1)
+        cost += _CUT * segments_hit(points, tips, self.boxes).sum(axis=0)
+        return cost + _CROSSES * _segments_cross(start, self.tips, points, tips).sum(axis=1)
 
 
 def _places(point: Array, size: Array, clearance: float) -> Array:
@@ -48,32 +104,6 @@ def _places(point: Array, size: Array, clearance: float) -> Array:
     half = size / 2 * np.clip(1.4 * way, -1, 1) + clearance * np.clip(1.4 * way, -1, 1)
     centres = point + half[None] + np.asarray(_RADII)[:, None, None] * way[None]
     return (centres - size / 2).reshape(-1, 2)
-
-
-def _cost(
-    places: Array, index: int, others: NDArray, points: Array, sizes: Array, corners: Array, markers: Array,
-    area: tuple[float, float], line: Array | None,
-) -> Array:  # fmt: skip
-    boxes = np.concatenate([places, places + sizes[index]], axis=1)
-    tips = leader_tips(points[index], boxes)
-    start = np.broadcast_to(points[index], tips.shape)
-    cost = np.linalg.norm(tips - points[index], axis=1)
-    cost += 0.3 * (tips[:, 0] < points[index][0])  # to the right, if all else is equal
-    outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
-    cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0)
-    cost += _COVERS * boxes_touch(boxes, markers).sum(axis=1)
-    beside = np.delete(markers, index, axis=0)
-    cost += _PASSES * segments_hit(start, tips, beside).sum(axis=1)
-    if len(others):
-        placed = np.concatenate([corners[others], corners[others] + sizes[others]], axis=1)
-        placed_tips = np.stack([leader_tips(points[i], placed[[n]])[0] for n, i in enumerate(others)])
-        cost += _COVERS * boxes_touch(boxes, placed, _GAP).sum(axis=1)
-        cost += _CUT * segments_hit(start, tips, placed).sum(axis=1)
-        cost += _CUT * segments_hit(points[others], placed_tips, boxes).sum(axis=0)
-        cost += _CROSSES * _segments_cross(start, tips, points[others], placed_tips).sum(axis=1)
-    if line is not None and len(line) > 1:
-        cost += _OVER_LINE * segments_hit(line[:-1], line[1:], boxes).sum(axis=0)
-    return cost
 
 
 def leader_tips(point: Array, boxes: Array) -> Array:
