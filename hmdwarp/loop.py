@@ -9,9 +9,11 @@ import attrs
 from .client.given import Given
 
 if TYPE_CHECKING:
+    from .client.adaptive import AdaptiveCompensator
     from .client.compensator import Compensator, EyeResult
     from .client.history import History
-    from .frame import Frame
+    from .client.plan import Plan
+    from .frame import Frame, Needs
     from .headsets import Headset
     from .link import ConstantLink
     from .poses import PoseSample
@@ -21,12 +23,13 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class Refresh:
-    """One picture pair: when and for which head it was made, from which frame, what the passes were given, and what came out
+    """One picture pair: when and for which head it was made, from which frame and by which plan, what its passes were given, and what came out
     (overwritten at the next)."""
 
     shown_ns: int
     head: PoseSample
     frame: Frame
+    plan: Plan
     given: tuple[Given, ...]
     eyes: tuple[EyeResult, ...]
     stage_ms: tuple[tuple[tuple[str, float], ...], ...]
@@ -64,16 +67,21 @@ class Loop:
         for one in given:
             eyes.append(self._compensator.run(one))
             times.append(tuple(self._compensator.gpu.timer.collect()))
-        return Refresh(shown_ns, head, frame, given, tuple(eyes), tuple(times))
+        plan = self._compensator.plan
+        self._compensator.took(times)
+        return Refresh(shown_ns, head, frame, plan, given, tuple(eyes), tuple(times))
+
+    def given(self, refresh: Refresh, needs: Needs) -> tuple[Given, ...]:
+        """What another plan with these needs is given at the refresh just shown; frames must carry as much, see Requested.needs."""
+        return tuple(attrs.evolve(one, others=self._others(refresh.frame, one.eye, needs)) for one in refresh.given)
 
     def _given(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[Given, ...]:
-        asked, first = self._requested, self._headset.views(head.pose)
+        asked, first, needs = self._requested, self._headset.views(head.pose), self._compensator.plan.needs
         last: tuple = (None, None)
         if asked.scanout_ns:
             last = self._headset.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
-        return tuple(Given(frame.eyes[eye], first[eye], eye, self._others(frame, eye), last[eye]) for eye in range(len(first)))
+        return tuple(Given(frame.eyes[eye], first[eye], eye, self._others(frame, eye, needs), last[eye]) for eye in range(len(first)))
 
-    def _others(self, frame: Frame, eye: int) -> tuple:
-        needs = self._requested.needs
+    def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
         beside = (frame.eyes[1 - eye],) if needs.other_eye else ()
         return (*beside, *(past.eyes[eye] for past in self._history.frames[: needs.past]))

@@ -55,7 +55,7 @@ class Probe:
             depth = None if number % self._every else download(truth.inverse_depth)
             self._take(number, eye, MAIN, late, result, picture, depth)
             if self._against is not None:
-                other = self._against.run(refresh.given[eye])
+                other = self._against.run(self._rig.loop.given(refresh, self._against.plan.needs)[eye])
                 self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
                 self._take(number, eye, AGAINST, late, other, picture, depth)
 

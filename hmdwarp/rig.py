@@ -181,8 +181,11 @@ def _compensator(gpu: Gpu, plan: Plan, headset: Headset, size: tuple[int, int], 
     return Compensator(gpu, plan, headset, late_size, size, server.draw_depth)
 
 
-def build_rig(options: RunOptions) -> Rig:
-    """Load, check, then start the GPU. Errors: InputError and its kin for what was asked, MachineError for what is missing."""
+def build_rig(options: RunOptions, also: Needs | None = None) -> Rig:
+    """Load, check, then start the GPU. also: what frames must carry for other plans than that of the options.
+
+    Errors: InputError and its kin for what was asked, MachineError for what is missing.
+    """
     if options.predict not in PREDICTORS:
         raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
     headset = load_headset(options.headset)
@@ -193,14 +196,15 @@ def build_rig(options: RunOptions) -> Rig:
     late_size = guarded_size(options.guard, headset, size)
     scene = load_scene(options.scene)
     plan = build_plan_for(options, headset, scene)
+    needs = plan.needs | _needs_of_against(options, scene) | (also or Needs())
     track, notes = placed(trace.track, scene)
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         check_size(gpu.gl, size)
-        _check_room(gpu, options, times.rate_hz, late_size, plan)
+        _check_room(gpu, options, times.rate_hz, late_size, needs)
         server = Server(gpu, scene)
         stack.callback(server.close)
-        history = History(plan.needs.past, plan.needs.past_spacing_ns, server.recycle)
+        history = History(needs.past, needs.past_spacing_ns, server.recycle)
         stack.callback(history.close)
         link: ConstantLink = ConstantLink(times.link_latency_ns(options.latency_ms), history.offer)
         stack.callback(link.close)
@@ -210,10 +214,14 @@ def build_rig(options: RunOptions) -> Rig:
         source.start()
         stack.callback(source.close)
         predicted = predictor(track, options.predict, times.age_ns, options.horizon_ms)
-        requested = Requested(source, predicted, size, options.guard, plan.needs, round(options.scanout_ms * 1e6))
+        requested = Requested(source, predicted, size, options.guard, needs, round(options.scanout_ms * 1e6))
         loop = Loop(requested, server, link, history, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
         return Rig(options, trace, track, scene, headset, size, plan, times, gpu, server, link, history, loop, notes, stack.pop_all())
+
+
+def _needs_of_against(options: RunOptions, scene: Scene) -> Needs:
+    return build_plan(scene.effects, options.against, "none", "none", client_geometry=True).needs if options.against else Needs()
 
 
 def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple[int, int]:
@@ -224,13 +232,13 @@ def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple
         raise InputError(f"guard {guard:g} on headset '{headset.name}': {error}; use a smaller guard") from error
 
 
-def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int], plan: Plan) -> None:
+def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int], needs: Needs) -> None:
     """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
     if max(late_size) > gpu.max_texture_size:
         found = f"guard {options.guard:g} makes frames of {late_size[0]}x{late_size[1]} pixels"
         raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
-    frames = frames_held(options, rate_hz, plan.needs)
-    needed = frames * 2 * late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * plan.needs.layers)
+    frames = frames_held(options, rate_hz, needs)
+    needed = frames * 2 * late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * needs.layers)
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
             f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, "
