@@ -43,15 +43,16 @@ class ReplayResult:
 def outcome_of(rig: Rig, rows: list[Row], compared: list[Row] | None) -> ReplayResult:
     """The summaries of a run and, if there was one, of the warp that ran beside it."""
     options = rig.options
-    summary = _summary(rig, options.warp, options.fill, options.lens, rows)
+    summary = summary_of(rig, options.warp, options.fill, options.lens, rows)
     against = None
     if compared is not None:
-        against = _summary(rig, options.against, "none", "none", compared)
+        against = summary_of(rig, options.against, "none", "none", compared)
         summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality")}
     return ReplayResult(options.out, summary, rows, against)
 
 
-def _summary(rig: Rig, warp: str, fill: str, lens: str, rows: list[Row]) -> dict[str, Any]:
+def summary_of(rig: Rig, warp: str, fill: str, lens: str, rows: list[Row]) -> dict[str, Any]:
+    """The keys of summary.json for the named passes on the frames of `rig`; rows as of frames.csv, those of one frame may be several."""
     options = rig.options
     return {
         "schema": SCHEMA,
