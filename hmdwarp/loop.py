@@ -9,7 +9,6 @@ import attrs
 from .client.given import Given
 
 if TYPE_CHECKING:
-    from .client.adaptive import AdaptiveCompensator
     from .client.compensator import Compensator, EyeResult
     from .client.history import History
     from .client.plan import Plan
@@ -23,8 +22,8 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class Refresh:
-    """One picture pair: when and for which head it was made, from which frame and by which plan, what its passes were given, and what came out
-    (overwritten at the next)."""
+    """One picture pair: when and for which head it was made, from which frame, by which plan, what its passes were given, and what
+    came out (overwritten at the next)."""
 
     shown_ns: int
     head: PoseSample

@@ -11,6 +11,8 @@ import attrs
 from .errors import InputError
 from .poses.options import TraceOptions
 
+AUTO = "auto"  # the warp that chooses among the others
+
 
 def parse_size(text: str) -> tuple[int, int]:
     """'640x400' to (640, 400). Errors: InputError."""
@@ -40,7 +42,9 @@ class RunOptions:
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
     fused: warp and lens in one resample. scanout_ms: from the first row of the display to its last, 0 for a display that lights up at
-    once. metrics_every: pictures are measured at every n-th refresh. workers: measuring processes, None for one per core.
+    once. budget_ms: per eye, for warp "auto" alone, which takes the most accurate warp and fill within it and keeps to it (`fill` does
+    not count then). bench: the bench.json it knows them from, None to try all on this run's own frames first. metrics_every: pictures
+    are measured at every n-th refresh. workers: measuring processes, None for one per core.
     Errors: InputError for a number that cannot be meant.
     """
 
@@ -64,7 +68,27 @@ class RunOptions:
     images: int = attrs.field(default=6, validator=_number("images"))
     video: bool = False
     fused: bool = False
+    budget_ms: float | None = attrs.field(default=None, validator=_number("budget", " ms", above=True))
+    bench: Path | None = attrs.field(default=None, converter=attrs.converters.optional(Path))
     scanout_ms: float = attrs.field(default=0.0, validator=_number("scanout", " ms", most=100))
     trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     out: Path = attrs.field(default=Path("out/replay"), converter=Path)
     command: str = ""
+
+    def __attrs_post_init__(self) -> None:
+        if self.warp == AUTO:
+            self._check_auto()
+        elif self.budget_ms is not None:
+            raise InputError(f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it takes")
+        elif self.bench is not None:
+            raise InputError(f"bench {self.bench}: only warp 'auto' chooses from a benchmark; warp '{self.warp}' is chosen already")
+
+    def with_pair(self, warp: str, fill: str) -> RunOptions:
+        """The same run with this warp and fill, instead of a choice of its own."""
+        return attrs.evolve(self, warp=warp, fill=fill, budget_ms=None, bench=None)
+
+    def _check_auto(self) -> None:
+        if self.budget_ms is None:
+            raise InputError("warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye (--budget MS)")
+        if self.fused:
+            raise InputError("fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; leave one out")

@@ -10,7 +10,10 @@ from contextlib import ExitStack
 import attrs
 import numpy as np
 
+from .client.adaptive import AdaptiveCompensator, needs_of
+from .client.choice import Rung
 from .client.compensator import Compensator
+from .client.governor import Governor
 from .client.history import History
 from .client.plan import BYTES_PER_PIXEL, LAYER_BYTES, Plan, build_plan
 from .errors import InputError, MachineError
@@ -20,7 +23,7 @@ from .gpu.textures import check_size
 from .headsets import Headset, load_headset
 from .link import ConstantLink
 from .loop import Loop
-from .options import RunOptions
+from .options import AUTO, RunOptions
 from .poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, load_trace
 from .poses.predict import PREDICTORS, predict
 from .registry import unknown_name
@@ -155,6 +158,7 @@ class Rig:
     link: ConstantLink
     history: History
     loop: Loop
+    auto: AdaptiveCompensator | None
     notes: list[str]
     _cleanup: ExitStack
 
@@ -181,22 +185,23 @@ def _compensator(gpu: Gpu, plan: Plan, headset: Headset, size: tuple[int, int], 
     return Compensator(gpu, plan, headset, late_size, size, server.draw_depth)
 
 
-def build_rig(options: RunOptions, also: Needs | None = None) -> Rig:
-    """Load, check, then start the GPU. also: what frames must carry for other plans than that of the options.
+def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung, ...] = ()) -> Rig:
+    """Load, check, then start the GPU. also: what frames must carry for other plans than that of the options. rungs: what warp "auto"
+    chooses from.
 
     Errors: InputError and its kin for what was asked, MachineError for what is missing.
     """
     if options.predict not in PREDICTORS:
         raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
     headset = load_headset(options.headset)
-    build_plan_for(options, headset, None)
+    plans_for(options, headset, None, rungs)
     trace = load_trace(options.trace, options.trace_options)
     times = timetable(trace.track, options, options.rate_hz or headset.refresh_hz)
     size = options.size or headset.eye_size_px
     late_size = guarded_size(options.guard, headset, size)
     scene = load_scene(options.scene)
-    plan = build_plan_for(options, headset, scene)
-    needs = plan.needs | _needs_of_against(options, scene) | (also or Needs())
+    plans = plans_for(options, headset, scene, rungs)
+    needs = needs_of(plans) | _needs_of_against(options, scene) | (also or Needs())
     track, notes = placed(trace.track, scene)
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
@@ -208,8 +213,12 @@ def build_rig(options: RunOptions, also: Needs | None = None) -> Rig:
         stack.callback(history.close)
         link: ConstantLink = ConstantLink(times.link_latency_ns(options.latency_ms), history.offer)
         stack.callback(link.close)
-        compensator = _compensator(gpu, plan, headset, size, options.guard, server)
-        stack.callback(compensator.close)
+        compensators = []
+        for plan in plans:
+            compensators.append(_compensator(gpu, plan, headset, size, options.guard, server))
+            stack.callback(compensators[-1].close)
+        auto = _adaptive(options, rungs, compensators) if rungs else None
+        compensator = auto or compensators[0]
         source = RecordedSource(track)
         source.start()
         stack.callback(source.close)
@@ -217,7 +226,12 @@ def build_rig(options: RunOptions, also: Needs | None = None) -> Rig:
         requested = Requested(source, predicted, size, options.guard, needs, round(options.scanout_ms * 1e6))
         loop = Loop(requested, server, link, history, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
-        return Rig(options, trace, track, scene, headset, size, plan, times, gpu, server, link, history, loop, notes, stack.pop_all())
+        told = (options, trace, track, scene, headset, size, compensator.plan, times)
+        return Rig(*told, gpu, server, link, history, loop, auto, notes, stack.pop_all())
+
+
+def _adaptive(options: RunOptions, rungs: tuple[Rung, ...], compensators: list[Compensator]) -> AdaptiveCompensator:
+    return AdaptiveCompensator(Governor(rungs, options.budget_ms), dict(zip(rungs, compensators, strict=True)))
 
 
 def _needs_of_against(options: RunOptions, scene: Scene) -> Needs:
@@ -252,6 +266,12 @@ def memory_bytes() -> float:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
         return math.inf
+
+
+def plans_for(options: RunOptions, headset: Headset, scene: Scene | None, rungs: tuple[Rung, ...]) -> list[Plan]:
+    """The plan of a run in a list; of a run that chooses by itself, that of each rung. Errors: as build_plan_for."""
+    chosen = [options.with_pair(rung.warp, rung.fill) for rung in rungs] if options.warp == AUTO else [options]
+    return [build_plan_for(one, headset, scene) for one in chosen]
 
 
 def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -> Plan:

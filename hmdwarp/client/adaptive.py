@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ..frame import Needs
-from .compensator import Compensator, EyeResult
+from .compensator import Compensator, EyeResult, Stages
 from .governor import Change, Governor
 
 if TYPE_CHECKING:
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from .choice import Rung
     from .given import Given
     from .plan import Plan
-
-Stages = Sequence[tuple[str, float]]
 
 
 class AdaptiveCompensator:
@@ -32,7 +30,6 @@ class AdaptiveCompensator:
 
     def __init__(self, governor: Governor, compensators: Mapping[Rung, Compensator]) -> None:
         self._governor, self._compensators = governor, dict(compensators)
-        self._carried = needs_of(compensator.plan for compensator in compensators.values())
         self.changes: list[Change] = []
 
     @property
@@ -50,7 +47,7 @@ class AdaptiveCompensator:
 
     def run(self, given: Given) -> EyeResult:
         """As Compensator.run, by the present rung, which gets what it would get alone."""
-        return self._running.run(_only(given, self._carried, self.plan.needs))
+        return self._running.run(_only(given, self.plan.needs))
 
     def took(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at the refresh that was just made; the slower eye counts."""
@@ -69,10 +66,7 @@ def needs_of(plans: Iterable[Plan]) -> Needs:
     return functools.reduce(operator.or_, (plan.needs for plan in plans), Needs())
 
 
-def _only(given: Given, carried: Needs, needs: Needs) -> Given:
-    """What a plan with `needs` would be given if it were alone, out of what is carried for all."""
-    beside = 1 if carried.other_eye else 0
-    past = given.others[beside : beside + needs.past]
-    others = (*given.others[:beside], *past) if needs.other_eye else past
+def _only(given: Given, needs: Needs) -> Given:
+    """Without what frames carry for other rungs."""
     late = attrs.evolve(given.late, layers=given.late.layers[: needs.layers], cube=given.late.cube if needs.cube else None)
-    return attrs.evolve(given, late=late, others=others)
+    return attrs.evolve(given, late=late)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import attrs
 import moderngl
@@ -15,6 +15,7 @@ from .given import Given
 from .plan import Plan
 from .warps import Output
 
+Stages = Sequence[tuple[str, float]]
 DrawDepth = Callable[[View, tuple[int, int], moderngl.Texture], object]
 
 
@@ -84,6 +85,9 @@ class Compensator:
                 self._lens.run(shown, given.shown.fov, given.eye, panel)
                 self._publish()
         return EyeResult(given.shown, warped, shown, panel)
+
+    def took(self, stages: Sequence[Stages]) -> None:
+        """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""
 
     def _publish(self) -> None:
         """Make what a compute pass stored visible to the next pass, to copies and to read-backs."""
