@@ -41,7 +41,7 @@ _WARPS: dict[str, tuple[str, str, int]] = {
 }
 _OTHERS = (("#8a3b5c", "#e8a0bf", 3), ("#4d6b00", "#b9d94e", 3), ("#005f5f", "#5fd0c0", 3), ("#3d3d8f", "#a3a8f5", 3))
 _REGIONS = (("#2b3440", "#eef1f4"), ("#7d8a99", "#94a1b0"), ("#c3ccd6", "#4a5563"))
-HATCHES = ("", "////", "....")
+HATCHES = ("", "////", "")
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
 _MARKERS = {"none": "o", "interpolate": "s"}
 _MORE_MARKERS = ("^", "D", "v", "P", "X", "p", "<", ">", "h", "*")
