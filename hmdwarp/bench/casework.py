@@ -1,0 +1,169 @@
+"""One case: all combinations of a batch on the same late frames, timed by turns, measured against the same truth."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Sequence
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..client.compensator import Compensator, EyeResult
+from ..client.given import Given
+from ..colour import picture_from_linear
+from ..frame import Needs
+from ..geometry import View
+from ..gpu.textures import download
+from ..loop import Refresh
+from ..metrics.job import Compared, QualityJob
+from ..metrics.mismatch import Mismatch, SharedSurface
+from ..metrics.pool import QualityPool
+from ..rig import Rig
+from ..runlog import Row, stage_columns
+from ..server.targets import TargetPool
+from .cases import Case, Combination, frames_used, instants_of, needs_of, numbered
+
+Key = tuple[Case, str, str, int, int]  # (case, warp, fill, refresh, eye): what a picture is measured under
+EYES = (0, 1)
+
+
+@attrs.frozen(eq=False)
+class Measured:
+    """What was found out about one combination in one case, but for the pictures' figures, which the pool has under `keys`.
+
+    times: one row for each timed run of one eye, keyed as frames.csv; stages: the same by the timer's own names.
+    """
+
+    combination: Combination
+    times: list[Row] = attrs.field(factory=list)
+    stages: dict[str, list[float]] = attrs.field(factory=lambda: defaultdict(list))
+    keys: list[Key] = attrs.field(factory=list)
+    mismatch: list[Mismatch] = attrs.field(factory=list)
+
+
+@attrs.frozen(eq=False)
+class Truth:
+    """What one eye should see at a refresh: sRGB picture (h, w, 3) and inverse depth (h, w), top row first."""
+
+    picture: NDArray[np.uint8]
+    inverse_depth: NDArray[np.float32]
+
+
+def refreshes(rig: Rig, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
+    """Those refreshes of a run, counted from 0, in the order of time; a number below 0 is passed over.
+
+    They are what the whole run would show, but only the frames they use are drawn.
+    """
+    times = rig.timetable
+    used = frames_used(times, rig.link.latency_ns, needs, numbers)
+    for number, instant_ns in numbered(times):
+        if instant_ns in used:
+            rig.loop.draw(instant_ns)
+        if number in numbers and number >= 0:
+            refresh = rig.loop.show(instant_ns)
+            assert refresh is not None
+            yield number, refresh
+
+
+class Casework:
+    """The combinations of one batch beside each other in the loop of one case.
+
+    Only the refreshes that are looked at are shown, and only the frames drawn that those use: measured ones, evenly spread over
+    the recording, and the refresh before each, which flicker needs. Both eyes are timed; the figures of a picture are those of
+    one eye, left and right by turns. Nothing is timed while pictures are measured.
+    """
+
+    def __init__(self, rig: Rig, case: Case, combinations: Sequence[Combination], pool: QualityPool, rounds: int) -> None:
+        self._rig, self._case, self._pool, self._rounds = rig, case, pool, rounds
+        self.measured = [Measured(combination) for combination in combinations]
+        self._needs = needs_of(combination.plan for combination in combinations)
+        self._compensators = [rig.compensator(combination.plan) for combination in combinations]
+        self._targets = TargetPool(rig.gpu, rig.size)
+        self._target = self._targets.acquire()
+        self._last: list[list[EyeResult]] = [[] for _ in combinations]
+        self._turn = 0
+
+    def run(self, instants: int, step: Callable[[], None]) -> None:
+        """Look at that many refreshes; step() after each. Free what was allocated here."""
+        turns = {number: turn for turn, number in enumerate(instants_of(self._rig.timetable.count, instants))}
+        before: list[Compared] = []
+        try:
+            for number, refresh in refreshes(self._rig, self._needs, {number - back for number in turns for back in (0, 1)}):
+                if number in turns:
+                    self._time(refresh)
+                    self._measure(number, refresh, turns[number] % len(EYES), before)
+                    step()
+                before = self._neighbour(refresh, turns[number + 1] % len(EYES)) if number + 1 in turns else []
+        finally:
+            self._targets.close()
+
+    def _given(self, compensator: Compensator, refresh: Refresh) -> tuple[Given, ...]:
+        return self._rig.loop.given(refresh, compensator.plan.needs)
+
+    def _truth(self, view: View) -> Truth:
+        drawn = self._rig.server.draw(view, self._rig.size, self._target)
+        return Truth(picture_from_linear(download(drawn.colour)), download(drawn.inverse_depth))
+
+    def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
+        truth = self._truth(refresh.given[eye].shown)
+        shown = []
+        for compensator in self._compensators:
+            result = compensator.run(self._given(compensator, refresh)[eye])
+            shown.append(Compared(_picture(result), truth.picture, result.view))
+        self._rig.gpu.timer.collect()
+        return shown
+
+    def _time(self, refresh: Refresh) -> None:
+        """Every combination once to warm up, then in rounds; who comes first changes from round to round."""
+        self._pool.wait()
+        count = len(self._compensators)
+        for round_ in range(self._rounds + 1):
+            for place in range(count):
+                index = (place + self._turn) % count
+                self._run(index, refresh, timed=round_ > 0)
+            self._turn += 1
+
+    def _run(self, index: int, refresh: Refresh, *, timed: bool) -> None:
+        compensator, measured = self._compensators[index], self.measured[index]
+        self._last[index] = []
+        for given in self._given(compensator, refresh):
+            self._last[index].append(compensator.run(given))
+            stages = self._rig.gpu.timer.collect()
+            if timed:
+                measured.times.append({"frame": refresh.shown_ns, "eye": given.eye, **stage_columns(stages)})
+                for name, milliseconds in stages:
+                    measured.stages[name].append(milliseconds)
+
+    def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
+        """Hand in the pictures, and compare the eyes' holes, which no fill changes."""
+        truths = [self._truth(given.shown) for given in refresh.given]
+        shared = SharedSurface(*(given.shown for given in refresh.given), *(truth.inverse_depth for truth in truths))
+        mismatches: dict[str, Mismatch] = {}
+        for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
+            warp = measured.combination.warp
+            coverages = {other: _coverage(results[other]) for other in (EYES if warp not in mismatches else (eye,))}
+            if warp not in mismatches:
+                mismatches[warp] = shared.compare(*(coverages[other] for other in EYES))
+            measured.mismatch.append(mismatches[warp])
+            late = refresh.frame.eyes[eye]
+            job = QualityJob(
+                Compared(_picture(results[eye]), truths[eye].picture, results[eye].view),
+                before[index] if before else None,
+                coverages[eye],
+                truths[eye].inverse_depth,
+                late.view,
+                late.size,
+                regions=True,
+            )
+            key = (self._case, warp, measured.combination.fill, number, eye)
+            measured.keys.append(key)
+            self._pool.submit(key, job)
+
+
+def _picture(result: EyeResult) -> NDArray[np.uint8]:
+    return picture_from_linear(download(result.shown.texture))
+
+
+def _coverage(result: EyeResult) -> NDArray:
+    return download(result.warped.texture)[..., 3]

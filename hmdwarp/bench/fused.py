@@ -1,0 +1,148 @@
+"""One resample from the late picture to the panel against two: sharpness and time, for every warp that can be fused with the lens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..client.compensator import Compensator
+from ..client.given import Given
+from ..client.plan import build_plan
+from ..colour import picture_from_linear
+from ..gpu.textures import Canvas, download
+from ..metrics.job import Compared, QualityJob
+from ..metrics.pool import QualityPool
+from ..metrics.sharpness import sharpness
+from ..rig import Rig
+from ..runlog import stage_columns
+from ..server.targets import Target, TargetPool
+from .cases import instants_of, needs_of
+from .casework import refreshes
+
+INSTANTS = 3
+SUPERSAMPLING = 3
+FORMS = ("fused", "separate")
+EYE = 0
+
+
+@attrs.frozen(eq=False)
+class _Pair:
+    """A warp both ways."""
+
+    warp: str
+    compensators: dict[str, Compensator]
+    times: dict[str, list[float]] = attrs.field(factory=lambda: {form: [] for form in FORMS})
+    sharpness: dict[str, list[float]] = attrs.field(factory=lambda: {form: [] for form in FORMS})
+
+
+def pairs_of(rig: Rig, warps: list[str], lens: str) -> list[_Pair]:
+    """Those of the warps that can be fused."""
+    found = []
+    for warp in warps:
+        plan = build_plan(rig.scene.effects, warp, "none", lens, client_geometry=True)
+        if plan.warp.fuses:
+            fused = build_plan(rig.scene.effects, warp, "none", lens, client_geometry=True, fused=True)
+            found.append(_Pair(warp, {"fused": rig.compensator(fused), "separate": rig.compensator(plan)}))
+    return found
+
+
+class PanelTruth:
+    """What the panel should show: the scene without latency, drawn and sent through the lens at several times the resolution, averaged
+    in linear light. Call with what the passes are given."""
+
+    def __init__(self, rig: Rig, lens: str) -> None:
+        self._rig = rig
+        wide, high = rig.size
+        most = rig.gpu.max_texture_size // max(wide, high)
+        self._times = max(1, min(SUPERSAMPLING, most))
+        self._size = (self._times * wide, self._times * high)
+        self._targets = TargetPool(rig.gpu, self._size)
+        # A canvas is sampled bilinearly, as the lens expects; a target of the server is not.
+        self._shown, self._panel = Canvas(rig.gpu.gl, self._size), Canvas(rig.gpu.gl, self._size)
+        self._target = Target(self._shown.texture, self._targets.acquire().inverse_depth)
+        plan = build_plan(rig.scene.effects, "none", "none", lens, client_geometry=True)
+        self._lens = plan.lens(rig.gpu, rig.headset, self._size)
+
+    def __call__(self, given: Given) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+        """sRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
+        self._rig.server.draw(given.shown, self._size, self._target)
+        self._lens.run(self._shown, given.shown.fov, given.eye, self._panel)
+        self._rig.gpu.gl.memory_barrier()
+        large = download(self._panel.texture).astype(np.float32)
+        wide, high = self._rig.size
+        mean = large.reshape(high, self._times, wide, self._times, 4).mean(axis=(1, 3))
+        return picture_from_linear(mean), mean[..., 3] == 1
+
+    def close(self) -> None:
+        """Free the large pictures."""
+        self._targets.close()
+        self._shown.release()
+        self._panel.release()
+
+
+def fused_rows(
+    rig: Rig, warps: list[str], lens: str, pool: QualityPool, instants: int, rounds: int, step: Callable[[], None]
+) -> list[dict[str, Any]]:
+    """The `fused` of bench.json: the left eye at up to INSTANTS refreshes of the rig's run, both ways by turns."""
+    pairs = pairs_of(rig, warps, lens)
+    truth_of = PanelTruth(rig, lens)
+    numbers = instants_of(rig.timetable.count, min(INSTANTS, instants))
+    needs = needs_of(compensator.plan for pair in pairs for compensator in pair.compensators.values())
+    try:
+        for number, refresh in refreshes(rig, needs, numbers):
+            pool.wait()
+            given = {pair.warp: rig.loop.given(refresh, pair.compensators["fused"].plan.needs)[EYE] for pair in pairs}
+            _time(rig, pairs, given, rounds)
+            truth, seen = truth_of(refresh.given[EYE])
+            for pair in pairs:
+                _compare(pair, given[pair.warp], number, truth, seen, pool)
+            rig.gpu.timer.collect()
+            step()
+        pool.wait()
+    finally:
+        truth_of.close()
+    return [_row(pair, numbers, pool) for pair in pairs]
+
+
+def _time(rig: Rig, pairs: list[_Pair], given: dict[str, Given], rounds: int) -> None:
+    rig.gpu.timer.collect()
+    for round_ in range(rounds + 1):  # the first to warm up
+        for pair in pairs:
+            for form in FORMS if round_ % 2 else FORMS[::-1]:
+                pair.compensators[form].run(given[pair.warp])
+                total = stage_columns(rig.gpu.timer.collect())["total_ms"]
+                if round_:
+                    pair.times[form].append(total)
+
+
+def _compare(pair: _Pair, given: Given, number: int, truth: NDArray[np.uint8], seen: NDArray[np.bool_], pool: QualityPool) -> None:
+    panels = {form: download(pair.compensators[form].run(given).panel.texture) for form in FORMS}
+    both = seen & np.logical_and.reduce([panel[..., 3] == 1 for panel in panels.values()])
+    for form, panel in panels.items():
+        picture = picture_from_linear(panel)
+        found = sharpness(picture, truth, both)
+        if found is not None:
+            pair.sharpness[form].append(found)
+        pool.submit((pair.warp, form, number), QualityJob(Compared(picture, truth, given.shown)))
+
+
+def _row(pair: _Pair, numbers: list[int], pool: QualityPool) -> dict[str, Any]:
+    milliseconds = {form: float(np.median(pair.times[form])) for form in FORMS}
+    figures = pool.results
+    means = {
+        name: {form: float(np.mean([figures[pair.warp, form, number][name] for number in numbers])) for form in FORMS}
+        for name in ("psnr_db", "flip")
+    }
+    sharp = {form: float(np.mean(pair.sharpness[form])) if pair.sharpness[form] else None for form in FORMS}
+    return {
+        "warp": pair.warp,
+        "fused_ms": milliseconds["fused"],
+        "separate_ms": milliseconds["separate"],
+        "speedup": milliseconds["separate"] / milliseconds["fused"],
+        **means,
+        "sharpness": sharp,
+    }

@@ -1,0 +1,119 @@
+"""Error as a function of motion: one late frame from the scene's viewpoint, and a head that has moved or turned by so much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Any
+
+import numpy as np
+
+from ..client.compensator import Compensator
+from ..client.history import History
+from ..colour import picture_from_linear
+from ..errors import HmdwarpError
+from ..geometry import Pose
+from ..gpu.textures import download
+from ..link import ConstantLink
+from ..loop import Loop
+from ..metrics.job import Compared, QualityJob
+from ..metrics.pool import QualityPool
+from ..poses import Origin, PoseSample
+from ..rig import Requested, Rig
+from ..scenes import Scene
+from ..server.targets import TargetPool
+from .cases import Combination, needs_of
+
+METRES, DEGREES = 0.3, 30.0
+STEPS = 3  # to either side
+SIZE = (400, 400)
+AXES = ("x", "y", "z", "yaw", "pitch", "roll")
+
+
+def offsets() -> list[tuple[str, float]]:
+    """(axis, metres or degrees) of every displacement but none at all: x right, y up, z backwards; yaw left, pitch up, roll left."""
+    shares = [k / STEPS for k in range(-STEPS, STEPS + 1) if k]
+    return [(axis, share * (METRES if axis in "xyz" else DEGREES)) for axis in AXES for share in shares]
+
+
+def displaced(viewpoint: Pose, axis: str, offset: float) -> Pose:
+    """world_from_head after a movement in the head's own frame."""
+    if axis in ("x", "y", "z"):
+        return viewpoint @ Pose(offset * np.eye(3)["xyz".index(axis)])
+    half = math.radians(offset) / 2
+    about = np.eye(3)[{"pitch": 0, "yaw": 1, "roll": 2}[axis]]
+    return viewpoint @ Pose(orientation_xyzw=(*(math.sin(half) * about), math.cos(half)))
+
+
+class Scripted:
+    """A PoseSource: at rest at the viewpoint up to time 0, then one displacement after the other, a nanosecond each."""
+
+    def __init__(self, scene: Scene, moves: list[tuple[str, float]]) -> None:
+        self._poses = [displaced(scene.viewpoint, axis, offset) for axis, offset in moves]
+        self._rest = scene.viewpoint
+
+    def start(self) -> None:
+        """Nothing to get ready."""
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        """Errors: HmdwarpError after the last displacement."""
+        if time_ns > len(self._poses):
+            raise HmdwarpError(f"the script has {len(self._poses)} displacements: wanted none after them")
+        return PoseSample(time_ns, self._poses[time_ns - 1] if time_ns > 0 else self._rest, Origin.MEASURED)
+
+    def close(self) -> None:
+        """Nothing to let go of."""
+
+
+def grid_rows(rig: Rig, combinations: list[Combination], pool: QualityPool, step: Callable[[], None]) -> list[dict[str, Any]]:
+    """The `grid` of bench.json: every warp of the combinations, left eye, unfilled, on the server and headset of `rig`.
+
+    rig: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
+    """
+    moves = [("x", 0.0), *offsets()]
+    warps = list({c.warp: c for c in combinations if not c.plan.fill.is_pass}.values())
+    with ExitStack() as stack:
+        loop = _loop(rig, warps, Scripted(rig.scene, moves), stack)
+        compensators = [rig.compensator(c.plan) for c in warps]
+        targets = TargetPool(rig.gpu, rig.size)
+        stack.callback(targets.close)
+        target = targets.acquire()
+        for number in range(len(moves)):
+            refresh = loop.show(number + 1)
+            truth = rig.server.draw(refresh.given[0].shown, rig.size, target)
+            picture = picture_from_linear(download(truth.colour))
+            for combination, compensator in zip(warps, compensators, strict=True):
+                result = compensator.run(loop.given(refresh, combination.plan.needs)[0])
+                shown = Compared(picture_from_linear(download(result.shown.texture)), picture, result.view)
+                pool.submit((combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3]))
+            rig.gpu.timer.collect()
+            step()
+        pool.wait()
+    return [_row(c.warp, move, pool.results[c.warp, number]) for c in warps for number, move in _with_rest(moves)]
+
+
+def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
+    """A loop of its own on the rig's server, whose newest frame was drawn at time 0."""
+    needs = needs_of(c.plan for c in warps)
+    history = History(needs.past, needs.past_spacing_ns, rig.server.recycle)
+    stack.callback(history.close)
+    link: ConstantLink = ConstantLink(0, history.offer)
+    stack.callback(link.close)
+    main: Compensator = rig.compensator(rig.plan)
+    loop = Loop(Requested(source, None, rig.size, rig.options.guard, needs), rig.server, link, history, main, rig.headset)
+    for back in range(needs.past, -1, -1):
+        loop.draw(-back * max(1, needs.past_spacing_ns))
+    return loop
+
+
+def _with_rest(moves: list[tuple[str, float]]) -> list[tuple[int, tuple[str, float]]]:
+    """(number, move), sorted by axis and offset, the head at rest once for every axis."""
+    numbered = [(number, move) for number, move in enumerate(moves) if number]
+    numbered += [(0, (axis, 0.0)) for axis in AXES]
+    return sorted(numbered, key=lambda entry: (AXES.index(entry[1][0]), entry[1][1]))
+
+
+def _row(warp: str, move: tuple[str, float], figures: dict[str, float | None]) -> dict[str, Any]:
+    axis, offset = move
+    return {"warp": warp, "axis": axis, "offset": offset, **{name: figures[name] for name in ("psnr_db", "flip", "hole_share")}}

@@ -1,0 +1,79 @@
+"""From what was measured to the rows of bench.json and the flat columns of bench.csv."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import reduce
+from operator import add
+from typing import Any
+
+from ..metrics import QUALITY, STAGES
+from ..metrics.mismatch import Mismatch
+from ..metrics.pool import QualityPool
+from ..metrics.regions import REGIONS, pooled
+from ..outcome import summary_of
+from ..rig import Rig, guarded_size
+from .casework import Measured
+from .traffic import passes_of
+
+PASSES = ("warp", "fill", "lens")
+_PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
+_REGION_FIGURES = ("share", "psnr_db", "flip")
+_PLAIN = ("trace", "scene", "latency_ms", "warp", "fill", "lens", "headset", "frames", "rate_hz", "guard", "predict", "clock")
+
+COLUMNS = (
+    *_PLAIN,
+    "width",
+    "height",
+    *(f"{stage}_ms{tail}" for stage in STAGES for tail in ("", "_p95")),
+    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
+    *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
+    "mismatch",
+    *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
+    "gl_renderer",
+    "cpu_count",
+)
+
+
+def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
+    """One row of bench.json: the keys of summary.json, where the error is, the eyes' mismatch, and each pass against its bound."""
+    combination = measured.combination
+    figures, regions = pool.results, pool.regions
+    pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
+    base = summary_of(rig, combination.warp, combination.fill, combination.plan.lens.name, [*measured.times, *pictures])
+    late_pixels, shown_pixels = (w * h for w, h in (guarded_size(rig.options.guard, rig.headset, rig.size), rig.size))
+    return {
+        **base,
+        "frames": len(pictures),
+        "regions": pooled(regions[key] for key in measured.keys),
+        "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
+        "passes": passes_of(combination.plan, late_pixels, shown_pixels, measured.stages, bytes_per_s),
+    }
+
+
+def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The rows under COLUMNS: medians and means without a suffix, the bad tail with _p95; what there is not is empty."""
+    for row in rows:
+        yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}
+
+
+def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
+    machine = {key: row["machine"][key] for key in ("gl_renderer", "cpu_count")}
+    return {**{key: row[key] for key in _PLAIN}, "width": row["size"][0], "height": row["size"][1], "mismatch": row["mismatch"], **machine}
+
+
+def _times(row: Mapping[str, Any]) -> dict[str, Any]:
+    found = {}
+    for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
+        for name in names:
+            entry = row[table][name]
+            found |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
+    return found
+
+
+def _regions(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {f"{region}_{figure}": row["regions"][region][figure] for region in REGIONS for figure in _REGION_FIGURES}
+
+
+def _passes(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {f"{entry['name']}_pass_{figure}": entry[figure] for entry in row["passes"] for figure in _PASS_FIGURES}

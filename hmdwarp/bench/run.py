@@ -1,0 +1,218 @@
+"""Runs a bench: every combination of what was asked for, on the loop that every other driver uses."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ..client.choice import choose
+from ..client.plan import build_plan
+from ..errors import InputError
+from ..gpu.bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
+from ..gpu.context import Gpu
+from ..headsets import Headset, load_headset
+from ..metrics.pool import QualityPool
+from ..report.files import OutputFolder
+from ..report.schema import SCHEMA
+from ..rig import build_plan_for, build_rig, guarded_size, memory_bytes, timetable
+from ..scenes import load_scene
+from ..version import __version__
+from . import fused, grid
+from .cases import (
+    GPU_BATCH_BYTES,
+    MEMORY_PART,
+    Case,
+    Combination,
+    batches,
+    cases_of,
+    combinations_of,
+    common_start_s,
+    instants_of,
+    needs_of,
+    run_options,
+    warps_of,
+)
+from .casework import Casework
+from .options import BenchOptions
+from .rows import COLUMNS, flat, row_of
+
+OWNED = ("bench.csv", "bench.html")
+MOST_WORKERS = 8  # each takes 200 MB
+Progress = Callable[[int, int], None]
+
+
+@attrs.frozen(eq=False)
+class BenchResult:
+    """What a bench found: `data` as bench.json has it. refused: why there is no choice for the budget asked for, else ""."""
+
+    folder: Path
+    data: dict[str, Any]
+    refused: str = ""
+
+    @property
+    def report(self) -> Path:
+        """The page."""
+        return self.folder / "bench.html"
+
+
+@attrs.frozen(eq=False)
+class _Work:
+    """A case with its run's options and how many instants of it are measured."""
+
+    case: Case
+    run: Any
+    combinations: list[Combination]
+    instants: int
+
+
+class _Steps:
+    """Counts what is done for the caller's progress."""
+
+    def __init__(self, total: int, progress: Progress) -> None:
+        self._done, self._total, self._progress = 0, total, progress
+        progress(0, total)
+
+    def __call__(self) -> None:
+        self._done += 1
+        self._progress(self._done, self._total)
+
+
+def bench(options: BenchOptions, progress: Progress = lambda done, total: None) -> BenchResult:
+    """Run it and write options.out: bench.csv, bench.json and bench.html; nothing is left there if it fails or is interrupted.
+
+    All that was asked for is checked before anything runs. progress(done, total) is called after each measured refresh.
+    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
+    """
+    started = time.perf_counter()
+    headset = load_headset(options.headset)
+    works = _checked(options, headset)
+    with OutputFolder(options.out, owned=OWNED, last="bench.json") as out:
+        machine, bandwidth, clocks, batched = _examined(options, headset, works)
+        steps = _Steps(_total(options, headset, works, batched), progress)
+        rows: list[dict[str, Any]] = []
+        for size, group in itertools.groupby(works, key=lambda work: work.case.size):
+            with _pool(options, headset, size) as pool:
+                for work in group:
+                    rows += _case_rows(options, work, batched[work.case], pool, bandwidth, steps)
+        first = works[0]
+        data = {
+            "schema": SCHEMA,
+            "hmdwarp": __version__,
+            "command": options.command,
+            "machine": machine,
+            "clock": clocks.clock,
+            "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
+            "copy_gb_s": bandwidth.bytes_per_s * 1e-9,
+            "rows": rows,
+            "grid": _grid(options, headset, first, steps) if options.grid else [],
+            "fused": _fused(options, headset, first, steps) if options.fused and headset.lens is not None else [],
+            "choice": None,
+        }
+        data["choice"], refused = _choice(rows, options.budget_ms)
+        data["seconds"] = time.perf_counter() - started
+        _write(out, data)
+    return BenchResult(options.out, data, refused)
+
+
+def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
+    """Everything that can be found wrong without starting the GPU. Errors: InputError and its kin."""
+    rate_hz = options.rate_hz or headset.refresh_hz
+    combinations = {}
+    for name in options.scenes:
+        scene = load_scene(name)
+        build_plan_for(run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens), headset, scene)
+        combinations[name] = combinations_of(options, scene)
+    starts = {recording: common_start_s(options, recording, rate_hz) for recording in options.recordings}
+    works = []
+    for case in cases_of(options):
+        guarded_size(options.guard, headset, case.size)
+        run = run_options(options, case, start_s=starts[case.recording])
+        count = _refreshes(run, rate_hz)
+        works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
+    return works
+
+
+def _refreshes(run: Any, rate_hz: float) -> int:
+    from ..poses import load_trace
+
+    return timetable(load_trace(run.trace).track, run, rate_hz).count
+
+
+def _examined(
+    options: BenchOptions, headset: Headset, works: list[_Work]
+) -> tuple[dict[str, Any], Bandwidth, ClockCheck, dict[Case, list[list[Combination]]]]:
+    """What this machine is and can, and which combinations fit into it at the same time."""
+    with Gpu() as gpu:
+        machine = {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
+        most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
+        batched = {
+            work.case: batches(work.combinations, guarded_size(options.guard, headset, work.case.size), work.case.size, most)
+            for work in works
+        }
+        return machine, copy_bandwidth(gpu), check_clocks(gpu), batched
+
+
+def _total(options: BenchOptions, headset: Headset, works: list[_Work], batched: dict[Case, list[list[Combination]]]) -> int:
+    count = sum(work.instants * len(batched[work.case]) for work in works)
+    count += len(grid.offsets()) + 1 if options.grid else 0
+    return count + (min(fused.INSTANTS, works[0].instants) if options.fused and headset.lens is not None else 0)
+
+
+def _pool(options: BenchOptions, headset: Headset, size: tuple[int, int]) -> QualityPool:
+    workers = min(os.cpu_count() or 1, MOST_WORKERS) if options.workers is None else options.workers
+    return QualityPool(workers, headset.left_fov.pixels_per_degree(size))
+
+
+def _case_rows(
+    options: BenchOptions, work: _Work, batched: list[list[Combination]], pool: QualityPool, bandwidth: Bandwidth, steps: _Steps
+) -> Iterator[dict[str, Any]]:
+    for batch in batched:
+        with build_rig(work.run, needs_of(c.plan for c in batch)) as rig:
+            casework = Casework(rig, work.case, batch, pool, options.rounds)
+            casework.run(options.instants, steps)
+            pool.wait()
+            yield from (row_of(rig, measured, pool, bandwidth.bytes_per_s) for measured in casework.measured)
+
+
+def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
+    unfilled = [attrs.evolve(c, fill="none", plan=_unfilled(work, c.warp)) for c in work.combinations]
+    with (
+        _pool(options, headset, grid.SIZE) as pool,
+        build_rig(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as rig,
+    ):
+        return grid.grid_rows(rig, unfilled, pool, steps)
+
+
+def _unfilled(work: _Work, warp: str):
+    effects = load_scene(work.case.scene).effects
+    return build_plan(effects, warp, "none", "none", client_geometry=True)
+
+
+def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
+    lens = options.lens if options.lens != "none" else "radial"
+    with _pool(options, headset, work.case.size) as pool, build_rig(work.run, needs_of(c.plan for c in work.combinations)) as rig:
+        return fused.fused_rows(rig, warps_of(options), lens, pool, work.instants, options.rounds, steps)
+
+
+def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
+    """The choice for the budget, or why there is none: a run is not thrown away because its budget was too small."""
+    if budget_ms is None:
+        return None, ""
+    try:
+        return choose(rows, budget_ms), ""
+    except InputError as error:
+        return None, str(error)
+
+
+def _write(out: OutputFolder, data: dict[str, Any]) -> None:
+    from ..report.bench_page import render_bench_page
+
+    out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
+    out.write_text("bench.html", render_bench_page(data))
+    out.write_json("bench.json", data)

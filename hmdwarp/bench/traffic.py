@@ -1,0 +1,31 @@
+"""What a pass must move through memory, how long that takes at least on this device, and how far above it the pass runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..client.plan import Plan
+
+
+def passes_of(
+    plan: Plan, late_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
+) -> list[dict[str, Any]]:
+    """The `passes` of a row: name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
+
+    stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so no pass can be quicker unless its
+    pictures stay in the caches. Drawing the client's own depth is rasterising, not moving, and is left out of `warp` here.
+    """
+    moved = {"warp": plan.warp.bytes_moved(late_pixels, shown_pixels, plan.choice.settings)}
+    if plan.fill.is_pass:
+        moved["fill"] = plan.fill.bytes_moved(shown_pixels)
+    if plan.lens.is_pass and not plan.fused:
+        moved["lens"] = plan.lens.bytes_moved(shown_pixels)
+    return [_pass(name, count, stages[name], bytes_per_s) for name, count in moved.items() if stages.get(name)]
+
+
+def _pass(name: str, count: int, milliseconds: Sequence[float], bytes_per_s: float) -> dict[str, Any]:
+    bound_ms, median_ms = count / bytes_per_s * 1e3, float(np.median(milliseconds))
+    return {"name": name, "bytes": int(count), "bound_ms": bound_ms, "median_ms": median_ms, "times_bound": median_ms / bound_ms}
