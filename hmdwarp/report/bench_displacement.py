@@ -54,9 +54,9 @@ def curves(grid: Iterable[GridRow], axis: str, measure: str = "flip") -> dict[st
 
 
 def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip") -> str:
-    """One axis as an <svg> element for the page; all axes of one grid have the same scale of error, so that they compare.
+    """One axis as an <svg> element for the page; the axes in metres have one scale of error, those in degrees another.
 
-    Names stand at the right end of the lines, in their order; warps that give the same error lie on one line under their names.
+    Names stand at the right end of the lines, in their order, with an arrow where the line has left the chart, as `none` does.
     """
     lines = {warp: points for warp, points in curves(grid, axis, measure).items() if len(points)}
     height_in = max(3.0, (len(lines) * _LINE_PT + 60) / 72)
@@ -71,7 +71,7 @@ def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip"
         axes.set_xlabel(f"offset in {'degrees' if is_turn(axis) else 'metres'}")
         axes.set_ylabel(measure_label(measure))
         if lines:
-            axes.set_ylim(_limits(grid, measure))
+            axes.set_ylim(_limits(grid, axis, measure))
             _draw(axes, lines, dashes_of(dict.fromkeys(row["warp"] for row in grid)), height_in)
         else:
             axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=PAGE.ink)
@@ -86,10 +86,12 @@ def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = "flip")
     return f"Error against offset, {axis_heading(axis)}, {measure_label(measure)}. At the right end, from above: {told}."
 
 
-def _limits(grid: Sequence[GridRow], measure: str) -> tuple[float, float]:
-    values = [row[measure] for row in grid if row.get(measure) is not None]
+def _limits(grid: Sequence[GridRow], axis: str, measure: str) -> tuple[float, float]:
+    """The range of all warps that do anything, on all axes of this kind: `none` may leave it, or nothing could be told of the others."""
+    rows = [row for row in grid if row.get(measure) is not None and is_turn(row["axis"]) == is_turn(axis)]
+    values = [row[measure] for row in rows if row["warp"] != "none"] or [row[measure] for row in rows]
     low, high = min(values), max(values)
-    margin = max(0.04 * (high - low), 1e-6)
+    margin = max(0.06 * (high - low), 1e-6)
     return (0 if measure == "flip" else low - margin), high + margin
 
 
@@ -103,13 +105,14 @@ def _draw(axes: Axes, lines: Mapping[str, NDArray[np.float64]], dashes: Mapping[
     axes.set_xlim(right=right)
     area_pt = 72 * (height_in - _BELOW_IN - _ABOVE_IN)
     ends = np.array([points[-1, 1] for points in lines.values()])
-    wanted = (ends - low) / (high - low) * area_pt
+    wanted = np.clip((ends - low) / (high - low), 0, 1) * area_pt
     heights = spread(wanted, _LINE_PT, 0, area_pt)
-    for warp, points, height in zip(lines, lines.values(), heights, strict=True):
+    for warp, end, height in zip(lines, ends, heights, strict=True):
         # A short line in the warp's own colour and dash ties the name to its end, and is the key to the line.
         tie = {"arrowstyle": "-", "color": PAGE.warp(warp), "linestyle": dashes[warp], "linewidth": 1.2, "relpos": (0, 0.5)}
+        name = warp + (" ↑" if end > high else " ↓" if end < low else "")
         axes.annotate(
-            warp, (points[-1, 0], points[-1, 1]), (1.09, height / area_pt), xycoords="data", textcoords=axes.transAxes,
+            name, (lines[warp][-1, 0], np.clip(end, low, high)), (1.09, height / area_pt), xycoords="data", textcoords=axes.transAxes,
             va="center", ha="left", color=PAGE.ink, parse_math=False, annotation_clip=False,
             arrowprops={**tie, "shrinkA": 1, "shrinkB": 0},
         )  # fmt: skip
