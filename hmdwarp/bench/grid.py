@@ -66,13 +66,12 @@ class Scripted:
         """Nothing to let go of."""
 
 
-def grid_rows(rig: Rig, combinations: list[Combination], pool: QualityPool, step: Callable[[], None]) -> list[dict[str, Any]]:
-    """The `grid` of bench.json: every warp of the combinations, left eye, unfilled, on the server and headset of `rig`.
+def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Callable[[], None]) -> list[dict[str, Any]]:
+    """The `grid` of bench.json: every warp (unfilled combinations), left eye, on the server and headset of `rig`.
 
     rig: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
     """
     moves = [("x", 0.0), *offsets()]
-    warps = list({c.warp: c for c in combinations if not c.plan.fill.is_pass}.values())
     with ExitStack() as stack:
         loop = _loop(rig, warps, Scripted(rig.scene, moves), stack)
         compensators = [rig.compensator(c.plan) for c in warps]

@@ -181,17 +181,13 @@ def _case_rows(
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    unfilled = [attrs.evolve(c, fill="none", plan=_unfilled(work, c.warp)) for c in work.combinations]
+    plans = {c.warp: build_plan(c.plan.effects, c.warp, "none", "none", client_geometry=True) for c in work.combinations}
+    unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
     with (
         _pool(options, headset, grid.SIZE) as pool,
         build_rig(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as rig,
     ):
         return grid.grid_rows(rig, unfilled, pool, steps)
-
-
-def _unfilled(work: _Work, warp: str):
-    effects = load_scene(work.case.scene).effects
-    return build_plan(effects, warp, "none", "none", client_geometry=True)
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
