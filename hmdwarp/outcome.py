@@ -8,6 +8,7 @@ from typing import Any
 
 import attrs
 
+from .autolog import auto_entry, auto_note
 from .metrics.pool import QualityPool
 from .metrics.summary import aggregate
 from .metrics.worst import Kept
@@ -43,7 +44,10 @@ class ReplayResult:
 def outcome_of(rig: Rig, rows: list[Row], compared: list[Row] | None) -> ReplayResult:
     """The summaries of a run and, if there was one, of the warp that ran beside it."""
     options = rig.options
-    summary = summary_of(rig, options.warp, options.fill, options.lens, rows)
+    summary = summary_of(rig, options.warp, options.fill if rig.auto is None else options.warp, options.lens, rows)
+    if rig.auto is not None:
+        summary["auto"] = auto_entry(rig.auto, rows)
+        summary["notes"] = [*rig.notes, auto_note(summary["auto"], rows)]
     against = None
     if compared is not None:
         against = summary_of(rig, options.against, "none", "none", compared)
@@ -91,7 +95,7 @@ def write_outcome(rig: Rig, out: OutputFolder, log: RunLog, result: ReplayResult
         baseline_rows=compared,
         worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
         command=rig.options.command,
-        notes=rig.notes,
+        notes=result.summary["notes"],
     )
     out.write_text("report.html", page)
     out.write_json("summary.json", result.summary)

@@ -19,6 +19,7 @@ from .report.files import OutputFolder
 from .report.video import VideoWriter
 from .rig import Rig, build_rig
 from .runlog import Row, RunLog
+from .trial import ladder_for
 
 WORST_FRAMES = 6
 MOST_WORKERS = 8  # each takes 200 MB; measuring every tenth refresh keeps two busy
@@ -26,13 +27,17 @@ MOST_WORKERS = 8  # each takes 200 MB; measuring every tenth refresh keeps two b
 Progress = Callable[[int, int], None]
 
 
-def replay(options: RunOptions, progress: Progress = lambda done, total: None) -> ReplayResult:
+def replay(
+    options: RunOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
+) -> ReplayResult:
     """Run it and write options.out; nothing is left there if it fails or is interrupted.
 
-    progress(done, total) is called after each refresh. Errors: InputError and its kin for what was asked, MachineError for
-    what the machine lacks.
+    progress(done, total) is called after each refresh; say() gets a sentence before warp "auto" tries what it chooses from.
+    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
-    with build_rig(options) as rig, OutputFolder(options.out, owned=OWNED) as out:
+    ladder = ladder_for(options, say)
+    with build_rig(options, rungs=ladder.rungs) as rig, OutputFolder(options.out, owned=OWNED) as out:
+        rig.notes.extend(ladder.notes_on(rig.gpu.renderer, os.cpu_count() or 1))
         workers = min(os.cpu_count() or 1, MOST_WORKERS) if options.workers is None else options.workers
         with QualityPool(workers, rig.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(rig, key)) as pool:
             probe = Probe(rig, pool, _keep_every(rig))

@@ -47,6 +47,8 @@ class RunLog:
                     "angular_speed_deg_s": turning,
                     "linear_speed_m_s": moving,
                     **stage_columns(stages),
+                    "warp": str(refresh.plan.choice),
+                    "fill": refresh.plan.fill.name,
                 }
             )
 

@@ -18,6 +18,13 @@ def names_in(folder: str, pattern: str = "*.py") -> str:
 Scene = Annotated[str, typer.Option("--scene", help=f"{names_in('scenes/library')}, or a .glb, .obj or .ply file.")]
 Latency = Annotated[float, typer.Option("--latency", help="Milliseconds from drawing a frame to showing it.")]
 Warp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}.")]
+ChosenWarp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}; or auto, within --budget.")]
+Budget = Annotated[
+    float | None, typer.Option("--budget", help="Milliseconds for one eye, for --warp auto; it chooses the fill too.", show_default=False)
+]
+Bench = Annotated[
+    Path | None, typer.Option("--bench", help="bench.json to choose from; by default all are tried on this run first.", show_default=False)
+]
 Fill = Annotated[str, typer.Option("--fill", help=f"{names_in('client/fills')}.")]
 Lens = Annotated[str | None, typer.Option("--lens", help=f"{names_in('client/lens')}; by default the headset's own.", show_default=False)]
 Headset = Annotated[str, typer.Option("--headset", help=f"{names_in('headsets', '*.toml')}, or a .toml file.")]

@@ -17,7 +17,9 @@ def replay(
     trace: Annotated[str, typer.Argument(help="A head trace file, or the name of a recording that comes along, like look-around.")],
     scene: o.Scene = "room",
     latency: o.Latency = 200.0,
-    warp: o.Warp = "forward",
+    warp: o.ChosenWarp = "forward",
+    budget: o.Budget = None,
+    bench: o.Bench = None,
     fill: o.Fill = "interpolate",
     lens: o.Lens = None,
     headset: o.Headset = "rift-dk1",
@@ -54,6 +56,8 @@ def replay(
         latency_ms=latency,
         warp=warp,
         fill=fill,
+        budget_ms=budget,
+        bench=bench,
         lens=o.lens_for(lens, headset),
         headset=headset,
         size=None if size is None else parse_size(size),
@@ -91,7 +95,7 @@ def _run(options, quiet: bool) -> None:
     screen = console(stderr=True)
     with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
         task = bar.add_task("refreshes", total=None)
-        result = run(options, lambda done, total: bar.update(task, completed=done, total=total))
+        result = run(options, lambda done, total: bar.update(task, completed=done, total=total), screen.print)
     console().print(summary_table(result.summary, result.against))
     for note in result.summary["notes"]:
         typer.echo(f"note: {note}")

@@ -42,6 +42,16 @@ class AdaptiveCompensator:
         return self._running.plan
 
     @property
+    def ladder(self) -> tuple[Rung, ...]:
+        """What it chooses from, from cheapest to most accurate."""
+        return self._governor.ladder
+
+    @property
+    def budget_ms(self) -> float:
+        """What a refresh may take for one eye."""
+        return self._governor.budget_ms
+
+    @property
     def _running(self) -> Compensator:
         return self._compensators[self._governor.rung]
 

@@ -30,7 +30,7 @@ SETTLING = 2  # refreshes after a change that tell of the change
 
 @attrs.frozen
 class Change:
-    """From one rung to another: at which refresh (counted from 0), and why, in words with figures."""
+    """From one rung to another, and why, in words with figures. refresh: after which it was decided, counted from 0."""
 
     refresh: int
     before: Rung

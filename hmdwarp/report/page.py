@@ -99,9 +99,10 @@ def render_report(
         quality_rows=comparison[: len(QUALITY_FIGURES)],
         time_rows=comparison[len(QUALITY_FIGURES) :],
         tiles=_tiles(summary, baseline_summary, names),
-        charts=_charts(names, rows, baseline_rows),
+        charts=_charts(summary, names, rows, baseline_rows),
         worst=[_worst(frame) for frame in worst],
         measured=_measured(summary),
+        auto=_auto(summary),
         clock={"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}[summary["clock"]],
     )
 
@@ -116,7 +117,7 @@ def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list
     return tiles
 
 
-def _charts(names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[_Chart]:
+def _charts(summary: Summary, names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[_Chart]:
     charts = []
     for heading, column, unit, scale, from_zero in _CHARTS:
         series = [Series.of(names[0], rows, column, scale)]
@@ -125,7 +126,19 @@ def _charts(names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[_C
         charts.append(_Chart(heading, time_series(series, unit, from_zero=from_zero)))
     for heading, column, unit, scale, from_zero in _MOTION_CHARTS:
         charts.append(_Chart(heading, time_series([Series.of("", rows, column, scale)], unit, from_zero=from_zero)))
+    if "auto" in summary:
+        charts.append(_Chart("Time per eye", time_series([Series.of("", rows, "total_ms")], "ms", from_zero=True)))
     return charts
+
+
+def _auto(summary: Summary) -> dict[str, Any] | None:
+    """What warp "auto" chose from, and its changes, as text; None for a run of one warp."""
+    if "auto" not in summary:
+        return None
+    auto = summary["auto"]
+    ladder = [(r["name"], f"{r['total_ms']:.2f}", f"{r['flip']:.4f}", f"{r['refreshes'] / summary['frames']:.1%}") for r in auto["ladder"]]
+    changes = [(f"{c['time_s']:.2f} s", c["from"], c["to"], c["reason"]) for c in auto["changes"]]
+    return {"budget": f"{auto['budget_ms']:g}", "ladder": ladder, "changes": changes}
 
 
 def _worst(frame: WorstFrame) -> dict[str, Any]:

@@ -29,6 +29,8 @@ FRAME_COLUMNS = (
     *(f"shown_{part}" for part in POSE_PARTS),  # world_from_head the picture was warped to
     "drawn_origin",  # how the pose the frame was drawn for was obtained
     *(f"drawn_{part}" for part in POSE_PARTS),  # world_from_head the frame was drawn for
+    "warp",  # what made the picture; the same in all rows unless warp "auto" chose
+    "fill",
 )
 
 SUMMARY_KEYS = (

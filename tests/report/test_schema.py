@@ -64,5 +64,5 @@ def test_columns_are_the_contract_s():
         "warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms",
         "psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker",
         "shown_x_m", "shown_y_m", "shown_z_m", "shown_qx", "shown_qy", "shown_qz", "shown_qw",
-        "drawn_origin", "drawn_x_m", "drawn_y_m", "drawn_z_m", "drawn_qx", "drawn_qy", "drawn_qz", "drawn_qw",
+        "drawn_origin", "drawn_x_m", "drawn_y_m", "drawn_z_m", "drawn_qx", "drawn_qy", "drawn_qz", "drawn_qw", "warp", "fill",
     )  # fmt: skip
