@@ -11,25 +11,25 @@ from ..gpu.textures import COLOUR, SCALAR, allocate
 
 @attrs.frozen(eq=False)
 class Target:
-    """What one eye is drawn into: `colour` rgba16f and `inverse_depth` r32f of the same size."""
+    """What one eye is drawn into: `colour` rgba16f and `inverse_depth` r32f of the same size, None where colour is all that is kept."""
 
     colour: moderngl.Texture
-    inverse_depth: moderngl.Texture
+    inverse_depth: moderngl.Texture | None
 
     @property
     def size(self) -> tuple[int, int]:
         """(w, h) in pixels."""
-        return self.inverse_depth.size
+        return self.colour.size
 
 
 class TargetPool:
-    """Targets of one size; `live` counts those that are out, `made` all that were ever allocated.
+    """Targets of one size, with or without inverse depth; `live` counts those that are out, `made` all that were ever allocated.
 
     Errors: InputError for a size of 0 or beyond the GL limit.
     """
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self._gl, self.size = gpu.gl, size
+    def __init__(self, gpu: Gpu, size: tuple[int, int], *, depth: bool = True) -> None:
+        self._gl, self.size, self._with_depth = gpu.gl, size, depth
         self._free: list[Target] = []
         self._out: dict[moderngl.Texture, Target] = {}
 
@@ -50,7 +50,7 @@ class TargetPool:
         return target
 
     def _make(self) -> Target:
-        return Target(allocate(self._gl, self.size, COLOUR), allocate(self._gl, self.size, SCALAR))
+        return Target(allocate(self._gl, self.size, COLOUR), allocate(self._gl, self.size, SCALAR) if self._with_depth else None)
 
     def release(self, colour: moderngl.Texture | Target) -> None:
         """Take a target back, named by itself or by its colour texture. Errors: ValueError if it is not out."""
@@ -63,7 +63,8 @@ class TargetPool:
         """Free the textures, those that are out included."""
         for target in [*self._free, *self._out.values()]:
             target.colour.release()
-            target.inverse_depth.release()
+            if target.inverse_depth is not None:
+                target.inverse_depth.release()
         self._free.clear()
         self._out.clear()
 

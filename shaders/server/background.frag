@@ -1,6 +1,10 @@
 // What lies infinitely far: a sky that fades from zenith to horizon, and ground below it.
-// In: direction in world axes, any length. Out: linear RGBA with coverage 1; inverse depth 0.
-// Source: made up for this project; the square root keeps the glow of a horizon low above it.
+// In: direction in world axes, any length. Out: linear RGBA with coverage 1; inverse depth 0. With PEEL nothing (0, 0, 0, 0; -1) where
+// the layer before has it already.
+// Source: made up for this project; the square root keeps the glow of a horizon low above it. Everitt 2001 (peeling).
+#ifdef PEEL
+#include "lib/peel.glsl"
+#endif
 #ifdef COLOUR
 uniform vec3 zenith;
 uniform vec3 horizon;
@@ -20,4 +24,10 @@ void main() {
     colour = vec4(mix(horizon, up > 0.0 ? zenith : ground, sqrt(abs(up))), 1.0);
 #endif
     inverse_depth = 0.0;
+#ifdef PEEL
+    if (!behind(0.0)) {
+        colour = vec4(0.0);
+        inverse_depth = -1.0;
+    }
+#endif
 }

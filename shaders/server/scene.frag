@@ -1,6 +1,10 @@
-// Linear colour (texture times baked light) with coverage 1, and inverse depth.
+// Linear colour (texture times baked light) with coverage 1, and inverse depth; with PEEL only of what lies behind the layer before.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
-// Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth itself, linear across a triangle.
+// Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth itself, linear across a triangle;
+// Everitt 2001, Interactive Order-Independent Transparency (peeling).
+#ifdef PEEL
+#include "lib/peel.glsl"
+#endif
 #ifdef COLOUR
 uniform sampler2D surface;
 
@@ -14,6 +18,9 @@ layout(location = 0) out float inverse_depth;
 #endif
 
 void main() {
+#ifdef PEEL
+    if (!behind(gl_FragCoord.w)) discard;
+#endif
 #ifdef COLOUR
     colour = vec4(texture(surface, uv).rgb * light, 1.0);
 #endif

@@ -1,0 +1,93 @@
+"""Draws a scene's surfaces and what lies behind them all, by one pair of programs, into any framebuffer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import moderngl
+import numpy as np
+
+from ..geometry import View
+from ..gpu.context import Gpu
+from ..scenes import Scene
+from .projection import clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
+from .upload import Chunks, SceneBuffers
+
+Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
+
+
+class ScenePasses:
+    """The two draws of a picture. colour: with it, else inverse depth alone. peel: only what lies behind a picture already drawn, see
+    shaders/lib/peel.glsl; its uniforms go into draw()."""
+
+    def __init__(self, gpu: Gpu, scene: Scene, buffers: SceneBuffers, *, colour: bool, peel: bool = False) -> None:
+        self._gl, self._scene, self._buffers, self._colour = gpu.gl, scene, buffers, colour
+        defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
+        self._surface = gpu.shaders.draw("server/scene.vert", "server/scene.frag", **defines)
+        self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
+        self._vertices = buffers.vertex_array(gpu.gl, self._surface.program, colour=colour)
+        self._empty = gpu.gl.vertex_array(self._background.program, [])
+
+    def draw(self, view: View, framebuffer: moderngl.Framebuffer, **uniforms: object) -> None:
+        """The whole picture; whatever was there is gone."""
+        clear_depth(self._gl, framebuffer)
+        self.draw_into(view, framebuffer, None, **uniforms)
+
+    def draw_into(self, view: View, framebuffer: moderngl.Framebuffer, viewport: Viewport | None, **uniforms: object) -> None:
+        """`view` into a part of a framebuffer, all of it if None, whose depth has been cleared."""
+        clip = clip_from_eye(view.fov) @ eye_from_scene(view, self._scene.origin_m)
+        self._surface.uniforms.set(clip_from_scene=clip, **uniforms)
+        self._background.uniforms.set(**uniforms)
+        self._set_background(view)
+        gl = self._gl
+        framebuffer.viewport = viewport if viewport is not None else (0, 0, *framebuffer.size)
+        with gl.scope(framebuffer, moderngl.DEPTH_TEST):
+            gl.depth_func = "<="  # the background lies exactly at the far end
+            self._draw_surfaces(clip, view)
+            gl.disable(moderngl.CULL_FACE)
+            self._empty.render(moderngl.TRIANGLES, vertices=3)
+            gl.depth_func = "<"
+
+    def _draw_surfaces(self, clip: np.ndarray, view: View) -> None:
+        gl, before = self._gl, -1
+        for index, first, count in _runs(self._buffers.chunks, clip, view.pose.position_m - self._scene.origin_m):
+            if index != before:
+                batch, before = self._buffers.batches[index], index
+                (gl.disable if batch.double_sided else gl.enable)(moderngl.CULL_FACE)
+                if self._colour:
+                    batch.texture.use(0)
+            self._vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
+
+    def _set_background(self, view: View) -> None:
+        if self._colour:
+            sky = self._scene.background
+            told = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
+            self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **told)
+
+    def close(self) -> None:
+        """Free the vertex arrays; the programs belong to the shader library, the buffers to the scene."""
+        self._vertices.release()
+        self._empty.release()
+
+
+def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:
+    """Depth alone: every colour is written by a surface or by the background anyway."""
+    wanted, nothing = framebuffer.color_mask, (False,) * 4
+    framebuffer.color_mask = nothing if len(framebuffer.color_attachments) == 1 else (nothing,) * len(framebuffer.color_attachments)
+    with gl.scope(framebuffer):
+        framebuffer.clear(depth=1.0)
+    framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
+
+
+def _runs(chunks: Chunks, clip: np.ndarray, eye: np.ndarray) -> Iterator[tuple[int, int, int]]:
+    """(batch, first index, number of indices) of all that may be seen, near things first, neighbours in one run."""
+    seen = np.flatnonzero(visible(chunks.centres, chunks.half_sizes, clip))
+    if not len(seen):
+        return
+    group = nearest_first(chunks.centres, chunks.half_sizes, eye)[seen] * (int(chunks.batch.max()) + 1) + chunks.batch[seen]
+    seen = seen[np.argsort(group, kind="stable")]
+    group.sort()
+    first, end = chunks.first[seen], chunks.first[seen] + chunks.count[seen]
+    starts = np.flatnonzero(np.concatenate([[True], (first[1:] != end[:-1]) | (group[1:] != group[:-1])]))
+    for start, stop in zip(starts, [*(starts[1:] - 1), len(seen) - 1], strict=True):
+        yield int(chunks.batch[seen[start]]), int(first[start]), int(end[stop] - first[start])
