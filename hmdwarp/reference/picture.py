@@ -84,7 +84,9 @@ def sample_covered(
     out[covered] = np.concatenate([looked[covered][:, :3] / alpha[covered][:, None], np.ones((covered.sum(), 1))], axis=1)
 
     error = position_error + sampler_pixels
-    slope = _contrast_near(colour, coords) * 2 * error[..., None]  # both axes
+    contrast = _contrast_near(colour, coords)
+    # Both axes; where the place is not known at all (error inf), nothing changes if there is no contrast.
+    slope = 2 * contrast * np.where(contrast > 0, error[..., None], 0)
     brightest = np.abs(out[..., :3]).max(axis=-1)
     tolerance = (slope[..., :3].max(axis=-1) + brightest * slope[..., 3]) / np.maximum(alpha - slope[..., 3], 1e-3)
     tolerance += HALF_UNIT * brightest + HALF_SMALLEST

@@ -19,7 +19,7 @@ def forward(asked: Asked) -> ReferencePicture:
     """
     colour, inverse_depth, size = asked.colour, asked.inverse_depth, asked.size
     late, shown, shown_size = asked.late, asked.shown, asked.shown_size
-    drawn = inverse_depth >= 0
+    drawn = np.isfinite(inverse_depth) & (inverse_depth >= 0)
     own = np.where(drawn, inverse_depth, 0).astype(np.float64)
     moved = late.pose.position_m - shown.pose.position_m
     pixels, shown_depth, w = project(world_directions(late, size), moved, own, shown, shown_size)

@@ -1,6 +1,6 @@
 // The (lower) median inverse depth over a grid of GRID x GRID samples of the late picture, one work group, no read-back.
 // In: rendered inverse depth, -1 where there is none. Out: 1/m; 0 if nothing has depth.
-// Source: selection by bisection on the bits of non-negative floats, which sort as unsigned integers.
+// Source: selection by bisection on the bits of non-negative floats, which sort as unsigned integers (abs: -0.0 sorts as 0).
 #define GRID 64
 #define THREADS 256
 layout(local_size_x = THREADS) in;
@@ -29,7 +29,7 @@ void main() {
         if (gl_LocalInvocationIndex == 0u) at_most = 0u;
         barrier();
         for (int i = 0; i < each; ++i)
-            if (mine[i] >= 0.0 && floatBitsToUint(mine[i]) <= middle) atomicAdd(at_most, 1u);
+            if (mine[i] >= 0.0 && floatBitsToUint(abs(mine[i])) <= middle) atomicAdd(at_most, 1u);
         barrier();
         if (at_most >= rank) high = middle;
         else low = middle + 1u;

@@ -1,0 +1,130 @@
+"""Hard numbers before any picture: quaternions, interpolation, time steps, lenses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import HmdwarpError, InputError, TraceError
+from hmdwarp.geometry import Pose
+from hmdwarp.headsets import RadialLens, headset_names, load_headset
+from hmdwarp.poses import Origin, PoseTrack
+from hmdwarp.poses.predict import PREDICTORS, predict
+from hmdwarp.poses.quaternions import angle_between, slerp
+
+from .registry import hard_case
+
+
+def about_y(angle: float) -> np.ndarray:
+    """A turn by `angle` about the vertical, xyzw."""
+    return np.array([0, math.sin(angle / 2), 0, math.cos(angle / 2)])
+
+
+@hard_case(None)
+def zero_quaternion():
+    """What: the quaternion 0, 0, 0, 0, and one with a NaN
+    Why: normalising divides by its length
+    Wants: refused in one line that shows it
+    """
+    for bad in ((0, 0, 0, 0), (0, 0, 0, math.nan), (0, 0, 0, math.inf)):
+        with pytest.raises(InputError, match="quaternion|finite"):
+            Pose((0, 0, 0), bad)
+    with pytest.raises(TraceError):
+        PoseTrack(np.array([0, 10]), np.zeros((2, 3)), np.zeros((2, 4)))
+
+
+@hard_case(None)
+def nearly_antipodal_quaternions():
+    """What: SLERP between q and -q turned by 1e-9 rad
+    Why: their dot product is -1: without the sign rule the head spins once round on the way
+    Wants: every pose between within 1e-9 rad of both
+    """
+    a, b = about_y(0.5), -about_y(0.5 + 1e-9)
+    track = PoseTrack(np.array([0, 10_000_000]), np.zeros((2, 3)), np.stack([a, b]))
+    for t in range(0, 10_000_001, 1_000_000):
+        assert angle_between(track.at(t).pose.orientation_xyzw, a) <= 1.1e-9
+    assert Pose((0, 0, 0), a).towards(Pose((0, 0, 0), b), 0.5).isclose(Pose((0, 0, 0), a), 1e-9)
+
+
+@hard_case(None)
+def slerp_over_a_hundred_millionth():
+    """What: SLERP between orientations 1e-8 rad apart
+    Why: sin of the angle is divided by itself; acos of a dot product that rounds to 1 is 0
+    Wants: shares of the angle right to 1e-15 rad, unit length
+    """
+    for share in (0.0, 0.25, 0.5, 1.0):
+        got = np.array(slerp(about_y(1.0), about_y(1.0 + 1e-8), share))
+        assert abs(float(angle_between(got, about_y(1.0))) - share * 1e-8) <= 1e-15
+        assert abs(np.linalg.norm(got) - 1) <= 4e-16
+
+
+@hard_case(None)
+def slerp_over_a_half_turn():
+    """What: SLERP between orientations exactly 180 degrees apart, and one ulp to either side
+    Why: two arcs are equally short; sin of pi is not 0 in floating point
+    Wants: finite, unit, on one of the two arcs, each share of it
+    """
+    for angle in (math.pi, np.nextafter(math.pi, 0), np.nextafter(math.pi, 4)):
+        for share in (0.25, 0.5, 0.75):
+            got = np.array(slerp(about_y(0), about_y(angle), share))
+            assert abs(np.linalg.norm(got) - 1) <= 1e-15
+            assert abs(float(angle_between(got, about_y(0))) - share * math.pi) <= 1e-7
+            assert np.isfinite(Pose((0, 0, 0), about_y(0)).towards(Pose((0, 0, 0), about_y(angle)), share).orientation_xyzw).all()
+
+
+@hard_case(None)
+def time_steps_of_nothing_a_nanosecond_and_an_hour():
+    """What: samples 0 ns, 1 ns and 3600 s apart, asked between, at and beyond them; velocities predicted from them
+    Why: 0 divides by zero, 1 ns makes 1e9 m/s of a tremor, an hour is no motion to interpolate
+    Wants: 0 refused; 1 ns exact; the hour held, not invented; predictions finite
+    """
+    with pytest.raises(TraceError):
+        PoseTrack(np.array([5, 5]), np.zeros((2, 3)), np.stack([about_y(0)] * 2))
+    hour = 3_600_000_000_000
+    times = np.array([0, 1, 2, hour])
+    positions = np.outer([0, 1e-3, 0, 1], [1, 0, 0])
+    track = PoseTrack(times, positions, np.stack([about_y(angle) for angle in (0, 1e-3, 0, 1)]))
+    assert [track.at(int(t)).pose.position_m[0] for t in times] == [0, 1e-3, 0, 1]
+    assert track.at(hour // 2).origin == Origin.HELD
+    for method in PREDICTORS:
+        for now in times:
+            ahead = predict(track, int(now), int(now) + 50_000_000, method)
+            assert np.isfinite(ahead.pose.position_m).all()
+            assert np.isfinite(ahead.pose.orientation_xyzw).all()
+
+
+def lens(*coefficients: float, reach: float = 1.0) -> RadialLens:
+    """A lens with the same polynomial for all colours."""
+    return RadialLens((0.0, 0.0), 0.1, 1.0, dict.fromkeys(("red", "green", "blue"), coefficients), reach)
+
+
+@hard_case(None)
+def lens_that_folds_back():
+    """What: lens polynomials that stop growing inside the panel: at 0.5, at the very rim, at 1e-3, and one that only seems to
+    Why: beyond the fold two panel pixels show the same direction, and no inverse exists
+    Wants: refused with the radius where it folds; the last one accepted
+    """
+    for fold in (0.5, 0.999, 1e-3):
+        with pytest.raises(HmdwarpError, match=rf"folds back at r = {fold:.4g}"):
+            lens(1.0, -1 / (3 * fold**2))
+    lens(1.0, -1 / (3 * 1.01**2))
+
+
+@hard_case(None)
+def lens_inverse_at_the_rim():
+    """What: the inverse of every headset's lens, and of one that all but folds at the rim, at and just inside the largest radius
+    Why: where the slope of the polynomial goes to 0 Newton's method leaves the panel
+    Wants: there and back within 1e-12 of the radius where the slope is that of a lens, within 1e-7 where it all but vanishes; NaN beyond
+    """
+    known = [load_headset(name).lens for name in headset_names()]
+    for one, error in [*((found, 1e-12) for found in known if found is not None), (lens(1.0, -1 / (3 * 1.0001**2)), 1e-7)]:
+        for colour in ("red", "green", "blue"):
+            for share in (1.0, 1 - 1e-9, 0.99, 1e-9, 0.0):
+                radius = share * one.reach
+                at = np.array([radius * math.cos(0.7), radius * math.sin(0.7)])
+                back = one.lens_from_tangent(one.tangent_from_lens(at, colour), colour)
+                assert np.abs(back - at).max() <= error * one.reach
+            beyond = one.tangent_from_lens(np.array([one.reach, 0.0]), colour) * 1.01
+            assert np.isnan(one.lens_from_tangent(beyond, colour)).all()
