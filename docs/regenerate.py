@@ -105,7 +105,16 @@ def speed(_: Path) -> None:
     replace(ROOT / "docs" / "results.md", "speed", f"```text\n{told.rstrip()}\n```")
 
 
-PARTS = {"picture": opening_picture, "quality": quality, "speed": speed}
+def hard_cases(_: Path) -> None:
+    """The table of docs/hard-cases.md, from the docstrings of the cases."""
+    sys.path.insert(0, str(ROOT / "tests"))
+    import hard_cases.all_cases  # noqa: F401 (files them)
+    from hard_cases.registry import markdown
+
+    replace(ROOT / "docs" / "hard-cases.md", "hard-cases", markdown())
+
+
+PARTS = {"hard-cases": hard_cases, "picture": opening_picture, "quality": quality, "speed": speed}
 
 
 def main() -> None:
