@@ -188,7 +188,8 @@ def _decision(case: Case) -> PageTable:
     columns = [column(name) for name in DECISION]
     best = {id(row) for row in case.front()}
     lines = [Line(tuple(Cell(c.text(row), c.is_number) for c in columns), id(row) in best) for row in case.ordered()]
-    return PageTable(f"{case.label}, least FLIP first", tuple((c.figure.label, c.figure.unit) for c in columns), tuple(lines), has_marks=True)
+    heads = tuple((c.figure.label, c.figure.unit) for c in columns)
+    return PageTable(f"{case.label}, least FLIP first", heads, tuple(lines), has_marks=True)
 
 
 def _winners(groups: Sequence[Case]) -> PageTable:

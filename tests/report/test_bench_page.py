@@ -1,0 +1,180 @@
+"""The bench's page: everything is on it, escaped, accessible and self-contained, and it is whole in a real browser."""
+
+import copy
+import html
+import json
+import re
+import subprocess
+
+import pytest
+
+from hmdwarp.metrics.summary import aggregate
+from hmdwarp.report.bench_cases import COLUMNS, cases
+from hmdwarp.report.bench_page import render_bench_page
+
+from .bench_samples import a_bench, a_grid, a_row, some_rows
+from .test_page import CHROMIUM, FLAGS, PAGE_MESSAGE
+from .test_page import Page as ReportPage
+
+WARPS = ("none", "rotation", "forward", "backward", "mesh_adaptive", "iterative:seed=forward,steps=3")
+COMMAND = 'hmdwarp bench --out "<folder>" & more'
+
+
+class Page(ReportPage):
+    """With the radio buttons, which do not close either."""
+
+    VOID = ReportPage.VOID | {"input"}
+
+
+def a_small_bench(**changes) -> dict:
+    rows = some_rows(WARPS, latencies=(200.0, 800.0), traces=("look-around",))
+    return a_bench(rows=rows, grid=a_grid(WARPS), command=COMMAND, **changes)
+
+
+@pytest.fixture(scope="module")
+def text() -> str:
+    return render_bench_page(a_small_bench(notes=["The trace is <short>."]))
+
+
+def test_everything_is_on_the_page(text):
+    page, data = Page(text), a_small_bench()
+    wanted = [COMMAND, "The trace is <short>.", "6 warps × 2 fills", "in 2 cases", "look-around", "200 ms and 800 ms", "scene room"]
+    wanted += ["llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "wall clock around finished GPU work", "– / 4.18", "9.7 GB/s", "7.2 min"]
+    wanted += ["within 20 ms per eye", "backward + interpolate", "steps 3", "16.70 ms", "multi + interpolate", "22 % of the FLIP error"]
+    wanted += ["+1.10 dB, +10.60 ms", "The GPU timer answers 1 ns", "look-around, 800 ms", "How to read this", WARPS[-1], "1280x800"]
+    wanted += ["best no slower than forward + interpolate", "FLIP at the worse end of each axis", "±0.3 m", "±30 °", "1.70", "0.93"]
+    wanted += [COLUMNS[name].text(row) for row in data["rows"] for name in ("total_ms", "flip", "psnr_db", "mismatch", "edges_flip")]
+    assert [word for word in wanted if word not in page.text] == []
+    # Per case error against time twice (FLIP, PSNR) and regions; six axes twice; memory traffic.
+    assert page.tags.count("svg") == 2 * 3 + 12 + 1
+    assert text.count('class="marked"') == sum(len(case.front()) for case in cases(data["rows"]))
+
+
+def test_the_tables_can_be_read_without_seeing_them(text):
+    page = Page(text)
+    attributes = page.attributes
+    scopes = [value for tag, name, value in attributes if (tag, name) == ("th", "scope")]
+    assert len(scopes) == page.tags.count("th") and set(scopes) == {"col", "row"}
+    assert page.tags.count("caption") == page.tags.count("table") == 1 + 2 + 1 + 2 + 1 + 1
+    assert text.count("<fieldset") == text.count("<legend") == 2 and page.tags.count("input") == 4
+    said = [value for tag, name, value in attributes if (tag, name) == ("div", "aria-label")]
+    assert len(said) == page.tags.count("table") + page.tags.count("svg") and all(len(words) > 15 for words in said)
+    assert len(re.findall(r'role="img"[^>]*aria-label', text)) == page.tags.count("svg") + text.count('class="marked"')
+    links = {value[1:] for tag, name, value in attributes if (tag, name) == ("a", "href")}
+    assert links <= {value for tag, name, value in attributes if (tag, name) == ("section", "id")} and len(links) == 7
+    assert page.tags.count("h1") == 1 and 'lang="en"' in text
+
+
+def test_nothing_is_fetched(text):
+    page = Page(text)
+    addresses = [v for _, name, v in page.attributes if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}]
+    assert addresses and all(a.startswith("#") for a in addresses)
+    assert not {"script", "link", "iframe", "object", "embed", "img"} & set(page.tags)
+    ids = [value for _, name, value in page.attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+    assert set(re.findall(r"url\((.)", text)) <= {"#"}
+    used, given = set(re.findall(r"var\((--[\w-]+)\)", text)), set(re.findall(r"(--[\w-]+):", text))
+    assert used <= given
+
+
+def everything_nasty(value, nasty: str):
+    """The same data with each text in it, but for the few that mean something to the page, made nasty."""
+    if isinstance(value, dict):
+        kept = ("clock", "axis", "name")
+        return {key: entry if key in kept and isinstance(entry, str) else everything_nasty(entry, nasty) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [everything_nasty(entry, nasty) for entry in value]
+    return f"{nasty}{value}" if isinstance(value, str) else value
+
+
+@pytest.mark.parametrize("nasty", ["<script>alert(1)</script>", "</code></style><i>", '" onload="x', "$x_1$ {{ 7*7 }} --> ]]> &amp; 漢字 "])
+def test_what_the_input_holds_is_text_not_markup(nasty):
+    rows = [a_row(warp, fill, notes=["odd"]) for warp in ("none", "forward") for fill in ("none", "interpolate")]
+    data = everything_nasty(a_bench(rows=rows, grid=a_grid(("none", "mesh")), notes=["a note"]), nasty)
+    data["rows"][0] = {**data["rows"][0], "effects": [nasty]}
+    text = render_bench_page(data)
+    page = Page(text)
+    assert not {"script", "i"} & set(page.tags) and not [name for _, name, _ in page.attributes if name.startswith("on")]
+    found = page.text
+    shown = " ".join(nasty.split())
+    expected = ("hmdwarp bench --budget", "look-around", "forward", "interpolate", "llvmpipe", "a note", "odd", "The GPU timer")
+    assert [word for word in expected if f"{shown}{word}" not in found.replace(f"{shown} ", shown)] == []
+
+
+def test_without_anything_that_may_be_missing():
+    row = a_row(**aggregate([]), regions={}, mismatch=None, passes=[])
+    for rows in ([], [row], [row, a_row("none", regions={}, passes=[])]):
+        data = {"rows": rows, "schema": 1, "hmdwarp": "0.1.0", "machine": None, "clock": "wall", "clocks": None, "grid": [], "choice": None}
+        text = render_bench_page(data)
+        found = Page(text).text
+        absent = ("Where the error lies", "Fused with", "Memory traffic", "displacement", "most accurate within")
+        assert [word for word in absent if word in found] == []
+    assert "not measured" in render_bench_page({"rows": [row]}) and "None" not in found
+
+
+def test_a_budget_that_nothing_beats_and_other_forms_of_settings():
+    choice = {**a_bench()["choice"], "next": None, "settings": "steps=2", "guard": 1.5, "psnr_db": None}
+    found = Page(render_bench_page(a_bench(rows=[a_row()], grid=[], fused=[], choice=choice))).text
+    assert "Nothing measured is more accurate" in found and "settings steps=2, guard 1.5" in found and "PSNR – dB" in found
+
+
+def test_notes_of_rows_are_told_once():
+    rows = [a_row("mesh", notes=["odd", "rare"]), *(a_row(warp, notes=["odd"]) for warp in ("none", "forward", "backward"))]
+    found = Page(render_bench_page(a_bench(rows=rows, grid=[]))).text
+    assert "odd (4 combinations)" in found and "rare (mesh + interpolate, look-around, 200 ms)" in found
+
+
+def test_the_same_bench_gives_the_same_page_and_is_left_as_it_was():
+    data = a_bench(rows=[a_row("none"), a_row()], grid=a_grid(("none", "mesh")))
+    before = copy.deepcopy(data)
+    assert render_bench_page(data) == render_bench_page(data) and data == before
+
+
+PROBE = """<script>
+const faults = [];
+addEventListener("error", e => faults.push("error: " + e.message), true);
+addEventListener("securitypolicyviolation", e => faults.push("blocked: " + e.blockedURI));
+addEventListener("load", () => {
+  const seen = s => [...document.querySelectorAll(s)].filter(e => e.getBoundingClientRect().width > 0).length;
+  const before = [seen(".by-flip svg"), seen(".by-psnr_db svg")];
+  document.querySelectorAll("details").forEach(e => { e.open = true; });
+  const boxes = [...document.querySelectorAll("svg")].map(e => e.getBoundingClientRect()).filter(b => b.width);
+  const charts = boxes.map(b => [b.width, b.height]);
+  document.querySelectorAll("input[value=psnr_db]").forEach(e => e.click());
+  const out = document.createElement("pre");
+  out.id = "probe";
+  out.textContent = JSON.stringify({
+    faults, charts, before, after: [seen(".by-flip svg"), seen(".by-psnr_db svg")],
+    requests: performance.getEntriesByType("resource").map(e => e.name),
+    wider: document.documentElement.scrollWidth - innerWidth,
+    paper: getComputedStyle(document.body).backgroundColor,
+    point: getComputedStyle(document.querySelector(".chart use[style*='--warp-forward']")).stroke,
+    stars: document.querySelectorAll(".starred .star").length,
+  });
+  document.body.append(out);
+});
+</script>"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@pytest.mark.parametrize("width, dark", [(1280, False), (500, True)])
+def test_whole_quiet_and_alone_in_chromium(text, width, dark, tmp_path):
+    policy = re.search(r'<meta http-equiv="Content-Security-Policy"[^>]*>', text)[0]
+    allowed = policy.replace("default-src 'none'", "default-src 'none'; script-src 'unsafe-inline'")
+    page = tmp_path / "copy.html"
+    page.write_text(text.replace(policy, allowed + PROBE), encoding="utf-8")
+    options = [f"--blink-settings=preferredColorScheme={0 if dark else 1}", f"--window-size={width},900"]
+    command = [CHROMIUM, *FLAGS, *options, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", page.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    match = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert match, done.stderr[-2000:]
+    found = json.loads(html.unescape(match[1]))
+    assert [line for line in done.stderr.splitlines() if PAGE_MESSAGE.search(line)] == []
+    assert found["faults"] == [] and found["requests"] == [] and found["stars"] > 4
+    assert found["before"] == [8, 0] and found["after"] == [0, 8]  # two cases and six axes, by FLIP until PSNR is chosen
+    assert len(found["charts"]) == 8 + 2 + 1 and all(w > 300 and h > 100 for w, h in found["charts"])
+    assert found["wider"] <= 0  # tables and charts scroll in their own boxes
+    darkness = sum(map(int, re.findall(r"\d+", found["paper"])[:3]))
+    assert darkness < 150 if dark else darkness > 600
+    assert found["point"] == ("rgb(109, 179, 255)" if dark else "rgb(11, 99, 197)")
