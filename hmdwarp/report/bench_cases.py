@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -158,6 +159,11 @@ def measure_label(measure: str) -> str:
     label, unit, *_ = _QUALITY_FORMS[measure]
     better = "higher" if measure in HIGHER_IS_BETTER else "lower"
     return f"{label}{f' in {unit}' if unit else ''}, {better} is better"
+
+
+def name_pieces(text: str) -> list[str]:
+    """Where a long name may be broken: after the colon, comma or blank between its parts."""
+    return re.split(r"(?<=[:, ])(?=\S)", text)
 
 
 def sequence_text(words: Sequence[str]) -> str:

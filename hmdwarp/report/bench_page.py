@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from .bench_bars import region_parts, regions_chart, row_name, traffic, traffic_chart
-from .bench_cases import COLUMNS, REGIONS, Case, Row, cases, column, common, measure_label, sequence_text
+from .bench_cases import COLUMNS, REGIONS, Case, Row, cases, column, common, measure_label, name_pieces, sequence_text
 from .bench_charts import pareto_chart, pareto_text
 from .bench_displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
 from .bench_style import css_variables, markers_of
@@ -65,6 +65,7 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
     environment = Environment(
         loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    environment.filters["pieces"] = name_pieces
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
     grid = list(data.get("grid") or ())

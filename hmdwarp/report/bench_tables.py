@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label
+from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, name_pieces
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -72,15 +71,10 @@ def _cells(text: str) -> int:
     return max(map(cell_len, text.split("\n")))
 
 
-def _pieces(text: str) -> list[str]:
-    """Where a name may be broken: after the colon, comma or blank between its parts."""
-    return re.split(r"(?<=[:, ])(?=\S)", text)
-
-
 def _folded(text: str, width: int) -> str:
     """The text in lines of at most `width` cells, broken between its pieces, and inside one only if that alone is too wide."""
     lines = [""]
-    for piece in _pieces(text):
+    for piece in name_pieces(text):
         if _cells((lines[-1] + piece).rstrip()) <= width or not lines[-1]:
             lines[-1] += piece
         else:
@@ -93,7 +87,7 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     names = list(DECISION)
     labels = [group.label for group in groups] if len(groups) > 1 else []
     texts = [_head("warp"), *labels, *(row["warp"] for group in groups for row in group.rows)]
-    least = max(_cells(piece.rstrip()) for text in texts for piece in _pieces(text))
+    least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
 
     def room() -> int:
         others = [len(MARK), *(_width(name, groups) for name in names if name != "warp")]
