@@ -1,0 +1,135 @@
+"""Which cases, which combinations at a time, which refreshes, and which frames those need."""
+
+from __future__ import annotations
+
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from replays import small
+
+from hmdwarp.bench.cases import (
+    Combination,
+    batches,
+    cases_of,
+    combinations_of,
+    common_start_s,
+    frames_used,
+    instants_of,
+    numbered,
+    warps_of,
+)
+from hmdwarp.bench.casework import refreshes
+from hmdwarp.bench.options import BenchOptions
+from hmdwarp.client.warps import warps
+from hmdwarp.errors import InputError
+from hmdwarp.frame import Needs
+from hmdwarp.rig import build_rig
+from hmdwarp.scenes import load_scene
+
+
+@given(st.integers(1, 5000), st.integers(1, 40))
+def test_instants_are_spread_and_have_a_neighbour(count, wanted):
+    found = instants_of(count, wanted)
+    assert found == sorted(set(found)) and all(0 <= number < count for number in found)
+    assert len(found) == min(wanted, max(1, count // 2))
+    if count > 1:
+        assert found[0] >= 1
+        gaps = [b - a for a, b in zip(found, found[1:], strict=False)]
+        assert not gaps or max(gaps) <= count / len(found) + 1
+
+
+def test_every_combination_of_everything():
+    options = BenchOptions(latencies_ms=(200, 400), scenes=("room", "planes"), recordings=("walk",), sizes=((64, 48), (32, 24)))
+    found = cases_of(options)
+    assert len(found) == len(set(found)) == 8
+    assert [case.size for case in found] == [(64, 48)] * 4 + [(32, 24)] * 4
+    asked = attrs.evolve(options, warps=("forward", "rotation", "forward"), fills=("none", "interpolate", "none"))
+    pairs = [(c.warp, c.fill) for c in combinations_of(asked, load_scene("planes"))]
+    assert pairs == [(warp, fill) for warp in ("forward", "rotation") for fill in ("none", "interpolate")]
+
+
+def test_all_registered_warps_by_default():
+    assert warps_of(BenchOptions()) == warps.names()
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"fills": ()}, "fill"),
+        ({"recordings": ()}, "recording"),
+        ({"latencies_ms": (200, -1)}, "latency -1 ms"),
+        ({"latencies_ms": (float("nan"),)}, "latency nan ms"),
+        ({"guard": 0.9}, "guard 0.9"),
+        ({"budget_ms": 0}, "budget 0 ms"),
+        ({"instants": 0}, "instants 0"),
+        ({"rounds": 0}, "rounds 0"),
+        ({"rate_hz": 0}, "rate 0 Hz"),
+    ],
+)
+def test_numbers_that_cannot_be_meant(changes, told):
+    with pytest.raises(InputError, match=told):
+        BenchOptions(**changes)
+
+
+@attrs.frozen
+class _Pass:
+    is_pass: bool = False
+
+
+@attrs.frozen
+class _Plan:
+    needs: Needs
+    fill: _Pass = _Pass()
+    lens: _Pass = _Pass()
+
+
+def some(*needs: Needs) -> list[Combination]:
+    return [Combination(f"w{n}", fill, _Plan(need, _Pass(fill != "none"))) for n, need in enumerate(needs) for fill in ("none", "other")]
+
+
+def test_what_wants_other_older_frames_runs_apart():
+    near, far = Needs(past=1, past_spacing_ns=50), Needs(past=2, past_spacing_ns=100)
+    found = batches(some(Needs(), near, Needs(), far, near), (8, 8), (8, 8), 1e9)
+    assert [[c.warp for c in batch] for batch in found] == [["w0", "w0", "w1", "w1", "w2", "w2", "w4", "w4"], ["w3", "w3"]]
+    assert len(batches(some(Needs(), Needs()), (8, 8), (8, 8), 1e9)) == 1
+
+
+@given(st.integers(1, 8), st.floats(0, 1e5))
+def test_memory_bounds_what_exists_at_a_time(count, most):
+    combinations = some(*[Needs()] * count)
+    found = batches(combinations, (8, 8), (8, 8), most)
+    assert [c for batch in found for c in batch] == combinations
+    assert all(len({c.warp for c in batch}) == len(batch) / 2 for batch in found)  # both fills of a warp together
+    pair = 24 * 64 * 2 + 16 * 64 * 3
+    assert all(len(batch) == 2 or len(batch) / 2 * pair <= most for batch in found)
+
+
+@pytest.mark.parametrize("needs", [Needs(), Needs(past=1, past_spacing_ns=40_000_000), Needs(past=3, past_spacing_ns=100_000_000)])
+@pytest.mark.parametrize("latency_ms", [0.0, 60.0, 200.0])
+def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms):
+    """The frames, the older frames and the heads are those of the run in which every frame was drawn."""
+    looked_at = {0, 7, 8, 23, 29}
+
+    def seen(refresh, rig):
+        return refresh.frame.drawn_ns, [frame.drawn_ns for frame in rig.history.frames], refresh.head.pose.position_m.tolist()
+
+    with build_rig(small(latency_ms=latency_ms), needs) as rig:
+        whole = {}
+        for number, instant_ns in numbered(rig.timetable):
+            rig.loop.draw(instant_ns)
+            if number >= 0:
+                whole[number] = seen(rig.loop.show(instant_ns), rig)
+    with build_rig(small(latency_ms=latency_ms), needs) as rig:
+        few = {number: seen(refresh, rig) for number, refresh in refreshes(rig, needs, looked_at)}
+        used = frames_used(rig.timetable, rig.link.latency_ns, needs, looked_at)
+    assert few == {number: whole[number] for number in sorted(looked_at)}
+    assert len(used) <= len(looked_at) * (1 + needs.past)
+
+
+def test_latencies_start_at_the_same_refresh():
+    options = BenchOptions(latencies_ms=(0, 100, 500), recordings=("walk",))
+    assert common_start_s(options, "walk", 60.0) == 0.5
+    assert common_start_s(attrs.evolve(options, start_s=2.0), "walk", 60.0) == 2.0
+    with pytest.raises(InputError, match="latency 90000 ms"):
+        common_start_s(attrs.evolve(options, latencies_ms=(100, 90000)), "walk", 60.0)

@@ -1,0 +1,72 @@
+"""The command line of the bench: lists, refusals in one line, and what it ends with."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+QUICK = ("--scene", "planes", "--size", "48x40", "--seconds", "0.3", "--instants", "1", "--rounds", "1", "--workers", "0", "--guard", "1.1",
+         "--no-grid", "--no-fused")  # fmt: skip
+
+
+def test_lists_by_repetition_and_by_commas(command, tmp_path):
+    several = ["--warp", "rotation,forward", "--warp", "none", "--latency", "100,50", "--latency", "0", "--size", "32x24"]
+    other = ["--recording", "walk", "--fill", "none", "--budget", "10000", "--out", tmp_path]
+    done = command("bench", "look-around", *QUICK, *several, *other).done()
+    data = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))
+    found = {(r["trace"], r["latency_ms"], tuple(r["size"]), r["warp"], r["fill"]) for r in data["rows"]}
+    wanted = {
+        (trace, latency, size, warp, "none")
+        for trace in ("look-around", "walk") for latency in (100.0, 50.0, 0.0) for size in ((48, 40), (32, 24))
+        for warp in ("rotation", "forward", "none")
+    }  # fmt: skip
+    assert found == wanted
+    assert data["command"].startswith("hmdwarp bench look-around --scene planes")
+    assert "Within 10000 ms per eye the most accurate is" in " ".join(done.out.split())
+    assert "Clock: " in done.out and "GB/s" in done.out and done.out.rstrip().endswith("bench.html")
+
+
+def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_path):
+    done = command("bench", "walk", *QUICK, "--warp", "none", "--latency", "0", "--budget", "0.000001", "--out", tmp_path)
+    assert done.status == 2 and done.err.count("\n") == 1 and "nothing is that fast" in done.err
+    assert "bench.html" in done.out and (tmp_path / "bench.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--warp", "forwrd"), ("unknown warp 'forwrd'", "did you mean 'forward'")),
+        (("--warp", "forward:depth=3"), ("forward", "depth=3")),
+        (("--warp", "none,"), ("unknown warp ''",)),
+        (("--fill", "interpolat"), ("unknown fill", "interpolate")),
+        (("--scene", "rom"), ("unknown scene", "room")),
+        (("--recording", "nowhere"), ("nowhere",)),
+        (("--size", "48"), ("size '48'", "WIDTHxHEIGHT")),
+        (("--latency", "soon"), ("latency 'soon'", "milliseconds")),
+        (("--latency", "-5"), ("latency -5 ms",)),
+        (("--latency", "200,90000"), ("90000 ms", "longer than the trace")),
+        (("--guard", "0.5"), ("guard 0.5",)),
+        (("--guard", "500"), ("guard 500",)),
+        (("--instants", "0"), ("instants 0",)),
+        (("--budget", "-1"), ("budget -1 ms",)),
+        (("--start", "1000"), ("start 1000 s",)),
+        (("--headset", "flat-90", "--lens", "radial"), ("no lens",)),
+        (("--lens", "radal"), ("unknown lens",)),
+        (("--headset", "riff"), ("unknown headset",)),
+        (("--wrap", "none"), ("--wrap",)),
+    ],
+    ids=" ".join,
+)
+def test_refusals_come_before_anything_runs(arguments, told, command, tmp_path, monkeypatch):
+    import hmdwarp.gpu.context
+
+    monkeypatch.setattr(hmdwarp.gpu.context, "create_context", lambda: pytest.fail("the GPU was started"))
+    out = tmp_path / "out"
+    command("bench", "walk", *QUICK, *arguments, "--out", out).refused(*told)
+    assert not out.exists()
+
+
+def test_a_warp_with_settings_is_not_split(command, tmp_path):
+    """The comma inside a spec belongs to its settings."""
+    command("bench", "walk", *QUICK, "--warp", "forward:a=1,b=2", "--out", tmp_path / "out").refused("forward:a=1,b=2")
