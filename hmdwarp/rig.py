@@ -15,9 +15,10 @@ from .client.choice import Rung
 from .client.compensator import Compensator
 from .client.governor import Governor
 from .client.history import History
-from .client.plan import BYTES_PER_PIXEL, LAYER_BYTES, Plan, build_plan
+from .client.plan import BYTES_PER_PIXEL, CUBE_BYTES, LAYER_BYTES, Plan, build_plan
 from .errors import InputError, MachineError
 from .frame import Needs
+from .geometry.cube import cube_size
 from .gpu.context import Gpu
 from .gpu.textures import check_size
 from .headsets import Headset, load_headset
@@ -206,7 +207,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         check_size(gpu.gl, size)
-        _check_room(gpu, options, times.rate_hz, late_size, needs)
+        _check_room(gpu, options, times.rate_hz, late_size, needs, cube_bytes(headset, size, needs))
         server = Server(gpu, scene)
         stack.callback(server.close)
         history = History(needs.past, needs.past_spacing_ns, server.recycle)
@@ -246,13 +247,19 @@ def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple
         raise InputError(f"guard {guard:g} on headset '{headset.name}': {error}; use a smaller guard") from error
 
 
-def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int], needs: Needs) -> None:
+def cube_bytes(headset: Headset, size: tuple[int, int], needs: Needs) -> int:
+    """Of the cube around one eye; 0 where none is needed. size: of the shown view, as a guard band makes it no larger."""
+    wide, high = cube_size(headset.fov(0), size)
+    return CUBE_BYTES * wide * high if needs.cube else 0
+
+
+def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int], needs: Needs, cube: int) -> None:
     """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
     if max(late_size) > gpu.max_texture_size:
         found = f"guard {options.guard:g} makes frames of {late_size[0]}x{late_size[1]} pixels"
         raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
     frames = frames_held(options, rate_hz, needs)
-    needed = frames * 2 * late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * needs.layers)
+    needed = frames * 2 * (late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * needs.layers) + cube)
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
             f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, "

@@ -16,6 +16,7 @@ from hmdwarp.client.plan import CLIENT_DEPTH
 from hmdwarp.client.warps import Warp
 from hmdwarp.frame import EyeImage, Layer
 from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry.cube import FACES, face_views
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
 
@@ -43,6 +44,7 @@ class World:
         self.layers: tuple[LatePicture, ...] = ()
         self.others: tuple[LatePicture, ...] = ()
         self.other_images: tuple[EyeImage, ...] = ()
+        self.cube: np.ndarray | None = None
         fov = Fov(*np.deg2rad([-rng.uniform(30, 55), rng.uniform(30, 55), -rng.uniform(30, 55), rng.uniform(30, 55)]))
         self.late_view = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
         turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=5 if moved else 0, size=3)))
@@ -82,10 +84,14 @@ class World:
         self.client_texture.write(self.client.astype(np.float32).tobytes(), alignment=1)
 
     def _textures(self, gpu, colour: np.ndarray, inverse_depth: np.ndarray) -> tuple:
-        texture, depth = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
-        texture.write(colour.astype(np.float16).tobytes(), alignment=1)
+        texture, depth = self._colour_texture(gpu, colour), allocate(gpu.gl, self.size, SCALAR)
         depth.write(inverse_depth.astype(np.float32).tobytes(), alignment=1)
         return texture, depth
+
+    def _colour_texture(self, gpu, colour: np.ndarray):
+        texture = allocate(gpu.gl, colour.shape[1::-1], COLOUR)
+        texture.write(colour.astype(np.float16).tobytes(), alignment=1)
+        return texture
 
     def _picture(self) -> tuple[np.ndarray, np.ndarray]:
         """Another random picture of this world's late size."""
@@ -96,8 +102,10 @@ class World:
         return drawn
 
     def bring(self, gpu, entry: type[Warp]) -> None:
-        """Everything else that a warp of this kind reads: layers behind the visible surfaces, further late pictures."""
+        """Everything else that a warp of this kind reads: layers behind the visible surfaces, a cube around the eye, further pictures."""
         settings = entry.Settings()
+        if "late.cube" in entry.reads:
+            self.bring_cube(gpu)
         if "late.layers" in entry.reads:
             self.layers = tuple(self._behind(k + 1) for k in range(entry.needs(settings).layers))
             uploaded = tuple(Layer(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
@@ -105,6 +113,26 @@ class World:
         if "late.others" in entry.reads:
             self.others = tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others)
+
+    def bring_cube(self, gpu) -> None:
+        """Random colours all around the late eye, faces as wide inside as the late picture's longer side."""
+        if self.cube is None:
+            side = max(self.size) + 2
+            colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))
+            self.cube = np.dstack([colour, np.ones(colour.shape[:2])]).astype(np.float16).astype(np.float64)
+        self.late = attrs.evolve(self.late, cube=self._colour_texture(gpu, self.cube))
+
+    def look_along_a_face(self, gpu, index: int, margin: int = 0) -> np.ndarray:
+        """Show what the cube holds in one face, less `margin` of its pixels on each side; returns that picture."""
+        self.bring_cube(gpu)
+        face, side = FACES[index], max(self.size) + 2
+        edge, left = 1 + margin, (side - 2) / 2
+        narrower = (left - margin) / left
+        turned = face_views(self.late_view, side)[index].pose
+        self.shown_view = View(turned, Fov.from_tangents([-narrower, narrower, -narrower, narrower]))
+        self.shown_size = (side - 2 * edge, side - 2 * edge)
+        x, y = face.column * side, face.row * side
+        return self.cube[y + edge : y + side - edge, x + edge : x + side - edge]
 
     def _behind(self, number: int) -> LatePicture:
         """A layer: farther than the visible surface by a factor, missing where a peel would find nothing more."""
@@ -147,6 +175,7 @@ class World:
             self.shown_size,
             client_inverse_depth=self.client,
             layers=self.layers,
+            cube=self.cube,
             others=self.others,
             settings=settings,
             sampler_pixels=self.sampler_pixels,

@@ -26,7 +26,7 @@ def plan(
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
     from ..options import RunOptions, parse_size
-    from ..rig import build_plan_for, frames_held, guarded_size
+    from ..rig import build_plan_for, cube_bytes, frames_held, guarded_size
     from ..scenes import load_scene
     from ._show import in_columns
 
@@ -34,13 +34,14 @@ def plan(
     wanted_size = None if size is None else parse_size(size)
     options = RunOptions("", scene, latency, warp, fill, o.lens_for(lens, headset), headset, size=wanted_size, rate_hz=rate, guard=guard)
     built = build_plan_for(options, chosen, load_scene(scene))
-    late_size = guarded_size(guard, chosen, options.size or chosen.eye_size_px)
+    shown_size = options.size or chosen.eye_size_px
+    late_size = guarded_size(guard, chosen, shown_size)
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
     rate_hz = rate or chosen.refresh_hz
-    frame_bytes = 2 * late_size[0] * late_size[1] * built.bytes_per_pixel()
+    frame_bytes = 2 * (late_size[0] * late_size[1] * built.bytes_per_pixel() + cube_bytes(chosen, shown_size, built.needs))
     in_columns(
         [
             ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(built.layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),

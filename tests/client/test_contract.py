@@ -20,7 +20,8 @@ SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 @pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
 def test_same_pose_gives_the_same_picture_bit_for_bit(gpu, name, size):
     world = World(gpu, 1, size, moved=False)
-    assert np.array_equal(world.warp(gpu, name), world.colour)
+    wanted = world.look_along_a_face(gpu, 1) if warps.get(name).resamples else world.colour
+    assert np.array_equal(world.warp(gpu, name), wanted)
 
 
 @pytest.mark.parametrize("name", warps.names())
@@ -50,6 +51,10 @@ def test_uncovered_is_black_with_alpha_zero_and_nothing_is_nan(gpu, name):
 @pytest.mark.parametrize("name", warps.names())
 def test_a_guard_band_is_cut_off_exactly(gpu, name):
     world = World(gpu, 5, (60, 44), moved=False)
+    if warps.get(name).resamples:
+        wanted = world.look_along_a_face(gpu, 1, margin=7)
+        assert np.array_equal(world.warp(gpu, name), wanted)
+        return
     fov, size = world.late_view.fov.guarded(1.3, world.size)
     inner, world.size = world.size, size
     world.late_view, world.shown_view = View(world.late_view.pose, fov), world.late_view

@@ -40,7 +40,8 @@ class Warp(ABC):
     kind: "gather" (each shown pixel asks where it was drawn) or "scatter" (drawn pixels move). reads: what it needs, by the
     names of client/plan.py. Settings: an attrs class of what may be set, each with a default (`mesh:cut=slope`). fuses, scans_out:
     whether it can write the panel in one resample, and row by row. The object owns its programs and buffers for one pair of
-    sizes; it serves both eyes in turn.
+    sizes; it serves both eyes in turn. resamples: it looks into a picture with pixels of its own, so that an unmoved eye does not get
+    the late picture bit for bit; one that looks along such a picture does.
     """
 
     name: ClassVar[str]
@@ -53,6 +54,7 @@ class Warp(ABC):
     Settings: ClassVar[type] = NoSettings
     fuses: ClassVar[bool] = False
     scans_out: ClassVar[bool] = False
+    resamples: ClassVar[bool] = False
 
     def __init__(
         self,

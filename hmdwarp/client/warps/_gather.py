@@ -43,14 +43,18 @@ class GatherWarp(Warp):
     def run_gather(self, program: Compute, given: Given, into: Canvas, *, colour_unit: int = 0, **uniforms: object) -> None:
         """Bind the late colour and the result, set the map and the sizes, and run for every pixel of the output."""
         maps = self._maps(given)
-        exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
-        bind_late_colour(given.late, colour_unit, whole_pixels=exact)
+        self.bind_colour(given, colour_unit, maps)
         into.bind_for_writing()
         self.set_sizes(program)
         program.uniforms.set(late_colour=colour_unit, written=0, **self._coefficients(maps), **uniforms)
         if self.output.lens is not None:
             program.uniforms.set(panel_size=into.size, **self.output.lens.look_uniforms(given.shown.fov, given.eye))
         program.run(*into.size)
+
+    def bind_colour(self, given: Given, unit: int, maps: list[WarpMap]) -> None:
+        """Bind what the shader looks into."""
+        exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
+        bind_late_colour(given.late, unit, whole_pixels=exact)
 
     def _maps(self, given: Given) -> list[WarpMap]:
         if not self.output.scanout:

@@ -1,0 +1,47 @@
+"""Twin of the environment warp: each shown ray, projected onto the face it comes nearest to the axis of."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry import View
+from ..geometry.cube import FACES, face_views
+from ._rays import FLOAT32_UNIT, Array, project, world_directions
+from .picture import Asked, ReferencePicture, sample_covered
+
+
+def environment(asked: Asked) -> ReferencePicture:
+    """Every face looked into as a picture of its own view; each ray takes the face whose axis it is nearest to.
+
+    Rays that rounding may put on either of two faces are undecided.
+    """
+    side = asked.cube.shape[1] // 3
+    rays = world_directions(asked.shown, asked.shown_size)
+    views = face_views(View(asked.late.pose, asked.shown.fov), side)
+    ahead = np.stack([rays @ view.pose.rotation.as_matrix()[:, 2] * -1 for view in views])
+    error = direction_error(asked)
+    chosen, order = ahead.argmax(axis=0), np.sort(ahead, axis=0)
+    out = np.zeros((*asked.shown_size[::-1], 4))
+    tolerance = np.zeros(asked.shown_size[::-1])
+    undecided = order[-1] - order[-2] <= 2 * error
+    for index, (face, view) in enumerate(zip(FACES, views, strict=True)):
+        picture = asked.cube[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
+        pixels, _, _ = project(rays, np.zeros(3), np.zeros(rays.shape[:2]), view, (side, side))
+        # The quotient of two coordinates, each off by `error`, the larger at least 1 / sqrt(3) of the ray, times half a face; and the place
+        # itself, counted from the corner of the picture, is rounded three times.
+        bound = side * error / order[-1] + 3 * FLOAT32_UNIT * 3 * side
+        looked = sample_covered(picture, pixels, bound, asked.sampler_pixels)
+        here = chosen == index
+        out[here], tolerance[here] = looked.colour[here], looked.tolerance[here]
+        undecided |= looked.undecided & here
+    return ReferencePicture(out, tolerance, undecided)
+
+
+def direction_error(asked: Asked) -> Array:
+    """(h, w): how far each coordinate of the shader's direction may be off: 8 u of the sum of its terms, as in pixel_error_bound."""
+    shown, late, size = asked.shown, asked.late, asked.shown_size
+    turn = np.abs(late.pose.rotation.as_matrix().T @ shown.pose.rotation.as_matrix())
+    to_tangent = np.abs(np.linalg.inv(shown.fov.pixel_from_tangent(size)))
+    x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
+    terms = np.stack([x, y, np.ones_like(x)], axis=-1) @ (turn @ to_tangent).T
+    return 8 * FLOAT32_UNIT * terms.max(axis=-1)
