@@ -122,7 +122,7 @@ def test_what_is_impossible_is_only_that():
         ("rotate", "none", "none", "unknown warp 'rotate': did you mean 'rotation'?"),
         ("forward", "interpolat", "none", "unknown fill 'interpolat': did you mean 'interpolate'?"),
         ("forward", "none", "radal", "unknown lens 'radal': did you mean 'radial'?"),
-        ("zzzz", "none", "none", "unknown warp 'zzzz': known are backward, forward"),
+        ("zzzz", "none", "none", "unknown warp 'zzzz': known are backward"),
         ("", "none", "none", "unknown warp '': known are"),
         ("_base", "none", "none", "unknown warp '_base'"),
         ("_homography", "none", "none", "unknown warp '_homography'"),
