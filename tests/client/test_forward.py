@@ -2,73 +2,22 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
+from worlds import World
 
-from hmdwarp.client.given import Given
+from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.forward import MOST_PIXELS
-from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage
-from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.client.warps.forward import ATOMIC64, MOST_PIXELS
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.geometry import Pose, WarpMap
+from hmdwarp.gpu.shaders import flatten
+from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
 
-FOV = Fov.from_tangents([-1, 1, -1, 1])
-FAR = 2.0**-20  # 1/m: farther pixels are ordered by their index alone
-
-
-def numbered(size: tuple[int, int]) -> np.ndarray:
-    """A picture in which each pixel says its index: (column, row, 0) with coverage 1. Both below 2048 are exact as half floats."""
-    y, x = np.mgrid[: size[1], : size[0]]
-    return np.stack([x, y, np.zeros_like(x), np.ones_like(x)], axis=-1).astype(np.float16)
-
-
-class Scatter:
-    """One forward warp of fixed sizes, run on several depth pictures in turn (bottom row first)."""
-
-    def __init__(self, gpu, size, shown_size, late_pose: Pose | None = None, shown_pose: Pose | None = None) -> None:
-        self.gpu, self.size, self.shown_size = gpu, size, shown_size
-        self.late_view, self.shown_view = View(late_pose or Pose(), FOV), View(shown_pose or Pose(), FOV)
-        self.warp, self.canvas = warps.get("forward")(gpu, size, shown_size), Canvas(gpu.gl, shown_size)
-        colour, self.depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
-        colour.write(numbered(size).tobytes(), alignment=1)
-        self.late = EyeImage(self.late_view, colour, self.depth)
-
-    def run(self, depth: np.ndarray) -> np.ndarray:
-        """(h, w) index of the drawn pixel that each shown pixel shows, -1 for none."""
-        self.depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
-        self.warp.run(Given(self.late, self.shown_view), self.canvas)
-        self.gpu.gl.memory_barrier()
-        out = np.frombuffer(self.canvas.texture.read(alignment=1), np.float16).reshape(self.shown_size[1], self.shown_size[0], 4)
-        out = out.astype(np.int64)
-        return np.where(out[..., 3] > 0, out[..., 1] * self.size[0] + out[..., 0], -1)
-
-    def wanted(self, depth: np.ndarray) -> np.ndarray:
-        """The same by sorting. Only for maps whose w does not depend on the pixel, so that equal depths stay equal in float32."""
-        forward = WarpMap.between(self.late_view, self.size, self.shown_view, self.shown_size)
-        assert np.array_equal(forward.H[2], [0, 0, 1])
-        y, x = (a.ravel() for a in np.mgrid[: self.size[1], : self.size[0]])
-        flat = np.asarray(depth, np.float32).astype(np.float64).ravel()
-        pixels, shown_depth, w = forward.apply(np.stack([x, y], axis=-1) + 0.5, flat)
-        # Sizes are chosen so that nothing lands near a border between pixels: rounding decides nothing here.
-        apart = np.abs(pixels - np.round(pixels))[(flat >= 0) & (w > 0)]
-        assert apart.size == 0 or apart.min() > 1e-3
-        key_depth = np.where(shown_depth < FAR, 0, np.minimum(shown_depth, 2.0**11 * (1 - 2.0**-24)))
-        tie = np.where(key_depth > 0, (y % 4) * 4 + x % 4, 0)
-        lands = (flat >= 0) & (w > 0) & (pixels >= 0).all(axis=1) & (pixels < self.shown_size).all(axis=1)
-        source = np.flatnonzero(lands)
-        slot = np.floor(pixels[source]).astype(int) @ [1, self.shown_size[0]]
-        order = np.lexsort((source, tie[source], -key_depth[source], slot))
-        first = np.unique(slot[order], return_index=True)
-        out = np.full(self.shown_size[0] * self.shown_size[1], -1)
-        out[first[0]] = source[order][first[1]]
-        return out.reshape(self.shown_size[::-1])
-
-    def check(self, depth: np.ndarray) -> np.ndarray:
-        got = self.run(depth)
-        assert np.array_equal(got, self.wanted(depth))
-        return got
-
+from .scatters import Scatter, numbered
 
 # Late and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre lands on a border.
 MINIFIED = [
@@ -215,3 +164,90 @@ def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
         pytest.skip(f"this GPU has room for the keys of its largest picture, {side}x{side}")
     with pytest.raises(InputError, match="4 bytes a pixel"):
         warps.get("forward")(gpu, (16, 16), (side, side))
+
+
+# --- one pass with a 64-bit key ---------------------------------------------------------------------------------------------
+
+
+def test_minus_zero_is_infinitely_far(gpu):
+    """Its bits are those of a very large number."""
+    depth = np.full((8, 8), 0.5)
+    depth[::2] = -0.0
+    got = Scatter(gpu, (8, 8), (4, 4)).check(depth)
+    assert (got // 8 % 2 == 1).all()
+
+
+@pytest.fixture
+def atomic64(gpu) -> None:
+    missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
+    if missing:
+        pytest.skip(f"{gpu.renderer} has no {', '.join(missing)}: nothing to compare")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_both_paths_give_the_same_picture_bit_for_bit(gpu, atomic64, seed):
+    world = World(gpu, seed, (131, 97), (120, 101))
+    assert np.array_equal(world.warp(gpu, "forward:path=portable"), world.warp(gpu, "forward:path=atomic64"))
+
+
+@pytest.mark.parametrize(("size", "shown_size"), MINIFIED, ids=str)
+def test_both_paths_settle_ties_alike(gpu, atomic64, size, shown_size):
+    Scatter(gpu, size, shown_size, spec="forward:path=atomic64").check(np.full(size[::-1], 0.5))
+    Scatter(gpu, size, shown_size, spec="forward:path=atomic64").check(np.zeros(size[::-1]))
+
+
+def test_where_64_bit_atomics_are_missing_one_line_says_so(gpu):
+    if not [name for name in ATOMIC64 if name not in gpu.gl.extensions]:
+        pytest.skip(f"{gpu.renderer} has them")
+    choice = parse_warp("forward:path=atomic64")
+    with pytest.raises(MachineError, match=r"needs GL_NV_shader_atomic_int64.*use path=auto") as caught:
+        choice.warp(gpu, (8, 8), (8, 8), choice.settings)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
+    """By the reference compiler, so that it is checked where no driver takes it. It has the function from GLSL 4.40 on only."""
+    validator = shutil.which("glslangValidator")
+    if validator is None:
+        pytest.skip("no glslangValidator here (Debian, Ubuntu: apt-get install glslang-tools)")
+    file = tmp_path / "one_pass.comp"
+    file.write_text(flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450"))
+    done = subprocess.run([validator, file], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def test_what_64_bit_keys_name_is_the_portable_picture(gpu):
+    """The keys by NumPy, as the one pass over the drawn pixels would leave them; the copy of the colours by the shader itself."""
+    size, shown_size = (64, 48), (16, 12)
+    depth = np.random.default_rng(5).choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1]).astype(np.float32)
+    scatter = Scatter(gpu, size, shown_size)
+    keys = sorted_keys(scatter, depth)
+    colour, canvas = allocate(gpu.gl, size, COLOUR), Canvas(gpu.gl, shown_size)
+    colour.write(numbered(size).tobytes(), alignment=1)
+    resolve, buffer = gpu.shaders.compute("warps/forward_atomic64.comp", PASS=1), gpu.gl.buffer(keys.tobytes())
+    buffer.bind_to_storage_buffer(0)
+    colour.bind_to_image(1, read=True, write=False)
+    canvas.bind_for_writing(0)
+    resolve.uniforms.set(late_size=size, shown_size=shown_size, late_colour=1, shown_colour=0)
+    resolve.run(*shown_size)
+    gpu.gl.memory_barrier()
+    assert np.array_equal(scatter.winners(canvas), scatter.run(depth))
+    assert not any(buffer.read()), "the keys are empty again"
+
+
+def sorted_keys(scatter: Scatter, depth: np.ndarray) -> np.ndarray:
+    """The largest 64-bit key of each shown pixel."""
+    (wide, high), source = scatter.size, np.arange(depth.size, dtype=np.uint64)
+    y, x = np.divmod(np.arange(depth.size), wide)
+    forward = WarpMap.between(scatter.late_view, scatter.size, scatter.shown_view, scatter.shown_size)
+    pixels, shown, _ = forward.apply(np.stack([x, y], axis=-1) + 0.5, depth.ravel())
+    bits = shown.astype(np.float32).view(np.uint32).astype(np.int64)
+    near = 0x08000000 + (bits - 0x35800000) * 16 + 15 - (y % 4 * 4 + x % 4)
+    key = np.where(bits < 0x35800000, 0x08000000 - 1 - source.astype(np.int64), near).astype(np.uint64)
+    keys = np.zeros(scatter.shown_size[0] * scatter.shown_size[1], np.uint64)
+    drawn = depth.ravel() >= 0
+    slot = np.floor(pixels).astype(int) @ [1, scatter.shown_size[0]]
+    np.maximum.at(keys, slot[drawn], (key << np.uint64(32) | (np.uint64(0xFFFFFFFF) - source))[drawn])
+    assert depth.size == wide * high
+    return keys

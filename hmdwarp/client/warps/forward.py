@@ -2,83 +2,127 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
+import attrs
 import moderngl
 
-from ...errors import InputError
-from ...geometry import WarpMap
+from ...errors import InputError, MachineError
 from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES
+from ._scatter import ScatterWarp, check_room
 
 if TYPE_CHECKING:
+    from ...geometry import WarpMap
+    from ...gpu.context import Gpu
     from ...gpu.textures import Canvas
     from ..given import Given
 
-MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter.glsl
+MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
+ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # what the one-pass path asks of the driver
+
+
+@attrs.frozen
+class ForwardSettings:
+    """path: portable (two 32-bit atomic passes), atomic64 (one pass with a 64-bit key), auto (atomic64 where the driver has it).
+
+    Both give the same picture, bit for bit.
+    """
+
+    path: Literal["auto", "portable", "atomic64"] = attrs.field(
+        default="auto", validator=attrs.validators.in_(("auto", "portable", "atomic64"))
+    )
 
 
 @warps.register
-class Forward(Warp):
-    """Scatters pixels with an exact depth test in two 32-bit atomic passes; equals go to the lower (row mod 4, column mod 4)."""
+class Forward(ScatterWarp):
+    """Scatters pixels with an exact depth test by atomics; equals go to the lower (row mod 4, column mod 4)."""
 
     name = "forward"
     summary = "moves each pixel by its own depth, nearest wins; leaves cracks and holes"
-    kind = "scatter"
-    reads = ("late.colour", "late.inverse_depth")
     exact_when = "the eye does not move; else each pixel is right to half a pixel"
     gets_wrong = "surfaces that come closer crack; what was hidden is a hole; soft edges travel with their depth"
     source = "the 2014 thesis's forward warp; atomics as in Schuetz et al. 2021 (arXiv 2104.07526)"
+    Settings = ForwardSettings
 
     def prepare(self) -> None:
         if self.late_size[0] * self.late_size[1] > MOST_PIXELS:
             raise InputError(f"a late picture of {self.late_size[0]}x{self.late_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels")
-        shaders, gl = self.gpu.shaders, self.gpu.gl
-        self._clear = shaders.compute("warps/forward_clear.comp")
-        self._nearest, self._colour, *self._settle = (shaders.compute("warps/forward.comp", PASS=k) for k in range(5))
-        _check_key_buffer(gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], self.shown_size)
-        self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
-        self._keys = gl.buffer(reserve=16 * self._quads)
-        self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
+        self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 
     @classmethod
     def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Each drawn pixel's depth twice and colour once; the shown keys cleared, raised (read, written) and read; the result cleared
-        and written."""
+        """portable and auto: each drawn pixel's depth twice and colour once; the shown keys cleared, raised (read, written) and read;
+        the result cleared and written. atomic64: the depth once; keys of two words raised, read and emptied; a colour read and one
+        written for each shown pixel."""
+        if settings.path == "atomic64":
+            return late_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
         drawn = 2 * DEPTH_BYTES + COLOUR_BYTES
         return late_pixels * drawn + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def run(self, given: Given, into: Canvas) -> None:
-        late = given.late
-        forward = WarpMap.between(late.view, self.late_size, given.shown, self.shown_size)
-        late.colour.bind_to_image(1, read=True, write=False)
-        late.inverse_depth.bind_to_image(2, read=True, write=False)
-        into.bind_for_writing()
+        self.bind(given, into)
+        self._path.run(self.forward_map(given), into)
+
+    def close(self) -> None:
+        self._path.close()
+
+
+def _one_pass(gpu: Gpu, path: str) -> bool:
+    missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
+    if path == "atomic64" and missing:
+        raise MachineError(f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} has not: use path=auto")
+    return path != "portable" and not missing
+
+
+class _Portable:
+    """Two 32-bit atomic passes, and three more, dispatched by the GPU itself, where keys tie."""
+
+    def __init__(self, warp: Forward) -> None:
+        shaders, gl = warp.gpu.shaders, warp.gpu.gl
+        self._warp = warp
+        self._clear = shaders.compute("warps/forward_clear.comp")
+        self._nearest, self._colour, *self._settle = (shaders.compute("warps/forward.comp", PASS=k) for k in range(5))
+        check_room(warp.gpu, warp.name, warp.shown_size, KEY_BYTES, _TIE_HEADER)
+        self._quads = -(-warp.shown_size[0] * warp.shown_size[1] // 4)
+        self._keys = gl.buffer(reserve=16 * self._quads)
+        self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
+
+    def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
         self._ties.bind_to_storage_buffer(1)
         into.clear()
-        groups = self._nearest.groups(*self.late_size)
+        groups = self._nearest.groups(*self._warp.late_size)
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-            self._set(program, forward)
+            self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._warp.set(program, H=forward.H, e=forward.e)
             if program in self._settle:
                 program.program.run_indirect(self._ties)
             else:
                 program.program.run(*groups)
-
-    def _set(self, program, forward: WarpMap) -> None:
-        self.set_sizes(program)
-        program.uniforms.set(H=forward.H, e=forward.e, late_colour=1, late_inverse_depth=2, shown_colour=0)
 
     def close(self) -> None:
         self._keys.release()
         self._ties.release()
 
 
-def _check_key_buffer(limit_bytes: int, size: tuple[int, int]) -> None:
-    pixels = (limit_bytes - _TIE_HEADER) // 16 * 4
-    if size[0] * size[1] > pixels:
-        raise InputError(f"a shown picture of {size[0]}x{size[1]}: 'forward' keeps 4 bytes a pixel, this GPU has room for {pixels} pixels")
+class _OnePass:
+    """One 64-bit atomic pass; the pass that copies the colours empties the keys again."""
+
+    def __init__(self, warp: Forward) -> None:
+        self._warp = warp
+        self._nearest, self._resolve = (warp.gpu.shaders.compute("warps/forward_atomic64.comp", PASS=k) for k in range(2))
+        self._keys = warp.empty_keys(words=2)
+
+    def run(self, forward: WarpMap, into: Canvas) -> None:
+        self._keys.bind_to_storage_buffer(0)
+        for program, size in ((self._nearest, self._warp.late_size), (self._resolve, self._warp.shown_size)):
+            self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._warp.set(program, H=forward.H, e=forward.e)
+            program.run(*size)
+
+    def close(self) -> None:
+        self._keys.release()

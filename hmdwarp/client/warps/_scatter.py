@@ -1,0 +1,103 @@
+"""What the scatter warps share: where drawn pixels land, and the keys that decide between those that land in one place."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+
+from ...errors import InputError
+from ...geometry import WarpMap
+from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+
+if TYPE_CHECKING:
+    from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
+    from ..given import Given
+
+LATE_COLOUR, LATE_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
+LONGEST_SIDE = 2**14  # an order has 15 bits for a row and 15 for a column, one of each to spare
+
+
+class ScatterWarp(Warp):
+    """A warp in which drawn pixels move by their own depth."""
+
+    kind = "scatter"
+    reads = ("late.colour", "late.inverse_depth")
+
+    def forward_map(self, given: Given) -> WarpMap:
+        """From rendered to shown pixels."""
+        return WarpMap.between(given.late.view, self.late_size, given.shown, self.shown_size)
+
+    def bind(self, given: Given, into: Canvas) -> None:
+        """The late picture and the result, as images for compute shaders."""
+        given.late.colour.bind_to_image(LATE_COLOUR, read=True, write=False)
+        given.late.inverse_depth.bind_to_image(LATE_DEPTH, read=True, write=False)
+        into.bind_for_writing(SHOWN_COLOUR)
+
+    def set(self, program: Compute, **more: object) -> None:
+        """The sizes, the image units, and whatever else of `more` the program knows."""
+        self.set_sizes(program)
+        known = {"late_colour": LATE_COLOUR, "late_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR, **more}
+        program.uniforms.set(**{name: value for name, value in known.items() if program.uniforms.declares(name)})
+
+    def empty_keys(self, words: int = 1) -> moderngl.Buffer:
+        """A key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
+
+        Errors: InputError for a picture beyond the GPU's room.
+        """
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES * words)
+        buffer = self.gpu.gl.buffer(reserve=KEY_BYTES * words * self.shown_size[0] * self.shown_size[1])
+        buffer.clear()
+        return buffer
+
+
+class OrderedScatter(ScatterWarp):
+    """A scatter in which the drawn pixel that is last in some order stays; the shader `warps/NAME.comp` has the order.
+
+    In any order of execution: each drawn pixel offers its place in the order, the largest stays. The pass that copies the colours
+    empties the keys again.
+    """
+
+    def prepare(self) -> None:
+        if max(self.late_size) > LONGEST_SIDE:
+            wide, high = self.late_size
+            raise InputError(f"a late picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side")
+        path, defines = f"warps/{self.name}.comp", self.defines()
+        self._scatter, self._resolve = (self.gpu.shaders.compute(path, PASS=k, **defines) for k in range(2))
+        self._keys = self.empty_keys()
+
+    def defines(self) -> dict[str, object]:
+        """What else the shader is compiled with."""
+        return {}
+
+    @abstractmethod
+    def order(self, given: Given) -> dict[str, object]:
+        """The uniforms that the order needs."""
+
+    def run(self, given: Given, into: Canvas) -> None:
+        forward, order = self.forward_map(given), self.order(given)
+        self.bind(given, into)
+        self._keys.bind_to_storage_buffer(0)
+        for program, size in ((self._scatter, self.late_size), (self._resolve, self.shown_size)):
+            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.set(program, H=forward.H, e=forward.e, **order)
+            program.run(*size)
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        """Each drawn pixel's depth; the shown keys raised (read, written), read and emptied; a colour read and one written for each."""
+        return late_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+
+    def close(self) -> None:
+        self._keys.release()
+
+
+def check_room(gpu: Gpu, name: str, size: tuple[int, int], bytes_per_pixel: int, header: int = 0) -> None:
+    """Errors: InputError if so many bytes for each shown pixel are more than a shader can reach in one buffer."""
+    pixels = (gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] - header) // (4 * bytes_per_pixel) * 4
+    if size[0] * size[1] > pixels:
+        wanted = f"a shown picture of {size[0]}x{size[1]}: '{name}' keeps {bytes_per_pixel} bytes a pixel"
+        raise InputError(f"{wanted}, this GPU has room for {pixels} pixels")

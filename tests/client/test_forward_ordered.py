@@ -1,0 +1,138 @@
+"""The order from the epipole: what it guarantees, on which rays, and where pixels are not rays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from worlds import World
+
+from hmdwarp.client.warps.forward_ordered import FARTHEST, epipole_pixel
+from hmdwarp.geometry import Pose, View, WarpMap
+
+from .scatters import FOV, Scatter
+
+SHEETS = ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"]
+RIGHT, UP, AHEAD = np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, -1.0])
+
+
+def both(gpu, step: np.ndarray, depth: np.ndarray, spec: str) -> tuple[np.ndarray, np.ndarray]:
+    """Winners by the order and by the depth test."""
+    size = depth.shape[::-1]
+    return tuple(Scatter(gpu, size, size, shown_pose=Pose(step), spec=each).run(depth) for each in (spec, "forward"))
+
+
+def boxes(seed: int, size: tuple[int, int], count: int = 12) -> np.ndarray:
+    """Upright rectangles at 0.7 m to 10 m before a wall, some leaning."""
+    rng, (wide, high) = np.random.default_rng(seed), size
+    depth, (y, x) = np.full((high, wide), 0.1), np.mgrid[:high, :wide]
+    for _ in range(count):
+        cx, cy, near = rng.uniform(0, wide), rng.uniform(0, high), rng.uniform(0.1, 1.4)
+        inside = (abs(x - cx) < rng.uniform(2, 0.2 * wide)) & (abs(y - cy) < rng.uniform(2, 0.2 * high))
+        plane = near + rng.normal(scale=0.1 / wide) * (x - cx) + rng.normal(scale=0.1 / wide) * (y - cy)
+        depth = np.where(inside & (plane > depth), plane, depth)
+    return depth
+
+
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("step", [0.3 * RIGHT, -0.3 * RIGHT, 0.3 * UP, -0.3 * UP], ids=str)
+@pytest.mark.parametrize("seed", range(2))
+def test_sideways_it_equals_the_depth_test_whatever_the_scene(gpu, spec, step, seed):
+    """Rows (or columns) are epipolar lines then. Of two pixels of one line that land in one, the one nearer the epipole has moved
+    farther, so it is nearer: they were a pixel or more apart before and are less than one apart now. No scene breaks that."""
+    rng = np.random.default_rng(seed)
+    for depth in (boxes(seed, (61, 47)), rng.uniform(0, 1.5, (47, 61)), rng.choice([-1.0, 0, 0.3, 1], (47, 61))):
+        ordered, nearest = both(gpu, step, depth, spec)
+        assert np.array_equal(ordered, nearest)
+
+
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize(
+    "step", [0.2 * AHEAD, -0.2 * AHEAD, 0.2 * RIGHT + 0.1 * UP, 0.1 * RIGHT + 0.2 * AHEAD, 0.1 * UP - 0.2 * AHEAD], ids=str
+)
+def test_elsewhere_it_differs_only_where_the_two_are_less_than_a_pixel_apart_on_different_lines(gpu, spec, step):
+    """The guarantee is about rays. Two drawn pixels of one epipolar line that land on the very same point are in order; those of
+    neighbouring lines that land in the same pixel may be swapped. So where they differ, the lines of both winners part."""
+    size = (121, 91)
+    depth = boxes(7, size)
+    ordered, nearest = both(gpu, step, depth, spec)
+    assert np.array_equal(ordered >= 0, nearest >= 0)
+    differs = ordered != nearest
+    scatter = Scatter(gpu, size, size, shown_pose=Pose(step))
+    forward = WarpMap.between(scatter.late_view, size, scatter.shown_view, size)
+    places = []
+    for winner in (ordered[differs], nearest[differs]):
+        y, x = np.divmod(winner, size[0])
+        places.append(forward.apply(np.stack([x, y], axis=-1) + 0.5, depth[y, x])[0])
+    apart = np.abs(places[0] - places[1])
+    assert (apart < 1).all()
+    assert (apart.max(axis=-1) > 0).all(), "the same point on two depths would break the guarantee"
+    share = differs.mean()
+    # Backwards the whole picture is minified and pixels of one surface meet everywhere; what they show then is a pixel beside.
+    assert share < (0.3 if step[2] > 0 else 0.02), share
+    wrong = differs & (np.abs(depth.ravel()[ordered] - depth.ravel()[nearest]) > 0.05)
+    assert wrong.mean() < 0.01, "hidden surfaces show through at edges only"
+
+
+def test_it_beats_raster_order(gpu):
+    """On the same boxes raster order shows hidden surfaces in many more pixels, unless the eye moves the lucky way."""
+    depth, step = boxes(7, (121, 91)), -0.3 * RIGHT + 0.1 * AHEAD
+    shown = {spec: both(gpu, step, depth, spec) for spec in (*SHEETS, "forward_raster")}
+    wrong = {spec: (np.abs(depth.ravel()[a] - depth.ravel()[b]) > 0.05).mean() for spec, (a, b) in shown.items()}
+    assert all(wrong[spec] < 0.25 * wrong["forward_raster"] for spec in SHEETS), wrong
+
+
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("where", ["inside", "centre", "behind", "infinite", "none", "outside", "corner"])
+def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, where):
+    world = World(gpu, seed, (67, 53), (70, 50))
+    late, rng = world.late_view, np.random.default_rng(seed)
+    left, right, down, up = late.fov.tangents
+    half_pixel = np.array([right - left, up - down]) / np.array(world.size)
+    tangent = {
+        "inside": (left + rng.uniform() * (right - left), down + rng.uniform() * (up - down)),
+        "centre": (left + 20.5 * half_pixel[0], down + 30.5 * half_pixel[1]),
+        "behind": (left + rng.uniform() * (right - left), down + rng.uniform() * (up - down)),
+        "infinite": tuple(rng.normal(size=2)),
+        "none": (0, 0),
+        "outside": tuple(rng.normal(scale=20, size=2)),
+        "corner": (left, down),
+    }[where]
+    along = {"behind": 1.0, "infinite": 0.0, "none": 0.0}.get(where, -1.0)
+    step = np.array([-along * tangent[0], -along * tangent[1], along]) if along else np.array([*tangent, 0.0])
+    step *= 0.05 / max(np.linalg.norm(step), 1)
+    turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=3, size=3)))
+    pose = Pose(late.pose.position_m + late.pose.rotation.apply(step), (late.pose.rotation * turn).as_quat())
+    world.shown_view = View(pose, late.fov)
+    got, wanted = world.warp(gpu, spec), world.reference(spec)
+    assert np.isfinite(got).all()
+    decided = ~wanted.undecided
+    assert decided.mean() > 0.9
+    assert np.array_equal(got[decided], wanted.colour[decided])
+
+
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("size", [(1, 1), (1, 9), (130, 1), (64, 64), (67, 53)], ids=str)
+@pytest.mark.parametrize("step", [0 * AHEAD, 1e-12 * AHEAD, 1e-12 * RIGHT, -1e-12 * AHEAD + 1e-13 * UP], ids=str)
+def test_every_pixel_has_its_own_place_in_the_order(gpu, spec, size, step):
+    """Motion that moves nothing: all pixels arrive, each as itself, so that its place was told back as it was given."""
+    depth = np.random.default_rng(0).uniform(0, 2, size[::-1])
+    got = Scatter(gpu, size, size, shown_pose=Pose(step), spec=spec).run(depth)
+    assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
+
+
+@pytest.mark.parametrize("step", [(0, 0, 0), (0.3, 0, 0), (0, 0, -0.5), (0, 0, 0.5), (0.1, 0.2, -1e-9), (-3, 1, 1e-9)], ids=str)
+def test_the_epipole_is_where_the_eye_appears(step):
+    size, eye = (40, 30), np.array(step, dtype=float)
+    shown = View(Pose(eye), FOV)
+    pixel, sense = epipole_pixel(WarpMap.between(shown, size, View(Pose(), FOV), size).e, size)
+    assert sense == (1 if eye[2] <= 0 else -1)
+    middle = np.array(size) / 2
+    if eye[2] == 0 or np.hypot(*eye[:2]) > 1e5 * abs(eye[2]):
+        away = (pixel - middle) / FARTHEST
+        wanted = sense * eye[:2] * [20, 15]
+        wanted = wanted / max(np.linalg.norm(wanted), 1e-300)
+        assert np.allclose(away, wanted, atol=1e-4)
+    else:
+        assert np.array_equal(pixel, middle)
