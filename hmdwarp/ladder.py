@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,13 @@ import attrs
 
 from .client.choice import Rung, ladder
 from .errors import InputError
-from .headsets import load_headset
+from .headsets import Headset, load_headset
 from .options import RunOptions
 from .report.schema import SCHEMA, summary_faults
 from .rig import build_plan_for
 
 Row = Mapping[str, Any]
+LensTime = Callable[[RunOptions], float]
 
 
 @attrs.frozen
@@ -55,11 +56,12 @@ def read_rows(path: Path) -> list[Row]:
     return bench["rows"]
 
 
-def ladder_from_file(path: Path, options: RunOptions) -> Ladder:
+def ladder_from_file(path: Path, options: RunOptions, lens_ms: LensTime | None) -> Ladder:
     """The ladder of a benchmark for a run.
 
-    Rows of the run's size are taken if there are any; else those of the largest size, their times in proportion to the pixels. What
-    this run cannot have is left out, and told.
+    Rows of the run's size are taken if there are any; else those of the largest size, their times in proportion to the pixels. Where
+    they were measured with another lens than the run's, that of the run counts, which lens_ms measures here (None: it does not count).
+    What this run cannot have is left out, and told.
     Errors: InputError for a file that is no benchmark, and if nothing of it can be run.
     """
     headset = load_headset(options.headset)
@@ -73,11 +75,35 @@ def ladder_from_file(path: Path, options: RunOptions) -> Ladder:
             notes.append(f"{path.name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
     if not usable:
         raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here{'; ' + notes[0] if notes else ''}")
-    rungs, more = _at_size(usable, options.size or headset.eye_size_px, path.name)
-    lenses = sorted({row["lens"] for row in usable} - {options.lens})
-    if lenses:
-        more.append(f"{path.name} was measured with lens {', '.join(lenses)}, this run has {options.lens}: its times are off by that.")
-    return Ladder(rungs, (*notes, *more), usable[0]["machine"])
+    return _fitted(usable, options, headset, lens_ms, [*notes, *_other_terms(usable, options, path.name)], path.name)
+
+
+def _fitted(rows: list[Row], options: RunOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str) -> Ladder:
+    other = {row["lens"] for row in rows} - {options.lens}
+    rungs, more = _at_size([_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name)
+    if other:
+        added = 0.0 if options.lens == "none" or lens_ms is None else lens_ms(options)
+        rungs = tuple(attrs.evolve(rung, total_ms=rung.total_ms + added) for rung in rungs)
+        counts = f"with {added:.2f} ms" if lens_ms else "which a run times first: these are without it"
+        more.append(f"{name} was measured with lens {', '.join(sorted(other))}: lens {options.lens} counts instead, {counts}.")
+    return Ladder(rungs, (*notes, *more), rows[0]["machine"])
+
+
+def _without_lens(row: Row) -> Row:
+    times = row["time_ms"]
+    median = times["total"]["median"]
+    total = {"median": None if median is None else median - (times["lens"]["median"] or 0.0), "p95": None}
+    return {**row, "lens": "none", "time_ms": {**times, "total": total}}
+
+
+def _other_terms(rows: list[Row], options: RunOptions, name: str) -> list[str]:
+    """What makes the benchmark's errors, or times, differ from this run's beyond what is put right."""
+    told = []
+    for key, mine, unit in (("guard", options.guard, ""), ("latency_ms", options.latency_ms, " ms"), ("scene", options.scene, "")):
+        theirs = sorted({row[key] for row in rows if key in row})
+        if theirs and mine not in theirs:
+            told.append(f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})")
+    return [f"{name} was measured with {'; '.join(told)}."] if told else []
 
 
 def _at_size(rows: list[Row], size: tuple[int, int], name: str) -> tuple[tuple[Rung, ...], list[str]]:

@@ -18,10 +18,11 @@ def names_in(folder: str, pattern: str = "*.py") -> str:
 Scene = Annotated[str, typer.Option("--scene", help=f"{names_in('scenes/library')}, or a .glb, .obj or .ply file.")]
 Latency = Annotated[float, typer.Option("--latency", help="Milliseconds from drawing a frame to showing it.")]
 Warp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}.")]
-ChosenWarp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}; or auto, within --budget.")]
-Budget = Annotated[
-    float | None, typer.Option("--budget", help="Milliseconds for one eye, for --warp auto; it chooses the fill too.", show_default=False)
+ChosenWarp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}; or auto, which chooses warp and fill.")]
+ChosenFill = Annotated[
+    str | None, typer.Option("--fill", help=f"{names_in('client/fills')}. [default: interpolate; auto's own]", show_default=False)
 ]
+Budget = Annotated[float | None, typer.Option("--budget", help="Milliseconds for one eye that --warp auto keeps to.", show_default=False)]
 Bench = Annotated[
     Path | None, typer.Option("--bench", help="bench.json to choose from; by default all are tried on this run first.", show_default=False)
 ]
@@ -39,6 +40,16 @@ Up = Annotated[str | None, typer.Option("--up", help="Which axis of the file poi
 Scale = Annotated[float | None, typer.Option("--scale", help="Metres per unit of the file's positions.", show_default=False)]
 TraceRate = Annotated[float | None, typer.Option("--trace-rate", help="Samples per second, for files without time.", show_default=False)]
 Segment = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.", show_default=False)]
+
+
+def fill_for(warp: str, fill: str | None) -> str:
+    """The fill asked for, or the usual one. Errors: InputError for one beside warp auto, which chooses its own."""
+    from ..errors import InputError
+    from ..options import AUTO
+
+    if warp == AUTO and fill is not None:
+        raise InputError(f"--fill {fill}: warp auto chooses the fill too; leave one of the two out")
+    return "interpolate" if fill is None else fill
 
 
 def lens_for(lens: str | None, headset: str) -> str:

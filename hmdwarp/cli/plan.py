@@ -9,14 +9,18 @@ import typer
 from . import _options as o
 
 if TYPE_CHECKING:
-    from ..client.plan import Step
+    from ..client.plan import Plan, Step
+    from ..headsets import Headset
+    from ..options import RunOptions
 
 
 def plan(
     scene: o.Scene = "room",
     latency: o.Latency = 200.0,
-    warp: o.Warp = "forward",
-    fill: o.Fill = "interpolate",
+    warp: o.ChosenWarp = "forward",
+    budget: o.Budget = None,
+    bench: o.Bench = None,
+    fill: o.ChosenFill = None,
     lens: o.Lens = None,
     headset: o.Headset = "rift-dk1",
     size: o.Size = None,
@@ -25,29 +29,84 @@ def plan(
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
-    from ..options import RunOptions, parse_size
-    from ..rig import build_plan_for, cube_bytes, frames_held, guarded_size
+    from ..options import AUTO, RunOptions, parse_size
+    from ..rig import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
 
     chosen = load_headset(headset)
-    wanted_size = None if size is None else parse_size(size)
-    options = RunOptions("", scene, latency, warp, fill, o.lens_for(lens, headset), headset, size=wanted_size, rate_hz=rate, guard=guard)
+    options = RunOptions(
+        trace="",
+        scene=scene,
+        latency_ms=latency,
+        warp=warp,
+        fill=o.fill_for(warp, fill),
+        lens=o.lens_for(lens, headset),
+        headset=headset,
+        size=None if size is None else parse_size(size),
+        rate_hz=rate,
+        guard=guard,
+        budget_ms=budget,
+        bench=bench,
+    )
+    if warp == AUTO:
+        _auto(options)
+        return
     built = build_plan_for(options, chosen, load_scene(scene))
-    shown_size = options.size or chosen.eye_size_px
-    late_size = guarded_size(guard, chosen, shown_size)
+    weights = _weights(options, chosen, [built])
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
-    rate_hz = rate or chosen.refresh_hz
-    frame_bytes = 2 * (late_size[0] * late_size[1] * built.bytes_per_pixel() + cube_bytes(chosen, shown_size, built.needs))
+    in_columns(weights)
+
+
+def _auto(options: RunOptions) -> None:
+    """What warp auto would choose from, as far as that can be told without running anything."""
+    from ..client.choice import best_within
+    from ..headsets import load_headset
+    from ..ladder import ladder_from_file
+    from ..rig import plans_for
+    from ..scenes import load_scene
+    from ..trial import INSTANTS, candidates
+    from ._show import in_columns, paragraph
+
+    if options.bench is None:
+        names = [f"{c.warp} + {c.fill}" if c.plan.fill.is_pass else c.warp for c in candidates(options)]
+        paragraph(f"Warp auto would first try these {len(names)} at {INSTANTS} instants of the run: {', '.join(names)}.")
+        paragraph(f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time.")
+        return
+    found = ladder_from_file(options.bench, options, None)
+    first = best_within(found.rungs, options.budget_ms)
+    typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
+    marks = ["; it would begin here" if number == first else "" for number in range(len(found.rungs))]
     in_columns(
-        [
-            ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(built.layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),
-            ("The link", f"holds at most {frames_held(options, rate_hz, built.needs)} of them at {latency:g} ms and {rate_hz:g} Hz"),
-        ]
+        ((str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}") for r, mark in zip(found.rungs, marks, strict=True)),
+        indent=2,
     )
+    for note in found.notes:
+        paragraph(f"note: {note}")
+    headset = load_headset(options.headset)
+    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.rungs)))
+
+
+def _weights(options: RunOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
+    """What frames weigh that carry what all the plans read, and how many there are."""
+    from ..client.adaptive import needs_of
+    from ..client.plan import BYTES_PER_PIXEL, LAYER_BYTES
+    from ..rig import cube_bytes, frames_held, guarded_size
+
+    shown_size = options.size or headset.eye_size_px
+    late_size = guarded_size(options.guard, headset, shown_size)
+    rate_hz = options.rate_hz or headset.refresh_hz
+    needs = needs_of(plans)
+    layers = dict.fromkeys(name for plan in plans for name in plan.layers)
+    pixel_bytes = sum(BYTES_PER_PIXEL.get(name, 0) for name in layers) + LAYER_BYTES * needs.layers
+    frame_bytes = 2 * (late_size[0] * late_size[1] * pixel_bytes + cube_bytes(headset, shown_size, needs))
+    return [
+        ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),
+        ("The link", f"holds at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"),
+    ]
 
 
 def _told(step: Step) -> str:
