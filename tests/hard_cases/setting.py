@@ -61,7 +61,7 @@ class Setting(World):
         self.rng = np.random.default_rng(99)
         self.size = inverse_depth.shape[::-1]
         self.shown_size = shown_size or self.size
-        self.layers, self.others, self.other_images = (), (), ()
+        self.layers, self.others, self.other_images, self.cube = (), (), (), None
         self.late_view = late if isinstance(late, View) else View(late or Pose(), SQUARE)
         self.shown_view = shown if isinstance(shown, View) else View(shown, self.late_view.fov)
         covered = np.isfinite(inverse_depth) & (inverse_depth >= 0)
