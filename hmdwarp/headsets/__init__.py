@@ -1,6 +1,6 @@
 """Headsets: one .toml file each, with the source of its numbers. Everything that knows two eyes and a panel is here."""
 
 from ._load import headset_names, load_headset
-from ._model import MAX_COEFFICIENTS, Headset, RadialLens
+from ._model import COLOURS, MAX_COEFFICIENTS, Headset, RadialLens
 
-__all__ = ["MAX_COEFFICIENTS", "Headset", "RadialLens", "headset_names", "load_headset"]
+__all__ = ["COLOURS", "MAX_COEFFICIENTS", "Headset", "RadialLens", "headset_names", "load_headset"]

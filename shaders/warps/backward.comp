@@ -9,8 +9,7 @@ layout(r32f) readonly uniform image2D client_inverse_depth;
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
 
-bool holds(ivec2 texel, float expected) {
-    float held = imageLoad(late_inverse_depth, texel).r;
+bool holds(float held, float expected) {
     return abs(held - expected) <= depth_tolerance * (expected + depth_floor);
 }
 
@@ -26,12 +25,11 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     ivec2 nearest = ivec2(p);
     vec2 centre = vec2(nearest) + 0.5;
     vec2 across = centre + mix(vec2(1.0), vec2(-1.0), lessThan(p, centre));
-    ivec2 opposite = ivec2(floor(across));
-    bool near_holds = holds(nearest, expected);
-    // Beyond the border an image reads 0, which would pass for sky.
-    bool opposite_holds = all(lessThan(uvec2(opposite), uvec2(late_size))) && holds(opposite, expected);
+    bool near_holds = holds(imageLoad(late_inverse_depth, nearest).r, expected);
+    bool opposite_holds = holds(imageLoad(late_inverse_depth, ivec2(floor(across))).r, expected);
+    opposite_holds = opposite_holds && in_late(across); // beyond the border an image reads 0, which would pass for sky
     vec2 at = near_holds ? (opposite_holds ? p : centre) : across;
-    vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
-    bool seen = (near_holds || opposite_holds) && own >= 0.0 && q.z > 0.0 && inside(p, late_size);
+    vec4 sum = look(at);
+    bool seen = (near_holds || opposite_holds) && own >= 0.0 && q.z > 0.0 && in_late(p);
     return seen ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

@@ -13,5 +13,5 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec3 s = base * past + r * base.z * parallax;
     vec2 p = s.xy / s.z;
     vec4 colour = covered_average(p);
-    return base.z * past > 0.0 && inside(p, late_size) ? colour : vec4(0.0);
+    return base.z * past > 0.0 && in_late(p) ? colour : vec4(0.0);
 }

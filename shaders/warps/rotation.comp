@@ -8,5 +8,5 @@
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 p = base.xy / base.z;
     vec4 colour = covered_average(p);
-    return base.z > 0.0 && inside(p, late_size) ? colour : vec4(0.0);
+    return base.z > 0.0 && in_late(p) ? colour : vec4(0.0);
 }

@@ -54,6 +54,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:
         looks = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).look]
+        one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
+        warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(one_colour)).close()
         for spec in every_choice():
             with suppress(MachineError):  # test_what_this_machine_cannot_compile_is_told says so
                 _compile_all(gpu, spec, looks)

@@ -6,17 +6,39 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar
 
 if TYPE_CHECKING:
+    import moderngl
+
     from ...geometry import Fov
     from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
     from ...headsets import Headset
+
+
+# Image unit of the picture that programs for the panel look into.
+TEXELS_UNIT = 7
+
+
+def panel_defines(gpu: Gpu) -> dict[str, object]:
+    """How a program that includes lib/panel.glsl does its pixels: ROWS of a column in one invocation, by image loads or the sampler.
+
+    llvmpipe: 32 rows take 0.85 of the time of 8, because a blind neighbourhood costs one row in 32. A GPU wants invocations.
+    """
+    return {"ROWS": 16, "TEXELS": 1} if gpu.is_software else {"ROWS": 4}
+
+
+def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
+    """Bind what a program for the panel looks into by image loads, if it does."""
+    if program.uniforms.declares("late_texels"):
+        picture.bind_to_image(TEXELS_UNIT, read=True, write=False)
+        program.uniforms.set(late_texels=TEXELS_UNIT)
 
 
 class LensPass(ABC):
     """Distorts the shown picture so that the headset's lens undoes it. is_pass: False where nothing is to be done.
 
-    look: the shader library with `vec3 lens_scales(float r2)` and its uniforms, which a gather warp that is fused with the lens
-    includes too.
+    look: the shader library with `prepare_lens`, `vec3 lens_scales(vec2 on_lens)` and their uniforms, which a gather warp that is
+    fused with the lens includes too.
     """
 
     name: ClassVar[str]
@@ -37,6 +59,10 @@ class LensPass(ABC):
     @abstractmethod
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         """Write the panel picture of eye 0 (left) or 1 (right) into `into`."""
+
+    def look_defines(self) -> dict[str, object]:
+        """The defines of a program that includes `look`: the lens's own, and how its pixels are shared out on this device."""
+        return {**panel_defines(self.gpu)}
 
     def look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         """The uniforms of `look` for one eye."""

@@ -7,8 +7,8 @@ import numpy as np
 from ...errors import InputError
 from ...geometry import Fov
 from ...gpu.textures import Canvas
-from ...headsets import MAX_COEFFICIENTS
-from . import lenses
+from ...headsets import COLOURS, RadialLens
+from . import bind_texels, lenses
 from ._base import LensPass
 
 
@@ -24,28 +24,34 @@ class Radial(LensPass):
     def prepare(self) -> None:
         if self.headset.lens is None:
             raise InputError(f"headset '{self.headset.name}' has no lens: use --lens none")
-        self._program = self.gpu.shaders.compute("lens/radial.comp")
+        self._terms = _terms(self.headset.lens)
+        self._program = self.gpu.shaders.compute("lens/radial.comp", **self.look_defines())
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         shown.texture.use(0)
+        bind_texels(self._program, shown.texture)
         into.bind_for_writing()
-        self._program.uniforms.set(shown=0, panel=0, panel_size=self.panel_size, **self.look_uniforms(fov, eye))
+        sizes = {"late_size": shown.size, "late_pixel": (1 / shown.size[0], 1 / shown.size[1]), "shown_size": shown.size}
+        self._program.uniforms.set(late_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.look_uniforms(fov, eye))
         self._program.run(*self.panel_size)
 
+    def look_defines(self) -> dict[str, object]:
+        one_colour = {"ONE_COLOUR": 1} if (self._terms == self._terms[:, :1]).all() else {}
+        return {**super().look_defines(), "LENS_TERMS": len(self._terms), **one_colour}
+
     def look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
-        lens = self.headset.lens
         left, right, down, up = fov.tangents
         span = np.array([right - left, up - down])
         scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
         return {
             "lens_from_panel": (*scale, *offset),
             "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
-            "tangent_per_unit": lens.tangent_per_unit,
-            **{colour: _as_matrix(lens.coefficients[colour]) for colour in ("red", "green", "blue")},
+            "lens_terms": self._terms,
         }
 
 
-def _as_matrix(coefficients: tuple[float, ...]) -> np.ndarray:
-    padded = np.zeros(MAX_COEFFICIENTS)
-    padded[: len(coefficients)] = coefficients
-    return padded.reshape(3, 3).T  # the shader reads column after column
+def _terms(lens: RadialLens) -> np.ndarray:
+    """(n, 3): what r^0, r^2, .. count for in the scales of red, green and blue, with as many terms as the longest has."""
+    longest = max(map(len, lens.coefficients.values()))
+    columns = [np.pad(lens.coefficients[colour], (0, longest - len(lens.coefficients[colour]))) for colour in COLOURS]
+    return np.stack(columns, axis=1) * lens.tangent_per_unit

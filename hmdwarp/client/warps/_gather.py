@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from ...geometry import View, WarpMap
+from ..lens import bind_texels
 from ._base import Warp
 
 if TYPE_CHECKING:
@@ -29,9 +30,10 @@ class GatherWarp(Warp):
     def gather(self, path: str, **defines: object) -> Compute:
         """The program of `path` for this warp's output."""
         lens = self.output.lens
-        defines |= {"ROWS": self.rows}
-        if lens is not None:
-            defines |= {"LENS": lens.look, "ROWS": 4}  # eight would spill registers
+        if lens is None:
+            defines |= {"ROWS": self.rows}
+        else:
+            defines |= {"LENS": lens.look, **lens.look_defines()}
         if self.output.scanout:
             defines |= {"SCANOUT": 1}
         return self.gpu.shaders.compute(path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines)
@@ -48,11 +50,16 @@ class GatherWarp(Warp):
         self.set_sizes(program)
         program.uniforms.set(late_colour=colour_unit, written=0, **self._coefficients(maps), **uniforms)
         if self.output.lens is not None:
+            bind_texels(program, self.picture(given))
             program.uniforms.set(panel_size=into.size, **self.output.lens.look_uniforms(given.shown.fov, given.eye))
         program.run(*into.size)
 
+    def picture(self, given: Given) -> moderngl.Texture:
+        """What the shader looks into."""
+        return given.late.colour
+
     def bind_colour(self, given: Given, unit: int, maps: list[WarpMap]) -> None:
-        """Bind what the shader looks into."""
+        """Bind it, for the sampler."""
         exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
         bind_late_colour(given.late, unit, whole_pixels=exact)
 

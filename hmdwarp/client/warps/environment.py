@@ -46,6 +46,9 @@ class Environment(GatherWarp):
         tangent_from_pixel = np.linalg.inv(shown.fov.pixel_from_tangent(self.shown_size))
         return WarpMap(turn.as_matrix() @ _EYE_FROM_HOMOGENEOUS @ tangent_from_pixel, np.zeros(3))
 
+    def picture(self, given: Given) -> moderngl.Texture:
+        return given.late.cube
+
     def bind_colour(self, given: Given, unit: int, maps: list[WarpMap]) -> None:
         cube = given.late.cube
         chosen = moderngl.NEAREST if self._looks_along_a_face(given) else moderngl.LINEAR
