@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import numpy as np
 
-from .bench_cases import REGIONS, Case, Row
+from ..metrics.regions import REGIONS
+from .bench_cases import Case, Row
 from .bench_style import HATCHES, PAGE, drawing, dress, svg_text
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ import attrs
 from ..errors import HmdwarpError
 from ..metrics import QUALITY
 from ..metrics.pareto import error_and_time, pareto
+from ..metrics.regions import REGIONS
 from ..metrics.summary import HIGHER_IS_BETTER
 from .tables import Figure
 
@@ -114,7 +115,6 @@ _QUALITY_FORMS = {
     "border_share": ("border", "%", 1, 100),
     "flicker": ("flicker", "", 3, 1),
 }
-REGIONS = ("holes", "edges", "elsewhere")
 
 
 def _columns() -> dict[str, Column]:

@@ -12,7 +12,7 @@ import numpy as np
 from ..metrics.pareto import error_and_time, pareto
 from ..metrics.summary import HIGHER_IS_BETTER
 from .bench_cases import Case, Row, cases, measure_label
-from .bench_labels import leader_tips, place_labels
+from .bench_labels import groups_of, leaders, place_labels
 from .bench_style import PAGE, PAPER, Palette, drawing, dress, markers_of, svg_text
 
 if TYPE_CHECKING:
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 _WIDTH_IN, _HEIGHT_IN = 9.6, 3.9
 _MARKER_PT = 6.5
 _CLEAR_PT = 4.5  # half the side of the square that labels keep off
+_SHARED_PT = 13.0  # points of one warp nearer than that, twice a marker, have one name
 _LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
+_ABOVE = {"xycoords": "axes fraction", "textcoords": "offset points"}
+_KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
 _MANY = 20  # points of one chart from which a picture has one chart a row
 _PNG_DPI = 200
 
@@ -38,6 +41,8 @@ def pareto_chart(case: Case, measure: str = "flip", *, markers: Mapping[str, str
         figure = _figure(_WIDTH_IN, _HEIGHT_IN)
         axes = _axes_in(figure, (0.62, 0.5, _WIDTH_IN - 0.12, _HEIGHT_IN - 0.36))
         _draw(axes, case, measure, markers, PAGE)
+        here = {fill: marker for fill, marker in markers.items() if fill in {row["fill"] for row in case.rows}}
+        axes.legend(handles=_key(here, PAGE), loc="lower left", bbox_to_anchor=(0, 1), ncols=4, **_key_style(PAGE))
         return svg_text(figure)
 
 
@@ -56,17 +61,17 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
     columns = columns or (1 if most > _MANY or len(groups) < 2 else 2)
     markers = markers_of(row["fill"] for group in groups for row in group.rows)
     lines = max(-(-len(groups) // columns), 1)
-    width, height = 8 / columns, 3.5 if columns == 1 else 3.6
+    width, height = 8 / columns, 3.3
     with drawing((measure, [_content(group, measure) for group in groups]), font_size=8 if columns == 1 else 7.5):
-        figure = _figure(8, lines * height)
+        figure = _figure(8, lines * height + _KEY_IN)
         figure.patch.set_facecolor("white")
+        if groups:
+            anchor = (0.5 / 8, 1 - 0.06 / (lines * height + _KEY_IN))
+            figure.legend(handles=_key(markers, PAPER), loc="upper left", bbox_to_anchor=anchor, ncols=4, **_key_style(PAPER))
         for number, group in enumerate(groups):
             left, top = number % columns * width, (lines - number // columns) * height
-            axes = _axes_in(figure, (left + 0.55, top - height + 0.45, left + width - 0.1, top - 0.58))
-            axes.annotate(
-                group.label, (0, 1), (0, 20), xycoords="axes fraction", textcoords="offset points",
-                weight="bold", color=PAPER.ink, parse_math=False,
-            )  # fmt: skip
+            axes = _axes_in(figure, (left + 0.55, top - height + 0.45, left + width - 0.1, top - 0.3))
+            axes.annotate(group.label, (0, 1), (0, 5), **_ABOVE, weight="bold", color=PAPER.ink, parse_math=False)
             _draw(axes, group, measure, markers, PAPER)
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png", dpi=_PNG_DPI, metadata={"Software": None})
@@ -123,7 +128,8 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         style = {"marker": markers[row["fill"]], "markersize": _MARKER_PT, "markeredgewidth": 1.5, "color": colour, "linestyle": "none"}
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
-    _draw_key(axes, {row["fill"] for row in rows}, measure, markers, palette)
+    better = "better ↖" if measure in HIGHER_IS_BETTER else "better ↙"
+    axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
 
 def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
@@ -158,45 +164,44 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
 
 
 def _draw_names(axes: Axes, names: list[str], points: np.ndarray, is_best: np.ndarray, line: np.ndarray, palette: Palette) -> None:
-    from matplotlib.text import Text
-
-    figure = axes.figure
-    to_points = 72 / figure.dpi
-    box = axes.get_window_extent()
-    renderer = figure.canvas.get_renderer()
-    weights = np.where(is_best, "bold", "normal")
-    # Breaking a long name after its colon keeps it near its point.
-    texts = [name.replace(":", ":\n", 1) for name in names]
-    sizes = []
-    for text, weight in zip(texts, weights, strict=True):
-        artist = Text(0, 0, text, weight=weight, parse_math=False, figure=figure)
-        extent = artist.get_window_extent(renderer)
-        sizes.append((extent.width * to_points, extent.height * to_points))
+    """Each point's warp beside it; points of one warp that nearly coincide (its fills) share one name."""
+    to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
+    area = (box.width * to_points, box.height * to_points)
     at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points
     bends = (axes.transData.transform(line) - (box.x0, box.y0)) * to_points
-    area = (box.width * to_points, box.height * to_points)
-    corners = place_labels(at, np.array(sizes), area, clearance=_CLEAR_PT, line=bends)
-    for name, text, weight, point, corner, size in zip(names, texts, weights, at, corners, sizes, strict=True):
+    groups = groups_of(names, at, _SHARED_PT)
+    # Breaking a long name after its colon keeps it near its point.
+    texts = [names[group[0]].replace(":", ":\n", 1) for group in groups]
+    weights = ["bold" if is_best[group].any() else "normal" for group in groups]
+    sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(texts, weights, strict=True)])
+    corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends)
+    for group, text, weight, corner, size in zip(groups, texts, weights, corners, sizes, strict=True):
         style = {"weight": weight, "ha": "center", "va": "center", "color": palette.ink, "parse_math": False, "zorder": 6}
-        axes.text(*(corner + np.array(size) / 2) / area, text, transform=axes.transAxes, **style)
-        tip = leader_tips(point, np.array([[*corner, *(corner + size)]]))[0]
-        length = np.linalg.norm(tip - point)
+        axes.text(*(corner + size / 2) / area, text, transform=axes.transAxes, **style)
+        (start,), (tip,) = leaders(at[group], np.array([[*corner, *(corner + size)]]))
+        length = np.linalg.norm(tip - start)
         if length > _CLEAR_PT + _LEADER_PT:
-            ends = np.stack([point + (tip - point) * (_MARKER_PT / 2 / length), tip]) / area
-            axes.plot(*ends.T, transform=axes.transAxes, color=palette.warp(name), linewidth=0.9, zorder=2)
+            ends = np.stack([start + (tip - start) * (_MARKER_PT / 2 / length), tip]) / area
+            axes.plot(*ends.T, transform=axes.transAxes, color=palette.warp(names[group[0]]), linewidth=0.9, zorder=2)
 
 
-def _draw_key(axes: Axes, fills: Iterable[str], measure: str, markers: Mapping[str, str], palette: Palette) -> None:
+def _size_pt(figure: Figure, text: str, weight: str) -> tuple[float, float]:
+    from matplotlib.text import Text
+
+    extent = Text(0, 0, text, weight=weight, parse_math=False, figure=figure).get_window_extent(figure.canvas.get_renderer())
+    return extent.width * 72 / figure.dpi, extent.height * 72 / figure.dpi
+
+
+def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
     from matplotlib.lines import Line2D
 
     style = {"color": palette.ink, "markerfacecolor": "none", "markeredgewidth": 1.3, "linestyle": "none", "markersize": 6}
-    handles = [Line2D([], [], marker=markers[fill], label=f"fill {fill}", **style) for fill in markers if fill in fills]
-    handles.append(Line2D([], [], color=palette.ink, linewidth=1.1, alpha=0.55, label="Pareto front (filled, bold)"))
-    key = axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=len(handles), frameon=False, labelcolor=palette.ink,
-        borderaxespad=0.1, handletextpad=0.3, columnspacing=1.2, borderpad=0.2, handlelength=1.5,
-    )  # fmt: skip
-    for text in key.get_texts():
-        text.set_parse_math(False)
-    better = "better ↖" if measure in HIGHER_IS_BETTER else "better ↙"
-    axes.annotate(better, (1, 1), (0, 3), xycoords="axes fraction", textcoords="offset points", ha="right", color=palette.ink)
+    fills = [Line2D([], [], marker=marker, label=f"fill {fill}", **style) for fill, marker in markers.items()]
+    return [*fills, Line2D([], [], color=palette.ink, linewidth=1.1, alpha=0.55, label="Pareto front (filled, bold)")]
+
+
+def _key_style(palette: Palette) -> dict[str, Any]:
+    return {
+        "frameon": False, "labelcolor": palette.ink, "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2,
+        "handlelength": 1.5,
+    }  # fmt: skip

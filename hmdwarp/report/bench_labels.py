@@ -5,6 +5,8 @@ Boxes are (left, bottom, right, top), lengths in points; all functions are pure.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
@@ -19,96 +21,115 @@ _GAP = 1.0  # kept free around every label
 _COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 60.0, 40.0, 12.0, 32.0
 
 
-def place_labels(points: Array, sizes: Array, area: tuple[float, float], *, clearance: float = 4, line: Array | None = None) -> Array:
-    """Lower left corners, (n, 2), of labels of `sizes` (n, 2) beside `points` (n, 2) in an area (w, h) with its corner at (0, 0).
+def place_labels(
+    points: Sequence[Array], sizes: Array, area: tuple[float, float], *, clearance: float = 4, line: Array | None = None
+) -> Array:
+    """Lower left corners, (n, 2), of n labels in an area (w, h) with its corner at (0, 0).
 
-    Each label goes as near to its point as it can without covering another label, a point (a square of half side `clearance`) or
-    the leader that ties another label to its point, so that leaders cross rarely and it is nearest to its own point; `line`
-    (m, 2), a polyline, is avoided where that is cheap. Where there is no room at all, the least bad place is taken. Deterministic.
+    points: for each label (m, 2), the points it names, often one. sizes: (n, 2). Each label goes as near to one of its points as it can
+    without covering another label, a point (a square of half side `clearance`) or the leader that ties another label to its point,
+    so that leaders cross rarely and it is nearest to its own; `line` (k, 2), a polyline, is avoided where that is cheap.
+    Where there is no room at all, the least bad place is taken. Deterministic.
     """
-    points, sizes = np.asarray(points, dtype=np.float64).reshape(-1, 2), np.asarray(sizes, dtype=np.float64).reshape(-1, 2)
-    count = len(points)
-    markers = np.concatenate([points - clearance, points + clearance], axis=1)
-    choices = [_Places.of(i, points, sizes[i], markers, area, clearance, line) for i in range(count)]
-    crowd = np.linalg.norm(points[:, None] - points[None], axis=2).clip(max=120).sum(axis=1)
-    best, least = np.zeros((count, 2)), np.inf
-    for order in (np.argsort(crowd, kind="stable"), np.argsort(-points[:, 0], kind="stable"), np.argsort(points[:, 1], kind="stable")):
-        boxes, cost = _settled(choices, order, points)
+    points = [np.asarray(own, dtype=np.float64).reshape(-1, 2) for own in points]
+    sizes = np.asarray(sizes, dtype=np.float64).reshape(-1, 2)
+    if not points:
+        return np.zeros((0, 2))
+    choices = [_Places.of(i, points, sizes[i], area, clearance, line) for i in range(len(points))]
+    middles = np.stack([own.mean(axis=0) for own in points])
+    crowd = np.linalg.norm(middles[:, None] - middles[None], axis=2).clip(max=120).sum(axis=1)
+    best, least = np.zeros((len(points), 2)), np.inf
+    for order in (np.argsort(crowd, kind="stable"), np.argsort(-middles[:, 0], kind="stable"), np.argsort(middles[:, 1], kind="stable")):
+        corners, cost = _settled(choices, order)
         if cost < least:
-            best, least = boxes[:, :2], cost
+            best, least = corners, cost
     return best
 
 
-def _settled(choices: list[_Places], order: NDArray, points: Array) -> tuple[Array, float]:
-    """Labels placed one after the other, then each anew among all others until none moves: boxes, and what they cost together."""
-    count = len(choices)
-    boxes, tips, costs = np.full((count, 4), np.nan), np.full((count, 2), np.nan), np.zeros(count)
+def _settled(choices: list[_Places], order: NDArray) -> tuple[Array, float]:
+    """Labels placed one after the other, then each anew among all others until none moves: corners, and what they cost together."""
+    chosen, costs = np.full(len(choices), -1), np.zeros(len(choices))
     for _ in range(_SWEEPS):
-        before = boxes.copy()
+        before = chosen.copy()
         for index in order:
-            others = np.flatnonzero(~np.isnan(boxes[:, 0]) & (np.arange(count) != index))
-            choice = choices[index]
-            cost = choice.cost + choice.quarrels(boxes[others], points[others], tips[others])
-            chosen = np.argmin(cost)
-            boxes[index], tips[index], costs[index] = choice.boxes[chosen], choice.tips[chosen], cost[chosen]
-        if np.array_equal(before, boxes):
+            others = [choices[i].place(chosen[i]) for i in range(len(choices)) if i != index and chosen[i] >= 0]
+            cost = choices[index].cost
+            if others:
+                cost = cost + choices[index].quarrels(*map(np.stack, zip(*others, strict=True)))
+            chosen[index] = np.argmin(cost)
+            costs[index] = cost[chosen[index]]
+        if np.array_equal(before, chosen):
             break
-    return boxes, float(costs.sum())
+    return np.stack([choice.boxes[at, :2] for choice, at in zip(choices, chosen, strict=True)]), float(costs.sum())
 
 
 @attrs.frozen(eq=False)
 class _Places:
-    """Where one label could go: k boxes, the ends of their leaders, and what each costs whatever the other labels do."""
+    """Where one label could go: boxes (k, 4), their leaders from `starts` to `tips` (k, 2), what each costs whatever the others do."""
 
-    point: Array
     boxes: Array
+    starts: Array
     tips: Array
     cost: Array
 
     @classmethod
-    def of(
-        cls, index: int, points: Array, size: Array, markers: Array, area: tuple[float, float], clearance: float, line: Array | None
-    ) -> _Places:
-        point = points[index]
-        corners = _places(point, size, clearance)
+    def of(cls, index: int, points: list[Array], size: Array, area: tuple[float, float], clearance: float, line: Array | None) -> _Places:
+        corners = np.concatenate([_corners(point, size, clearance) for point in points[index]])
         boxes = np.concatenate([corners, corners + size], axis=1)
-        tips = leader_tips(point, boxes)
-        reach = np.linalg.norm(tips - point, axis=1)
-        way = corners + size / 2 - point
+        starts, tips = leaders(points[index], boxes)
+        reach = np.linalg.norm(tips - starts, axis=1)
+        way = corners + size / 2 - starts
         cost = reach + 3 * np.abs(np.arctan2(way[:, 1], way[:, 0]))  # to the right, if all else is nearly equal
         outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
+        everybody = np.concatenate(points)
+        markers = np.concatenate([everybody - clearance, everybody + clearance], axis=1)
         cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0) + _COVERS * boxes_touch(boxes, markers).sum(axis=1)
-        foreign = np.delete(points, index, axis=0)
-        foreign = foreign[np.abs(foreign - point).max(axis=1) > 0.5] if len(foreign) else foreign  # nobody can tell those apart
+        foreign = np.concatenate([np.zeros((0, 2)), *(other for i, other in enumerate(points) if i != index)])
         if len(foreign):
-            nearest = np.linalg.norm(np.stack([leader_tips(other, boxes) - other for other in foreign]), axis=2).min(axis=0)
-            cost += _DOUBTFUL * (nearest < reach + 3)
-        cost += _PASSES * segments_hit(np.broadcast_to(point, tips.shape), tips, np.delete(markers, index, axis=0)).sum(axis=1)
+            cost += _PASSES * segments_hit(starts, tips, np.concatenate([foreign - clearance, foreign + clearance], axis=1)).sum(axis=1)
+            # A point at the very same place cannot be told from its own, wherever the label is.
+            apart = foreign[np.abs(foreign[:, None] - points[index][None]).max(axis=2).min(axis=1) > 0.5]
+            if len(apart):
+                cost += _DOUBTFUL * (np.linalg.norm(np.subtract(*leaders(apart, boxes)), axis=1) < reach + 3)
         if line is not None and len(line) > 1:
             cost += _OVER_LINE * segments_hit(line[:-1], line[1:], boxes).sum(axis=0)
-        return cls(point, boxes, tips, cost)
+        return cls(boxes, starts, tips, cost)
 
-    def quarrels(self, boxes: Array, points: Array, tips: Array) -> Array:
-        """What each place costs beside labels that stand in `boxes` (n, 4), tied to their points."""
-        start = np.broadcast_to(self.point, self.tips.shape)
+    def place(self, at: int) -> tuple[Array, Array, Array]:
+        """One of them: box, start and tip."""
+        return self.boxes[at], self.starts[at], self.tips[at]
+
+    def quarrels(self, boxes: Array, starts: Array, tips: Array) -> Array:
+        """What each place costs beside other labels, already placed: boxes (n, 4), leaders (n, 2)."""
         cost = _COVERS * boxes_touch(self.boxes, boxes, _GAP).sum(axis=1)
-        cost += _CUT * segments_hit(start, self.tips, boxes).sum(axis=1)
-        cost += _CUT * segments_hit(points, tips, self.boxes).sum(axis=0)
-        return cost + _CROSSES * _segments_cross(start, self.tips, points, tips).sum(axis=1)
+        cost += _CUT * segments_hit(self.starts, self.tips, boxes).sum(axis=1)
+        cost += _CUT * segments_hit(starts, tips, self.boxes).sum(axis=0)
+        return cost + _CROSSES * _segments_cross(self.starts, self.tips, starts, tips).sum(axis=1)
 
 
-def _places(point: Array, size: Array, clearance: float) -> Array:
+def _corners(point: Array, size: Array, clearance: float) -> Array:
     angle = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
     way = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     # Right, left, above and below touch the marker with the middle of a side, the rest with a corner or nearly so.
-    half = size / 2 * np.clip(1.4 * way, -1, 1) + clearance * np.clip(1.4 * way, -1, 1)
+    half = (size / 2 + clearance) * np.clip(1.4 * way, -1, 1)
     centres = point + half[None] + np.asarray(_RADII)[:, None, None] * way[None]
     return (centres - size / 2).reshape(-1, 2)
 
 
-def leader_tips(point: Array, boxes: Array) -> Array:
-    """Of each box (k, 4) the place nearest to the point: where its leader ends."""
-    return np.clip(point, boxes[:, :2], boxes[:, 2:])
+def groups_of(names: Sequence[str], points: Array, distance: float) -> list[list[int]]:
+    """Indices of points that one label can name: those of one name that lie within `distance` of each other, directly or in a chain."""
+    groups: list[list[int]] = []
+    for index, name in enumerate(names):
+        near = [g for g in groups if any(names[i] == name and np.linalg.norm(points[i] - points[index]) <= distance for i in g)]
+        groups = [g for g in groups if g not in near] + [sorted([index, *(i for g in near for i in g)])]
+    return sorted(groups)
+
+
+def leaders(points: Array, boxes: Array) -> tuple[Array, Array]:
+    """For each box (k, 4) the nearest of the points (m, 2) and the place of the box that is nearest to it: both (k, 2)."""
+    tips = np.clip(points[:, None], boxes[None, :, :2], boxes[None, :, 2:])
+    nearest = np.linalg.norm(tips - points[:, None], axis=2).argmin(axis=0)
+    return points[nearest], tips[nearest, np.arange(len(boxes))]
 
 
 def boxes_touch(one: Array, other: Array, gap: float = 0.0) -> NDArray[np.bool_]:

@@ -7,8 +7,9 @@ from typing import Any
 
 import attrs
 
+from ..metrics.regions import REGIONS
 from .bench_bars import region_parts, regions_chart, row_name, traffic, traffic_chart
-from .bench_cases import COLUMNS, REGIONS, Case, Row, cases, column, common, measure_label, name_pieces, sequence_text
+from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, name_pieces, sequence_text
 from .bench_charts import pareto_chart, pareto_text
 from .bench_displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
 from .bench_style import css_variables, markers_of
@@ -120,12 +121,12 @@ def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[tuple[str, str]]
 def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[dict[str, str]]:
     clocks = data.get("clocks") or {}
     gpu, wall = clocks.get("gpu_ms"), clocks.get("wall_ms")
-    told = _number(gpu)
+    both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
     seconds = data.get("seconds")
     tiles = [
         ("Combinations", str(len(rows)), "", f"run in {seconds / 60:.1f} min" if seconds else "warp, fill, recording, latency"),
         ("Clock", {"gpu": "GPU", "wall": "wall"}.get(data.get("clock"), "?"), "", _CLOCKS.get(data.get("clock"), "")),
-        ("One pass, two clocks", f"{told} / {_number(wall)}", "ms", "GPU timer / wall clock; – where it is not real"),
+        ("One pass, two clocks", both, "ms", "GPU timer / wall clock; where they agree, the timer is real"),
     ]
     if data.get("copy_gb_s"):
         tiles.append(("Copy bandwidth", f"{data['copy_gb_s']:.1f}", "GB/s", "measured on this device; the bounds below follow from it"))

@@ -59,7 +59,8 @@ def test_every_chart_takes_its_colours_from_the_page_and_shares_no_ids():
 def test_every_point_has_its_name_and_fills_their_key():
     for measure in ("flip", "psnr_db"):
         found = words(pareto_chart(one_case(), measure))
-        assert [name for name in WARPS if name != "none" and found.count(name) != 2] == []
+        # The fills of one warp that nearly coincide share a name.
+        assert [name for name in WARPS if found.count(name) not in (1, 2)] == [] and sum(found.count(name) for name in WARPS) > 20
         assert {"fill none", "fill interpolate"} <= set(found)
 
 

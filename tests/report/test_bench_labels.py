@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.report.bench_labels import boxes_touch, leader_tips, place_labels, segments_hit, spread
+from hmdwarp.report.bench_labels import boxes_touch, groups_of, leaders, place_labels, segments_hit, spread
 
 AREA = (650.0, 260.0)
 
 
 def placed(points, sizes):
-    corners = place_labels(points, sizes, AREA)
+    corners = place_labels(list(points), sizes, AREA)
     return np.concatenate([corners, corners + sizes], axis=1)
 
 
@@ -29,7 +29,7 @@ def test_labels_cover_nothing(count, spread_of_points):
     if spread_of_points < 0.2:  # dozens of markers, 8 wide, within a tenth of the area: their leaders may have to pass a label
         return
     assert not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any()
-    tips = np.stack([leader_tips(points[i], boxes[[i]])[0] for i in range(count)]) if count else points
+    tips = np.concatenate([np.zeros((0, 2)), *(leaders(points[[i]], boxes[[i]])[1] for i in range(count))])
     assert not (segments_hit(points, tips, boxes) & ~own).any()
 
 
@@ -45,14 +45,29 @@ def test_a_lonely_label_stands_right_beside_its_point():
 
 
 def test_too_many_labels_still_have_places():
-    corners = place_labels(np.full((30, 2), 20.0), np.full((30, 2), 30.0), (60, 60))
+    corners = place_labels(list(np.full((30, 2), 20.0)), np.full((30, 2), 30.0), (60, 60))
     assert np.isfinite(corners).all()
 
 
 def test_the_same_twice():
     rng = np.random.default_rng(1)
     points, sizes = rng.uniform(0, 200, (20, 2)), rng.uniform(8, 60, (20, 2))
-    assert np.array_equal(place_labels(points, sizes, AREA), place_labels(points, sizes, AREA))
+    assert np.array_equal(placed(points, sizes), placed(points, sizes))
+
+
+def test_a_label_of_several_points_stands_beside_one_of_them_and_covers_none():
+    points = np.array([[100.0, 100.0], [108.0, 104.0], [112.0, 96.0]])
+    corners = place_labels([points, np.array([[160.0, 100.0]])], np.array([[60.0, 11.0], [60.0, 11.0]]), AREA)
+    boxes = np.concatenate([corners, corners + (60, 11)], axis=1)
+    starts, tips = leaders(points, boxes[:1])
+    assert np.linalg.norm(starts - tips) < 8 and starts[0] in points
+    assert not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any() and not boxes_touch(boxes[:1], boxes[1:]).any()
+
+
+def test_points_of_one_name_share_it_only_if_they_are_near():
+    points = np.array([[0.0, 0], [5, 0], [50, 0], [10, 0], [5, 1]])
+    assert groups_of(["a", "a", "a", "a", "b"], points, 6) == [[0, 1, 3], [2], [4]]
+    assert groups_of(["a", "a", "a"], np.array([[0.0, 0], [10, 0], [5, 0]]), 6) == [[0, 1, 2]] and groups_of([], points[:0], 6) == []
 
 
 COORDINATES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
