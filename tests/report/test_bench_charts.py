@@ -77,7 +77,9 @@ def test_the_front_is_filled_bold_and_told_in_words():
 
 
 def test_the_same_data_give_the_same_chart():
-    assert dict(all_charts()) == dict(all_charts())
+    grid, case = a_grid(("none", "mesh")), one_case(warps=("none", "forward", "backward"))
+    for make in (lambda: pareto_chart(case), lambda: regions_chart(case), lambda: displacement_chart(grid, "yaw")):
+        assert make() == make()
 
 
 @pytest.mark.parametrize("measure", ["flip", "psnr_db"])
@@ -186,7 +188,7 @@ def test_each_pass_once_for_each_size():
     assert traffic([a_row(passes=[{"name": "warp", "bytes": 0, "bound_ms": None, "median_ms": None}])]) == []
 
 
-@pytest.mark.parametrize("columns", [None, 1, 2])
+@pytest.mark.parametrize("columns", [None, 1])
 def test_the_picture_for_the_readme(tmp_path, columns):
     rows = some_rows(warps=list(WARPS)[::3], fills=("interpolate",), latencies=(200.0,))
     path = tmp_path / "pareto.png"
@@ -196,8 +198,7 @@ def test_the_picture_for_the_readme(tmp_path, columns):
         picture = np.asarray(image.convert("RGB"))
     assert picture.shape[1] == 1600 and (picture[0] == 255).all()
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
-    for _ in range(2):
-        pareto_plot_png(path, [], columns=columns)
+    pareto_plot_png(path, [], columns=columns)
     assert [p.name for p in tmp_path.iterdir()] == ["pareto.png"]
 
 
