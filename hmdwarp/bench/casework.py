@@ -115,13 +115,18 @@ class Casework:
         return shown
 
     def _time(self, refresh: Refresh) -> None:
-        """Every combination once to warm up, then in rounds; who comes first changes from round to round."""
+        """Every combination in each round; who comes first changes from round to round.
+
+        Before the first of all rounds everybody runs once, to warm up; later the refresh before has done that, and the first one
+        alone runs, because a processor that has slept is slow for a while.
+        """
         self._pool.wait()
         count = len(self._compensators)
-        for round_ in range(self._rounds + 1):
+        for place in range(count if self._turn == 0 else 1):
+            self._run((place + self._turn) % count, refresh, timed=False)
+        for _ in range(self._rounds):
             for place in range(count):
-                index = (place + self._turn) % count
-                self._run(index, refresh, timed=round_ > 0)
+                self._run((place + self._turn) % count, refresh, timed=True)
             self._turn += 1
 
     def _run(self, index: int, refresh: Refresh, *, timed: bool) -> None:

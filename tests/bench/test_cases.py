@@ -101,7 +101,7 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
     found = batches(combinations, (8, 8), (8, 8), most)
     assert [c for batch in found for c in batch] == combinations
     assert all(len({c.warp for c in batch}) == len(batch) / 2 for batch in found)  # both fills of a warp together
-    pair = 24 * 64 * 2 + 16 * 64 * 3
+    pair = 32 * 64 * 2 + 16 * 64 * 3
     assert all(len(batch) == 2 or len(batch) / 2 * pair <= most for batch in found)
 
 
