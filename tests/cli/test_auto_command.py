@@ -1,0 +1,18 @@
+"""Warp auto on the command line: what it wants beside it, and what plan tells of it."""
+
+from __future__ import annotations
+
+from bench_files import a_bench
+
+
+def test_what_it_wants_and_what_plan_tells(command, tmp_path):
+    path = a_bench(tmp_path / "b.json")
+    command("replay", "walk", "--warp", "auto").refused("--budget MS")
+    command("replay", "walk", "--budget", "3").refused("only warp 'auto' keeps to a budget")
+    command("replay", "walk", "--warp", "auto", "--budget", "3", "--fill", "none").refused("chooses the fill too")
+    command("plan", "--warp", "auto").refused("--budget MS")
+    usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--warp", "auto", "--budget")
+    told = " ".join(command(*usual, "5000", "--bench", str(path)).done().out.split())
+    assert "rotation 3000.00 ms per eye, mean FLIP 0.2000; it would begin here" in told
+    assert "late.colour, late.inverse_depth" in told  # frames carry what the best of them reads
+    assert "forward + interpolate" in " ".join(command(*usual, "5000").done().out.split())
