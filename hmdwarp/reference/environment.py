@@ -6,7 +6,7 @@ import numpy as np
 
 from ..geometry import View
 from ..geometry.cube import FACES, face_views
-from ._rays import FLOAT32_UNIT, Array, project, world_directions
+from ._rays import FLOAT32_UNIT, Array, Places, pixel_centres, project
 from .picture import Asked, ReferencePicture, sample_covered
 
 
@@ -16,13 +16,13 @@ def environment(asked: Asked) -> ReferencePicture:
     Rays that rounding may put on either of two faces are undecided.
     """
     side = asked.cube.shape[1] // 3
-    rays = world_directions(asked.shown, asked.shown_size)
+    rays = asked.directions(asked.shown)
     views = face_views(View(asked.late.pose, asked.shown.fov), side)
     ahead = np.stack([rays @ view.pose.rotation.as_matrix()[:, 2] * -1 for view in views])
     error = direction_error(asked)
     chosen, order = ahead.argmax(axis=0), np.sort(ahead, axis=0)
-    out = np.zeros((*asked.shown_size[::-1], 4))
-    tolerance = np.zeros(asked.shown_size[::-1])
+    out = np.zeros((*asked.shape, 4))
+    tolerance = np.zeros(asked.shape)
     undecided = order[-1] - order[-2] <= 2 * error
     for index, (face, view) in enumerate(zip(FACES, views, strict=True)):
         picture = asked.cube[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
@@ -42,6 +42,7 @@ def direction_error(asked: Asked) -> Array:
     shown, late, size = asked.shown, asked.late, asked.shown_size
     turn = np.abs(late.pose.rotation.as_matrix().T @ shown.pose.rotation.as_matrix())
     to_tangent = np.abs(np.linalg.inv(shown.fov.pixel_from_tangent(size)))
-    x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
-    terms = np.stack([x, y, np.ones_like(x)], axis=-1) @ (turn @ to_tangent).T
-    return 8 * FLOAT32_UNIT * terms.max(axis=-1)
+    places = asked.places or Places(pixel_centres(size))
+    p = np.concatenate([places.pixels, np.ones((*places.pixels.shape[:-1], 1))], axis=-1)
+    terms = 8 * places.rounding * FLOAT32_UNIT * (p @ (turn @ to_tangent).T).max(axis=-1)
+    return terms + places.error * (turn @ to_tangent)[:, :2].sum(axis=-1).max()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import Pose, View, WarpMap
-from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
+from ._rays import FLOAT32_UNIT, Array, project
 from .picture import Asked, ReferencePicture, near_edge, sample_covered
 
 
@@ -22,9 +22,9 @@ def rotation(asked: Asked) -> ReferencePicture:
 
 def _through_infinity(asked: Asked, shown: View) -> ReferencePicture:
     size, late = asked.size, asked.late
-    far = np.zeros(asked.shown_size[::-1])
-    pixels, _, _ = project(world_directions(shown, asked.shown_size), np.zeros(3), far, late, size)
-    bound = pixel_error_bound(WarpMap.between(shown, asked.shown_size, late, size), asked.shown_size, far)
+    far = np.zeros(asked.shape)
+    pixels, _, _ = project(asked.directions(shown), np.zeros(3), far, late, size)
+    bound = asked.map_error(WarpMap.between(shown, asked.shown_size, late, size), far)
     return sample_covered(asked.colour, pixels, bound, asked.sampler_pixels)
 
 
@@ -41,7 +41,7 @@ def planar(asked: Asked) -> ReferencePicture:
     """Each shown ray, met with the plane at the median depth before the late eye."""
     late, shown, shown_size, size = asked.late, asked.shown, asked.shown_size, asked.size
     r = median_inverse_depth(asked.inverse_depth)
-    rays = world_directions(shown, shown_size)
+    rays = asked.directions(shown)
     moved = shown.pose.position_m - late.pose.position_m
     # Along the late eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
     # length t with axis . (moved + t ray) = 1/r. As inverse lengths, so that r = 0 needs no case:
@@ -53,8 +53,8 @@ def planar(asked: Asked) -> ReferencePicture:
         pixels, _, _ = project(rays, moved, inverse_length, late, size)
         towards = (rays @ axis) / past > 0
     pixels = np.where(towards[..., None], pixels, np.nan)
-    bound = pixel_error_bound(
-        WarpMap.between(shown, shown_size, late, size), shown_size, np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
+    bound = asked.map_error(
+        WarpMap.between(shown, shown_size, late, size), np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
     )
     # The shader's form cancels by up to 1 + 2 r |moved| before it divides by past.
     grown = 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
@@ -64,18 +64,20 @@ def planar(asked: Asked) -> ReferencePicture:
 def backward(asked: Asked) -> ReferencePicture:
     """Each shown point, looked up in the late picture where the late depth there agrees with the point's own."""
     late, shown, shown_size, size, settings = asked.late, asked.shown, asked.shown_size, asked.size, asked.settings
-    known = asked.client_inverse_depth >= 0
-    own = np.where(known, asked.client_inverse_depth, 0)
+    own = asked.own_depth()
+    known = own >= 0
+    own = np.where(known, own, 0)
     moved = shown.pose.position_m - late.pose.position_m
-    pixels, expected, w = project(world_directions(shown, shown_size), moved, own, late, size)
+    pixels, expected, w = project(asked.directions(shown), moved, own, late, size)
     pixels = np.where(known[..., None], pixels, np.nan)
-    bound = pixel_error_bound(WarpMap.between(shown, shown_size, late, size), shown_size, own)
+    bound = asked.map_error(WarpMap.between(shown, shown_size, late, size), own)
     at, agree, undecided = _where_depth_agrees(asked.inverse_depth, pixels, expected, bound, settings.tolerance, settings.floor)
     looked = sample_covered(asked.colour, np.where(agree[..., None], at, np.nan), bound, asked.sampler_pixels, least=0.0)
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known
-    return ReferencePicture(looked.colour, looked.tolerance, (undecided & known & ~outside) | edge)
+    undecided = (undecided & known & ~outside) | edge | asked.near_another_pixel()
+    return ReferencePicture(looked.colour, looked.tolerance, undecided)
 
 
 def _where_depth_agrees(inverse_depth: Array, pixels: Array, expected: Array, error: Array, tolerance: float, floor: float):

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..geometry import View
+from ..geometry import View, WarpMap
+from ._rays import Places, pixel_error_bound, world_directions
 
 Array = NDArray[np.float64]
 
@@ -34,7 +35,8 @@ class Asked:
 
     colour, inverse_depth as in LatePicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the late view, nearest
     first. cube: (3n, 2n, 4) as geometry.cube lays it out. others: further late pictures. settings: the warp's. sampler_pixels: how
-    far, in pixels, the sampler may place a bilinear look beside where it was asked for.
+    far, in pixels, the sampler may place a bilinear look beside where it was asked for. places: where the shown view is looked at, if
+    not at its pixel centres; the picture asked for then has their shape.
     """
 
     colour: Array
@@ -48,6 +50,35 @@ class Asked:
     others: tuple[LatePicture, ...] = ()
     settings: Any = None
     sampler_pixels: float = GPU_SAMPLER_PIXELS
+    places: Places | None = None
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(h, w) of the picture asked for."""
+        return self.shown_size[::-1] if self.places is None else self.places.pixels.shape[:2]
+
+    def directions(self, view: View) -> Array:
+        """(h, w, 3) directions in the world that `view`, of the shown size, is asked about."""
+        return world_directions(view, self.shown_size, None if self.places is None else self.places.pixels)
+
+    def map_error(self, warp: WarpMap, inverse_depth: Array) -> Array:
+        """(h, w): how far a shader's late pixels may be off, see pixel_error_bound."""
+        return pixel_error_bound(warp, self.shown_size, inverse_depth, self.places)
+
+    def own_depth(self) -> Array:
+        """(h, w): the client's own inverse depth at the nearest pixel of each place; -1 beside the shown picture."""
+        if self.places is None:
+            return self.client_inverse_depth
+        place = np.nan_to_num(self.places.pixels, nan=-1.0, posinf=-1.0, neginf=-1.0)
+        nearest = np.floor(np.clip(place, -1, np.array(self.shown_size))).astype(int)
+        return np.pad(self.client_inverse_depth, 1, constant_values=-1)[nearest[..., 1] + 1, nearest[..., 0] + 1]
+
+    def near_another_pixel(self) -> Array:
+        """(h, w): whether a place lies within its error of another pixel, whose depth a shader may then take."""
+        if self.places is None:
+            return np.zeros(self.shape, bool)
+        from_border = np.abs(self.places.pixels - np.round(self.places.pixels)).min(axis=-1)
+        return from_border <= self.places.error
 
     @property
     def size(self) -> tuple[int, int]:

@@ -1,0 +1,181 @@
+"""Warps that look through the lens themselves: against their float64 twins behind the lens's own twin, and against the two passes."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from scipy import ndimage
+from worlds import World, read, twin_of
+
+from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.warps import Output, warps
+from hmdwarp.geometry import Pose, View
+from hmdwarp.geometry.cube import FACES, face_views
+from hmdwarp.gpu.textures import Canvas
+from hmdwarp.headsets import Headset, headset_names, load_headset
+from hmdwarp.reference.fused import fused, looked_at
+from hmdwarp.reference.picture import HALF_SMALLEST, HALF_UNIT
+
+WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
+FUSING = [name for name in warps.names() if warps.get(name).fuses]
+WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "backward", "environment"]  # their twins answer for any direction
+SIZES = [((67, 53), (61, 83)), ((64, 64), (101, 37)), ((129, 2), (31, 27)), ((1, 1), (9, 7)), ((40, 50), (1, 1))]  # shown, panel
+
+
+def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, int], *, moved: bool = True) -> World:
+    """A world whose shown view has the headset's field of view."""
+    world = World(gpu, seed, size, moved=moved)
+    world.shown_view = View(world.shown_view.pose, headset.fov(eye))
+    if not moved:
+        world.late_view = world.shown_view
+        world.upload(gpu)
+    return world
+
+
+def panel_of(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None) -> np.ndarray:
+    """(h, w, 4) the panel that the fused warp makes, bottom row first."""
+    choice = parse_warp(spec)
+    world.bring(gpu, choice.warp)
+    lens = lenses.get("radial")(gpu, headset, size)
+    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
+    canvas = Canvas(gpu.gl, size)
+    canvas.texture.write(np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
+    warp.run(attrs.evolve(world.given(choice.warp), eye=eye, shown_last=last), canvas)
+    gpu.gl.memory_barrier()
+    out = read(canvas.texture)
+    warp.close()
+    canvas.release()
+    return out
+
+
+def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int]) -> np.ndarray:
+    """(h, w, 4) the same by the warp and then the lens."""
+    choice = parse_warp(spec)
+    world.bring(gpu, choice.warp)
+    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings)
+    shown, panel = Canvas(gpu.gl, world.shown_size), Canvas(gpu.gl, size)
+    warp.run(world.given(choice.warp), shown)
+    gpu.gl.memory_barrier()
+    lenses.get("radial")(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
+    gpu.gl.memory_barrier()
+    out = read(panel.texture)
+    warp.close()
+    shown.release()
+    panel.release()
+    return out
+
+
+def assert_equals_twin(got: np.ndarray, wanted, least_decided: float) -> None:
+    decided = ~wanted.undecided
+    if decided.size > 1000:
+        assert decided.mean() > least_decided
+    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
+    difference = np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1)
+    assert (difference <= wanted.tolerance)[decided].all(), f"worst {(difference - wanted.tolerance)[decided].max()}"
+
+
+@pytest.mark.parametrize("name", WITH_TWIN_AT_PLACES)
+@pytest.mark.parametrize("headset", WITH_LENS)
+@pytest.mark.parametrize("sizes", SIZES, ids="{0[0][0]}x{0[0][1]}".format)
+def test_equals_the_lens_twin_before_the_warps_twin(gpu, name, headset, sizes):
+    size, panel_size = sizes
+    for eye in (0, 1):
+        chosen = load_headset(headset)
+        world = world_before(gpu, chosen, eye, 11 + eye, size)
+        got = panel_of(gpu, world, name, chosen, eye, panel_size)
+        wanted = fused(world.asked(parse_warp(name).settings), twin_of(name), chosen, eye, panel_size)
+        # Three looks per pixel, each of which may be a close call: three times the 10 % that a single look is allowed.
+        assert_equals_twin(got, wanted, 0.7)
+
+
+def picture_without_holes(gpu, headset: Headset, eye: int, size: tuple[int, int]) -> World:
+    world = world_before(gpu, headset, eye, 5, size, moved=False)
+    world.colour = np.dstack([world.rng.uniform(0, 1, (*size[::-1], 3)), np.ones(size[::-1])]).astype(np.float16).astype(np.float64)
+    world.inverse_depth = np.full(size[::-1], 0.5)
+    world.client = world._client_depth()
+    world.upload(gpu)
+    return world
+
+
+@pytest.mark.parametrize("name", [name for name in FUSING if not warps.get(name).resamples])
+@pytest.mark.parametrize("headset", WITH_LENS)
+@pytest.mark.parametrize("eye", [0, 1])
+def test_an_unmoved_head_gets_the_lens_pass_of_the_late_picture(gpu, name, headset, eye):
+    """Both look at the same place of the same picture, each off by its own error; the change nearby is at most 1, on both axes."""
+    chosen, size, panel_size = load_headset(headset), (67, 53), (61, 83)
+    world = picture_without_holes(gpu, chosen, eye, size)
+    got, two = (make(gpu, world, name, chosen, eye, panel_size) for make in (panel_of, in_two_passes))
+    difference, allowed = np.abs(got - two), np.zeros(panel_size[::-1])
+    decided = np.ones(panel_size[::-1], bool)
+    for colour in ("red", "green", "blue"):
+        pixels, error = looked_at(chosen, eye, panel_size, world.asked(None), colour)
+        # The map of an unmoved head adds 24 units of the place; three more decide in which texel a warp with depth looks.
+        error = error + 27 * 2.0**-24 * max(size) + world.sampler_pixels
+        allowed = np.maximum(allowed, 4 * error + 2 * HALF_UNIT + HALF_SMALLEST)
+        # Within half a pixel of the border a warp that tests the depth takes the nearest texel, as there is none across.
+        within = np.minimum(pixels, size - pixels).min(axis=-1)
+        decided &= (within > 0.5 + error) | (within < -error)
+    assert decided.mean() > 0.95
+    assert (difference.max(axis=-1) <= allowed)[decided].all(), f"worst {difference.max(axis=-1)[decided].max()}"
+    assert got[..., :3].any()
+
+
+def smooth_cube(world: World, side: int) -> np.ndarray:
+    """What the cube holds if the colour of a direction is its own coordinates."""
+    out = np.zeros((2 * side, 3 * side, 4))
+    for face, view in zip(FACES, face_views(world.late_view, side), strict=True):
+        direction = view.rays((side, side)) @ view.pose.rotation.as_matrix().T
+        colour = 0.5 + 0.3 * direction / np.linalg.norm(direction, axis=-1, keepdims=True)
+        out[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side] = np.dstack([colour, np.ones((side, side))])
+    return out.astype(np.float16).astype(np.float64)
+
+
+@pytest.mark.parametrize("name", FUSING)
+@pytest.mark.parametrize("headset", WITH_LENS)
+def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
+    """A smooth picture without holes after a small motion: what two resamples blur, one does not, and that is little here."""
+    chosen, size, panel_size = load_headset(headset), (96, 80), (90, 100)
+    world = world_before(gpu, chosen, 0, 3, size)
+    y, x = np.mgrid[: size[1], : size[0]] / 40
+    smooth = np.dstack([0.5 + 0.3 * np.sin(x), 0.5 + 0.3 * np.cos(y + x), 0.5 + 0.3 * np.sin(y), np.ones_like(x)])
+    world.colour, world.inverse_depth = smooth.astype(np.float16).astype(np.float64), np.full(size[::-1], 0.3)
+    world.client = world._client_depth()
+    world.upload(gpu)
+    if "late.cube" in warps.get(name).reads:
+        world.cube = smooth_cube(world, max(size) + 2)
+    got, two = (make(gpu, world, name, chosen, 0, panel_size) for make in (panel_of, in_two_passes))
+    assert np.isfinite(got).all()
+    assert set(np.unique(got[..., 3])) <= {0.0, 1.0}
+    # Beside a hole the lens pass mixes its black in; all colours of the picture are above 0.15.
+    covered = (got[..., 3] == 1) & (two[..., 3] == 1) & (got[..., :3] > 0.1).all(axis=-1) & (two[..., :3] > 0.1).all(axis=-1)
+    everywhere = ndimage.binary_erosion(covered, iterations=2)
+    assert everywhere.mean() > 0.3
+    difference = np.abs(got - two)[everywhere].max(axis=-1)
+    # The second derivative of the picture is 0.3 / 40^2, at most 3 x 3 times that after the map: a linear resample leaves an eighth of it.
+    assert np.quantile(difference, 0.98) <= 0.01
+    # Coverage may part only where a footprint meets an edge of the picture.
+    assert (got[..., 3] != (two[..., 3] > 0)).mean() < 0.06
+
+
+@pytest.mark.parametrize("name", FUSING)
+def test_holes_are_black_and_nothing_is_nan(gpu, name):
+    chosen = load_headset("rift-dk1")
+    for eye, seed in ((0, 1), (1, 2)):
+        world = world_before(gpu, chosen, eye, seed, (67, 53))
+        got = panel_of(gpu, world, name, chosen, eye, (61, 83))
+        assert np.isfinite(got).all()
+        assert set(np.unique(got[..., 3])) <= {0.0, 1.0}
+        assert (got[..., 1][got[..., 3] == 0] == 0).all(), "coverage goes with green"
+
+
+@pytest.mark.parametrize("name", [name for name in FUSING if name != "none"])
+def test_a_head_that_looks_the_other_way_sees_black(gpu, name):
+    if warps.get(name).resamples:
+        pytest.skip(f"'{name}' sees all around")
+    chosen = load_headset("rift-dk1")
+    world = world_before(gpu, chosen, 0, 1, (40, 30))
+    away = world.late_view.pose @ Pose((0, 0, 0), (0, 1, 0, 0))
+    world.shown_view = View(away, world.shown_view.fov)
+    assert not panel_of(gpu, world, name, chosen, 0, (41, 31)).any()
