@@ -12,9 +12,7 @@ from .picture import Asked, ReferencePicture, near_edge
 from .scanout import Twin, scanned_out
 
 
-def fused(
-    asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None
-) -> ReferencePicture:
+def fused(asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None) -> ReferencePicture:
     """The panel picture (h, w, 4) that `twin`'s warp makes in one resample; black where the lens shows more than the shown view.
 
     last: the view of the panel's last row, if rows light up one after the other. tolerance is that of the worst of the three colours;

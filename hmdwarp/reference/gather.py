@@ -53,9 +53,7 @@ def planar(asked: Asked) -> ReferencePicture:
         pixels, _, _ = project(rays, moved, inverse_length, late, size)
         towards = (rays @ axis) / past > 0
     pixels = np.where(towards[..., None], pixels, np.nan)
-    bound = asked.map_error(
-        WarpMap.between(shown, shown_size, late, size), np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
-    )
+    bound = asked.map_error(WarpMap.between(shown, shown_size, late, size), np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0)))
     # The shader's form cancels by up to 1 + 2 r |moved| before it divides by past.
     grown = 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
     return sample_covered(asked.colour, pixels, grown, asked.sampler_pixels)

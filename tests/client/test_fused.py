@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import attrs
 import numpy as np
 import pytest
+from panels import assert_equals_twin, in_two_passes, panel_of, world_before
 from scipy import ndimage
-from worlds import World, read, twin_of
+from worlds import World, twin_of
 
 from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.lens import lenses
-from hmdwarp.client.warps import Output, warps
+from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
-from hmdwarp.gpu.textures import Canvas
 from hmdwarp.headsets import Headset, headset_names, load_headset
 from hmdwarp.reference.fused import fused, looked_at
 from hmdwarp.reference.picture import HALF_SMALLEST, HALF_UNIT
@@ -22,58 +20,6 @@ WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
 FUSING = [name for name in warps.names() if warps.get(name).fuses]
 WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "backward", "environment"]  # their twins answer for any direction
 SIZES = [((67, 53), (61, 83)), ((64, 64), (101, 37)), ((129, 2), (31, 27)), ((1, 1), (9, 7)), ((40, 50), (1, 1))]  # shown, panel
-
-
-def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, int], *, moved: bool = True) -> World:
-    """A world whose shown view has the headset's field of view."""
-    world = World(gpu, seed, size, moved=moved)
-    world.shown_view = View(world.shown_view.pose, headset.fov(eye))
-    if not moved:
-        world.late_view = world.shown_view
-        world.upload(gpu)
-    return world
-
-
-def panel_of(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None) -> np.ndarray:
-    """(h, w, 4) the panel that the fused warp makes, bottom row first."""
-    choice = parse_warp(spec)
-    world.bring(gpu, choice.warp)
-    lens = lenses.get("radial")(gpu, headset, size)
-    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
-    canvas = Canvas(gpu.gl, size)
-    canvas.texture.write(np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
-    warp.run(attrs.evolve(world.given(choice.warp), eye=eye, shown_last=last), canvas)
-    gpu.gl.memory_barrier()
-    out = read(canvas.texture)
-    warp.close()
-    canvas.release()
-    return out
-
-
-def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int]) -> np.ndarray:
-    """(h, w, 4) the same by the warp and then the lens."""
-    choice = parse_warp(spec)
-    world.bring(gpu, choice.warp)
-    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings)
-    shown, panel = Canvas(gpu.gl, world.shown_size), Canvas(gpu.gl, size)
-    warp.run(world.given(choice.warp), shown)
-    gpu.gl.memory_barrier()
-    lenses.get("radial")(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
-    gpu.gl.memory_barrier()
-    out = read(panel.texture)
-    warp.close()
-    shown.release()
-    panel.release()
-    return out
-
-
-def assert_equals_twin(got: np.ndarray, wanted, least_decided: float) -> None:
-    decided = ~wanted.undecided
-    if decided.size > 1000:
-        assert decided.mean() > least_decided
-    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-    difference = np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1)
-    assert (difference <= wanted.tolerance)[decided].all(), f"worst {(difference - wanted.tolerance)[decided].max()}"
 
 
 @pytest.mark.parametrize("name", WITH_TWIN_AT_PLACES)
@@ -128,7 +74,8 @@ def smooth_cube(world: World, side: int) -> np.ndarray:
     for face, view in zip(FACES, face_views(world.late_view, side), strict=True):
         direction = view.rays((side, side)) @ view.pose.rotation.as_matrix().T
         colour = 0.5 + 0.3 * direction / np.linalg.norm(direction, axis=-1, keepdims=True)
-        out[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side] = np.dstack([colour, np.ones((side, side))])
+        cell = np.s_[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
+        out[cell] = np.dstack([colour, np.ones((side, side))])
     return out.astype(np.float16).astype(np.float64)
 
 

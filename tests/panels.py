@@ -1,0 +1,67 @@
+"""What a headset's panel shows of a random world: by a warp that looks through the lens itself, and by warp and lens in two passes."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from worlds import World, read
+
+from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.warps import Output
+from hmdwarp.geometry import View
+from hmdwarp.gpu.textures import Canvas
+from hmdwarp.headsets import Headset
+from hmdwarp.reference.picture import ReferencePicture
+
+
+def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, int], *, moved: bool = True) -> World:
+    """A world whose shown view has the headset's field of view."""
+    world = World(gpu, seed, size, moved=moved)
+    world.shown_view = View(world.shown_view.pose, headset.fov(eye))
+    if not moved:
+        world.late_view = world.shown_view
+        world.upload(gpu)
+    return world
+
+
+def panel_of(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None) -> np.ndarray:
+    """(h, w, 4) the panel that the fused warp makes, bottom row first."""
+    choice = parse_warp(spec)
+    world.bring(gpu, choice.warp)
+    lens = lenses.get("radial")(gpu, headset, size)
+    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
+    canvas = Canvas(gpu.gl, size)
+    canvas.texture.write(np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
+    warp.run(attrs.evolve(world.given(choice.warp), eye=eye, shown_last=last), canvas)
+    gpu.gl.memory_barrier()
+    out = read(canvas.texture)
+    warp.close()
+    canvas.release()
+    return out
+
+
+def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int]) -> np.ndarray:
+    """(h, w, 4) the same by the warp and then the lens."""
+    choice = parse_warp(spec)
+    world.bring(gpu, choice.warp)
+    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings)
+    shown, panel = Canvas(gpu.gl, world.shown_size), Canvas(gpu.gl, size)
+    warp.run(world.given(choice.warp), shown)
+    gpu.gl.memory_barrier()
+    lenses.get("radial")(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
+    gpu.gl.memory_barrier()
+    out = read(panel.texture)
+    warp.close()
+    shown.release()
+    panel.release()
+    return out
+
+
+def assert_equals_twin(got: np.ndarray, wanted: ReferencePicture, least_decided: float) -> None:
+    decided = ~wanted.undecided
+    if decided.size > 1000:
+        assert decided.mean() > least_decided
+    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
+    difference = np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1)
+    assert (difference <= wanted.tolerance)[decided].all(), f"worst {(difference - wanted.tolerance)[decided].max()}"
