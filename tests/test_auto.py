@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import time
 from pathlib import Path
 
 import attrs
@@ -154,27 +155,29 @@ def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
     assert any(note.startswith("The benchmark was run on somebody's with 1 cores") for note in chosen.summary["notes"])
 
 
-def test_it_goes_down_when_time_runs_out_and_up_again(tmp_path, monkeypatch):
-    """The best rung really takes 40 times as long for a while. Its budget is 10 times what it takes otherwise."""
-    plan = "forward"
-    usual = run(tmp_path / "usual", warp=plan, fill="interpolate").summary["time_ms"]["total"]["median"]
-    rows = [a_row("none", "none", usual / 4, 0.3), a_row(plan, "interpolate", usual, 0.1)]
-
+def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch):
+    """The best rung really takes 150 ms for a while, where there are 100; otherwise both take a few at 96x80."""
+    if gpu.timer.clock != "wall":
+        pytest.skip("how long it works is told by the wall clock, of which GPU timers see a part")
     refresh = itertools.count()
 
     class Busy(Compensator):
-        """Does all its work many times over while the machine is meant to be busy with something else."""
+        """Does all its work over and over while the machine is meant to be busy with something else."""
 
         now = 0
 
         def run(self, given):
             Busy.now = next(refresh) if given.eye == 0 else Busy.now
-            for _ in range(40 if 20 <= Busy.now < 40 and self.plan.warp.name == plan else 1):
+            began, working = time.perf_counter(), True
+            while working:
                 result = super().run(given)
+                busy = 20 <= Busy.now < 40 and self.plan.warp.name == "forward"
+                working = busy and time.perf_counter() - began < 0.15
             return result
 
     monkeypatch.setattr("hmdwarp.rig.Compensator", Busy)
-    options = auto(a_bench(tmp_path / "b.json", rows), budget_ms=10 * usual, seconds=3.0, images=0, metrics_every=30)
+    rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
+    options = auto(a_bench(tmp_path / "b.json", rows), budget_ms=100.0, seconds=3.0, metrics_every=30)
     summary = run(tmp_path / "out", **options).summary
     down, up = summary["auto"]["changes"]
     assert (down["from"], down["to"]) == (BEST, CHEAP) and (up["from"], up["to"]) == (CHEAP, BEST)

@@ -25,6 +25,7 @@ WINDOW = 31  # refreshes the level is the median of
 PATIENCE = 60  # refreshes the room must last before going up
 TRIAL = 240  # a way up was a failure if it led down again within so many refreshes
 BACK_OFF = 4  # both grow by this factor with each failure: tries at 60, 240, 960, 3840 refreshes, six in an hour at 60 Hz
+DOUBT = 0.85  # what this run has seen of a rung counts against the benchmark if it is this much better: two medians of noise differ by less
 SETTLING = 2  # refreshes after a change that tell of the change
 
 
@@ -47,7 +48,8 @@ class Governor:
     Down: as soon as there is enough evidence that the time exceeds the budget, to the most accurate rung that is expected to fit.
     Up: when a better rung has been expected within 95 % of the budget for a while; four times as long after each try that failed.
     What is expected of a rung: the time of the present one, times the ratio of the two by the benchmark, or by what this run has
-    measured. Going down believes the worse of the two, so that it suffices; going up the better, so that one bad moment is not for ever.
+    measured of both. Going down believes the worse of the two, so that it suffices; going up the benchmark, unless what was measured
+    is clearly better: one bad moment is not for ever.
     Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes, Biometrika 41, eq. 1.
     Errors: InputError for a budget in which no rung fits; HmdwarpError for an empty or unsorted ladder.
     """
@@ -57,7 +59,7 @@ class Governor:
         self.ladder, self.budget_ms = tuple(ladder), float(budget_ms)
         self._at = best_within(self.ladder, budget_ms)
         self._refresh = -1
-        self._own = [rung.total_ms for rung in self.ladder]  # as this run saw them, up to one common factor
+        self._own = {self._at: self.rung.total_ms}  # the rungs this run has seen, up to one common factor
         self._failures = [0] * len(self.ladder)
         self._came: tuple[int, float] | None = None  # from which rung, and its level when it was left; None once that is learnt
         self._arrived, self._climbed = 0, False
@@ -120,21 +122,27 @@ class Governor:
 
     def _up(self, level: float) -> Change | None:
         for k in range(self._at + 1, len(self.ladder)):
-            self._room[k] = self._room[k] + 1 if min(self._expected(k, level)) <= MARGIN * self.budget_ms else 0
+            self._room[k] = self._room[k] + 1 if self._hoped(k, level) <= MARGIN * self.budget_ms else 0
         ready = [k for k in range(self._at + 1, len(self.ladder)) if self._room[k] >= PATIENCE * BACK_OFF ** self._failures[k]]
         if not ready:
             return None
         to = ready[-1]
         reason = (
             f"{self.rung} takes {level:.2f} ms, and for {self._room[to]} refreshes {self.ladder[to]} has been expected within "
-            f"{MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {min(self._expected(to, level)):.2f} ms"
+            f"{MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {self._hoped(to, level):.2f} ms"
         )
         return self._change(to, level, reason)
 
     def _expected(self, k: int, level: float) -> tuple[float, float]:
         """What rung k would take now: by the benchmark, and by what this run has seen."""
         by_bench = level * self.ladder[k].total_ms / self.ladder[self._at].total_ms
+        if not {k, self._at} <= self._own.keys():
+            return by_bench, by_bench
         return by_bench, level * self._own[k] / self._own[self._at]
+
+    def _hoped(self, k: int, level: float) -> float:
+        by_bench, by_run = self._expected(k, level)
+        return by_run if by_run < DOUBT * by_bench else by_bench
 
     def _learn(self, level: float) -> None:
         """How this rung compares with the one before, once for each stay: the machine was the same a moment ago."""
