@@ -20,11 +20,11 @@ from hmdwarp.client.given import Given
 from hmdwarp.client.governor import Governor
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError
+from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frame import EyeImage, Layer, Needs
 from hmdwarp.ladder import ladder_from_file, read_rows
 from hmdwarp.report.schema import validate_summary
-from hmdwarp.rig import build_rig
+from hmdwarp.rig import build_plan_for, build_rig
 from hmdwarp.trial import candidates, lens_ms, tried
 
 CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
@@ -194,11 +194,18 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
     assert "What was chosen" in page and "over the budget" in page
 
 
-def test_it_would_try_all_that_the_run_can_have():
+def test_it_would_try_all_that_the_run_can_have(monkeypatch):
     options = small(warp="auto", budget_ms=AMPLE_MS)
-    assert {(c.warp, c.fill) for c in candidates(options)} == set(itertools.product(warps.names(), fills.names()))
-    scanned = {c.warp for c in candidates(attrs.evolve(options, scanout_ms=5.0))}
-    assert scanned == {warp.name for warp in warps if warp.scans_out}
+    every = set(itertools.product(warps.names(), fills.names()))
+    assert {(c.warp, c.fill) for c in candidates(options)} == every
+
+    def picky(one, *given):
+        if one.warp == "rotation":
+            raise PlanError("not in this run")
+        return build_plan_for(one, *given)
+
+    monkeypatch.setattr("hmdwarp.trial.build_plan_for", picky)
+    assert {(c.warp, c.fill) for c in candidates(options)} == {pair for pair in every if pair[0] != "rotation"}
 
 
 @pytest.fixture
