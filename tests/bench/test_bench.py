@@ -44,8 +44,9 @@ KEYS = {"schema", "hmdwarp", "command", "machine", "clock", "clocks", "copy_gb_s
 
 @pytest.fixture(scope="module", autouse=True)
 def small_grid():
-    """A sixteenth of the grid's pixels."""
+    """A sixteenth of the grid's pixels, and small buffers to copy."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hmdwarp.gpu.bandwidth.suitable_bytes", lambda gpu: 1 << 20)
         patch.setattr("hmdwarp.bench.grid.SIZE", (100, 100))
         yield
 
