@@ -144,26 +144,35 @@ class Casework:
         """Hand in the pictures, and compare the eyes' holes, which no fill changes."""
         truths = [self._truth(given.shown) for given in refresh.given]
         shared = SharedSurface(*(given.shown for given in refresh.given), *(truth.inverse_depth for truth in truths))
-        mismatches: dict[str, Mismatch] = {}
+        late, truth = refresh.frame.eyes[eye], truths[eye]
+        coverages: dict[str, list[NDArray]] = {}
+        handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
             warp = measured.combination.warp
-            coverages = {other: _coverage(results[other]) for other in (EYES if warp not in mismatches else (eye,))}
-            if warp not in mismatches:
-                mismatches[warp] = shared.compare(*(coverages[other] for other in EYES))
-            measured.mismatch.append(mismatches[warp])
-            late = refresh.frame.eyes[eye]
+            if warp not in coverages:
+                coverages[warp] = [_coverage(result) for result in results]
+            measured.mismatch.append(shared.compare(*coverages[warp]))
             job = QualityJob(
-                Compared(_picture(results[eye]), truths[eye].picture, results[eye].view),
+                Compared(_picture(results[eye]), truth.picture, results[eye].view),
                 before[index] if before else None,
-                coverages[eye],
-                truths[eye].inverse_depth,
+                coverages[warp][eye],
+                truth.inverse_depth,
                 late.view,
                 late.size,
                 regions=True,
             )
-            key = (self._case, warp, measured.combination.fill, number, eye)
+            same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
+            key = same or (self._case, warp, measured.combination.fill, number, eye)
             measured.keys.append(key)
-            self._pool.submit(key, job)
+            if same is None:
+                handed_in.setdefault(warp, []).append((key, job))
+                self._pool.submit(key, job)
+
+
+def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
+    """Whether two fills left the same picture, as they do where there is nothing to fill: it need not be measured twice."""
+    pairs = [(one.now, other.now)] + ([(one.previous, other.previous)] if one.previous and other.previous else [])
+    return all(np.array_equal(a.shown, b.shown) for a, b in pairs)
 
 
 def _picture(result: EyeResult) -> NDArray[np.uint8]:

@@ -240,3 +240,18 @@ def test_the_answer_tells_what_to_run_and_what_more_would_give():
     assert "0.50 dB less PSNR" in following and "10.60 ms more" in following
     assert "more accurate" in answer({**choice, "next": None})[2]
     assert "PSNR" not in " ".join(answer({**choice, "psnr_db": None, "next": None}))
+
+
+def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
+    """The warp `none` leaves no holes: both fills show one picture, and both rows have its figures."""
+    from hmdwarp.metrics.pool import QualityPool
+
+    submitted, submit = [], QualityPool.submit
+    monkeypatch.setattr(QualityPool, "submit", lambda pool, key, job: (submitted.append(key), submit(pool, key, job)))
+    options = attrs.evolve(SMALL, warps=("none", "forward"), grid=False, fused=False, latencies_ms=(200.0,), out=tmp_path)
+    rows = bench(options).data["rows"]
+    assert sorted(key[1:3] for key in submitted) == 2 * [("forward", "interpolate")] + 2 * [("forward", "none")] + 2 * [("none", "none")]
+    quality = {(row["warp"], row["fill"]): row["quality"] for row in rows}
+    assert quality["none", "none"] == quality["none", "interpolate"]
+    assert quality["forward", "none"] != quality["forward", "interpolate"]
+    assert all(row["frames"] == 2 for row in rows)
