@@ -49,6 +49,10 @@ class Canvas:
         """As the image that a compute shader stores into."""
         self.texture.bind_to_image(unit, read=False, write=True)
 
+    def copy_from(self, drawn: moderngl.Framebuffer) -> None:
+        """The colours of a framebuffer of the same size, bit for bit; for what is drawn with a depth buffer."""
+        self._framebuffer.ctx.copy_framebuffer(self._framebuffer, drawn)
+
     def release(self) -> None:
         self._framebuffer.release()
         self.texture.release()

@@ -1,0 +1,182 @@
+"""What the mesh warps share: the late picture as a list of cells, made on the GPU, and drawn with a depth test."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import moderngl
+import numpy as np
+
+from ...errors import InputError
+from ...geometry import View, WarpMap
+from ...gpu.textures import COLOUR, Canvas, allocate
+from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
+from ._gather import bind_late_colour
+
+if TYPE_CHECKING:
+    from ..given import Given
+
+MOST_SIDE = 2**14 - 2  # cells are named by 14 bits a side, and there is one more than pixels
+QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
+GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
+BLOCK_BYTES, CALL_BYTES = 16, 20
+
+
+class MeshWarp(Warp):
+    """A warp that draws the late picture as cells between pixel centres: whole ones as two triangles, cut ones in quarters.
+
+    steepest_deg: the angle from facing at which a plane is still taken for one surface from one pixel to the next.
+    """
+
+    kind = "scatter"
+    reads = ("late.colour", "late.inverse_depth")
+    adaptive: ClassVar[bool]
+
+    def prepare(self) -> None:
+        _check_side(self.name, self.late_size)
+        self._compile()
+        self._allocate()
+
+    @property
+    def cuts(self) -> tuple[bool, bool]:
+        """Whether sheets are cut by slope, and by vertex identity."""
+        return True, False
+
+    @property
+    def merging(self) -> dict[str, Any]:
+        """Tolerance in shown pixels and coarsest cell, for the shaders that merge."""
+        return {}
+
+    def _compile(self) -> None:
+        slope, vertex = map(int, self.cuts)
+        shaders, adaptive = self.gpu.shaders, int(self.adaptive)
+        self._blocks = shaders.compute("warps/mesh_blocks.comp", ADAPTIVE=adaptive, SLOPE=slope)
+        self._merge = shaders.compute("warps/mesh_merge.comp", ADAPTIVE=adaptive)
+        self._order = shaders.compute("warps/mesh_order.comp")
+        self._list = shaders.compute("warps/mesh_list.comp")
+        self._cells = shaders.draw("warps/mesh_cells.vert", "warps/mesh.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex)
+        self._pieces = shaders.draw("warps/mesh_pieces.vert", "warps/mesh.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex)
+
+    def _allocate(self) -> None:
+        gl, (wide, high) = self.gpu.gl, self.late_size
+        cells = (wide + 1) * (high + 1)
+        self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.late_size)
+        groups = self._groups[0] * self._groups[1]
+        self._calls = -(-cells // QUADS), -(-4 * cells // QUADS)
+        sizes = [groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES, 8 * groups, *(CALL_BYTES * n for n in self._calls), 4 * cells, 4 * cells]
+        _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.late_size)
+        self._buffers = [gl.buffer(reserve=size) for size in sizes]  # bound as they are numbered in the shaders
+        corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
+        self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
+        self._arrays = [
+            gl.vertex_array(draw.program, [], index_buffer=self._corners, index_element_size=2) for draw in (self._cells, self._pieces)
+        ]
+        self._colour = allocate(gl, self.shown_size, COLOUR)
+        self._depth = gl.depth_renderbuffer(self.shown_size)
+        self._framebuffer = gl.framebuffer([self._colour], self._depth)
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        """Each drawn pixel's depth to make cells and again to draw them, its colour once; the shown colour and depth cleared and written,
+        the depth read for its test."""
+        return late_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
+
+    def run(self, given: Given, into: Canvas) -> None:
+        late, shown = given.late, given.shown
+        forward = WarpMap.between(late.view, self.late_size, shown, self.shown_size)
+        late.inverse_depth.bind_to_image(0, read=True, write=False)
+        for binding, buffer in enumerate(self._buffers):
+            buffer.bind_to_storage_buffer(binding)
+        self._make_cells(forward, late.view)
+        bind_late_colour(late, 0, whole_pixels=forward.moves_whole_pixels())
+        self._draw(forward, shown, late.view)
+        into.copy_from(self._framebuffer)
+
+    def _make_cells(self, forward: WarpMap, late: View) -> None:
+        named = {
+            "H": forward.H,
+            "e": forward.e,
+            "late_size": self.late_size,
+            "late_inverse_depth": 0,
+            "steepest": self._steepest(late),
+            "reach": reach(forward, self.shown_size),
+            "group_count": self._groups[0] * self._groups[1],
+            "draws": self._calls,
+            "draw_quads": QUADS,
+            **self.merging,
+        }
+        side = GROUP // BLOCK
+        blocks = self._groups[0] * side, self._groups[1] * side
+        for program, size in ((self._blocks, blocks), (self._merge, self._groups), (self._order, (1, 1)), (self._list, blocks)):
+            _set_declared(program.uniforms, named)
+            program.run(*size)
+            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def _draw(self, forward: WarpMap, shown: View, late: View) -> None:
+        gl = self.gpu.gl
+        back = WarpMap.between(shown, self.shown_size, late, self.late_size)
+        named = {
+            "H": forward.H,
+            "e": forward.e,
+            "late_size": self.late_size,
+            "shown_size": self.shown_size,
+            "late_pixel": (1 / self.late_size[0], 1 / self.late_size[1]),
+            "late_inverse_depth": 0,
+            "late_colour": 0,
+            "steepest": self._steepest(late),
+            "late_from_shown": back.H,
+            "late_parallax": back.e,
+            "overlap": overlap(self.merging.get("tolerance", 0.0)),
+        }
+        with gl.scope(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+            self._framebuffer.clear(depth=0.0)
+            gl.depth_func = ">"  # what is written is larger where it is nearer
+            for draw, array, calls, count in zip((self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True):
+                _set_declared(draw.uniforms, named)
+                array.render_indirect(calls, moderngl.TRIANGLES, count=count)
+            gl.depth_func = "<"
+
+    def _steepest(self, late: View) -> tuple[float, float]:
+        return steepest(late, self.late_size, self.settings.steepest_deg)
+
+    def close(self) -> None:
+        for thing in (*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth):
+            thing.release()
+
+
+def steepest(late: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
+    """By what part of itself the inverse depth of a plane seen `angle_deg` from facing changes from one pixel to the next, on each axis.
+
+    A plane's inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture it grows by tan(angle) of
+    itself for each 1 of tangent.
+    """
+    left, right, down, up = late.fov.tangents
+    slope = float(np.tan(np.deg2rad(angle_deg)))
+    return slope * (right - left) / size[0], slope * (up - down) / size[1]
+
+
+def reach(forward: WarpMap, shown_size: tuple[int, int]) -> float:
+    """The most shown pixels by which a point moves for 1/m more, at equal depths in both views: its place P moves along e - P e_z."""
+    wide, high = shown_size
+    corners = np.array([[0, 0], [wide, 0], [0, high], [wide, high]])
+    return float(np.linalg.norm(forward.e[:2] - corners * forward.e[2], axis=1).max())
+
+
+def overlap(tolerance: float) -> float:
+    """Late pixels by which large cells reach over their neighbours: both may be off by the tolerance, and the rasteriser by 1/256."""
+    return min(2 * tolerance + 1 / 32, 0.5)
+
+
+def _set_declared(uniforms: Any, named: dict[str, Any]) -> None:
+    uniforms.set(**{name: value for name, value in named.items() if uniforms.declares(name)})
+
+
+def _check_side(name: str, size: tuple[int, int]) -> None:
+    if max(size) > MOST_SIDE:
+        raise InputError(f"a late picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
+
+
+def _check_room(name: str, limit_bytes: int, wanted_bytes: int, size: tuple[int, int]) -> None:
+    if wanted_bytes > limit_bytes:
+        wanted = f"a late picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
+        raise InputError(f"{wanted}, this GPU has room for {limit_bytes}")

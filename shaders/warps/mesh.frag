@@ -1,0 +1,68 @@
+// The late colour on the surface, and the surface's shown inverse depth for the depth test.
+// In: rendered pixel and inverse depth, interpolated over a triangle. Out: linear colour with coverage 1; depth, larger is nearer.
+// Source: Mark et al. 1997, section 3; the cut after rasterisation is the connectedness test of Mark 1999, 3.3, per shown pixel.
+#include "lib/warp_map.glsl"
+uniform sampler2D late_colour;
+uniform vec2 late_pixel;
+in vec2 drawn;
+in float drawn_inverse_depth;
+#if PIECES
+flat in vec4 owner;
+const float held_back = 1.0;
+#elif ADAPTIVE
+flat in float held_back; // what shown inverse depth counts for in the depth test
+#else
+const float held_back = 1.0;
+#endif
+layout(location = 0) out vec4 colour;
+
+// As lib/scatter.glsl orders depths, in the 24 bits of the depth buffer: a float with 19 bits of its significand from 1000 km to 0.5 mm.
+const uint NEAREST_BITS = 0x44FFFFFFu;
+const uint FARTHEST_BITS = 0x35800000u;
+
+float ordered(float inverse_depth) {
+    uint bits = clamp(floatBitsToUint(max(inverse_depth, 0.0)), FARTHEST_BITS, NEAREST_BITS) - FARTHEST_BITS;
+    return float((bits >> 4u) + 1u) / 16777215.0;
+}
+
+#if VERTEX
+layout(r32f) readonly uniform image2D late_inverse_depth;
+uniform ivec2 late_size;
+uniform vec2 steepest;
+uniform mat3 late_from_shown;
+uniform vec3 late_parallax;
+
+// A sheet that joins two surfaces is known by its nearest vertex: it has another depth. Of each surface half a pixel around the
+// vertex stays, in the vertex's own colour: what lies there at the vertex's own depth. False for the rest of the sheet.
+bool keeps(inout vec2 at) {
+    ivec2 pixel = clamp(ivec2(drawn), ivec2(0), late_size - 1);
+    float own = imageLoad(late_inverse_depth, pixel).r;
+    vec2 centre = vec2(pixel) + 0.5;
+    float allowed = dot(steepest, abs(drawn - centre)) * min(own, drawn_inverse_depth);
+    if (abs(drawn_inverse_depth - own) <= allowed) return true;
+    at = centre;
+    vec3 base = late_from_shown * vec3(gl_FragCoord.xy, 1.0);
+    // Along this ray the late inverse depth `own` is met at base + late_parallax * s with s = own base_z / (1 - own late_parallax_z).
+    vec3 q = base * (1.0 - own * late_parallax.z) + late_parallax * (own * base.z);
+    vec2 away = abs(q.xy / q.z - centre);
+    return max(away.x, away.y) <= 0.5;
+}
+#endif
+
+void main() {
+    vec2 at = drawn;
+#if PIECES
+    vec2 away = owner.zw * max((drawn - owner.xy) * owner.zw, 0.0);
+    // Joined both ways, and yet not whole: the corner across is another surface, which a bilinear look would let in.
+    at = owner.xy + (abs(away.x) > abs(away.y) ? vec2(away.x, 0.0) : vec2(0.0, away.y));
+#endif
+#if VERTEX
+    bool kept = keeps(at);
+#else
+    const bool kept = true;
+#endif
+    vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
+    if (sum.a < 0.5 || !kept) discard;
+    gl_FragDepth = ordered(drawn_inverse_depth * gl_FragCoord.w * held_back);
+    colour = vec4(sum.rgb / sum.a, 1.0);
+}

@@ -1,0 +1,32 @@
+// The late picture as a surface: one vertex at each pixel centre, cells between four of them, numbered 0..w by 0..h from the bottom
+// left. Cell (i, j) lies between the centres of pixels (i-1, j-1) and (i, j); those along the border have pixels on one side only
+// and repeat them. Corners of a cell: 0 and 1 below, 2 and 3 above. Its joined edges, a bit each: 1 below, 2 above, 4 left, 8 right.
+layout(r32f) readonly uniform image2D late_inverse_depth;
+uniform ivec2 late_size;
+
+const uint ALL_JOINED = 15u;
+const float MOST = 1e12; // 1/m; nearer than this counts as this near, so that nothing overflows
+
+// 1/m, -1 for a pixel without depth: the largest finite float is the largest that is one.
+float known_inverse_depth(ivec2 pixel) {
+    float r = imageLoad(late_inverse_depth, clamp(pixel, ivec2(0), late_size - 1)).r;
+    return r >= 0.0 && r <= 3.4028235e38 ? min(r, MOST) : -1.0;
+}
+
+struct Block {
+    uint cells;       // a bit for each cell that is drawn whole, 16 above it for each that is drawn in pieces
+    uint rows_flat;   // a bit for each joined edge along x, 4 in each of 5 rows; from bit 20 on one for each flat quarter of the block
+    uint columns;     // and along y, 5 in each of 4 rows
+    uint error_order; // bits of the error as one cell; after mesh_merge: level << 20, pieces before << 10, cells before in its group
+};
+const int BLOCK = 4;  // cells on a side of a block; its first cell is this times its place, less SHIFT, so that cells 1 to 16 are a group
+const int GROUP = 16; // cells on a side of a group of 16 blocks
+const int SHIFT = 15;
+
+ivec2 groups() { return (late_size + SHIFT + GROUP) / GROUP; }
+
+ivec2 first_cell(ivec2 block) { return block * BLOCK - SHIFT; }
+
+int group_index(ivec2 group) { return group.y * groups().x + group.x; }
+
+int block_index(ivec2 block) { return block.y * groups().x * (GROUP / BLOCK) + block.x; }
