@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +14,8 @@ from .gpu.textures import download
 from .loop import Refresh
 from .metrics.job import Compared, QualityJob
 from .metrics.pool import QualityPool
-from .rig import Rig
-from .server.targets import TargetPool
+from .rig import Rig, build_plan_for
+from .truth import MOST_BANDS, draw_truth
 
 # The two things measured at a refresh: the asked-for warp and the one it is compared with.
 MAIN, AGAINST = 0, 1
@@ -24,16 +25,29 @@ Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 class Probe:
     """Draws the truth at the shown views, reads pictures back and hands them to the measuring processes.
 
-    Flicker needs the refresh before a measured one too, so that one is drawn and read as well, but not measured.
+    Measured is what the eye sees before the lens. A warp that is fused with the lens does not make that, so the same warp without the
+    lens is run for it; what it takes is not counted. The truth of a display that lights up row by row is drawn in bands. Flicker needs
+    the refresh before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
     def __init__(self, rig: Rig, pool: QualityPool, keep_every: int | None) -> None:
         self._rig, self._pool, self._keep_every = rig, pool, keep_every
         self._every = rig.options.metrics_every
-        self._target = TargetPool(rig.gpu, rig.size).acquire()
+        self._unfused = self._without_lens()
         self._against = self._baseline()
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self.against_ms: dict[tuple[int, int], tuple[tuple[str, float], ...]] = {}
+
+        if rig.options.scanout_ms:
+            rig.notes.append(_about_scanout(rig))
+
+    def _without_lens(self) -> Compensator | None:
+        rig = self._rig
+        if not rig.plan.fused:
+            return None
+        rig.notes.append("Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not counted.")
+        alone = attrs.evolve(rig.options, fused=False, lens="none", fill="none")
+        return rig.compensator(build_plan_for(alone, rig.headset, rig.scene))
 
     def _baseline(self) -> Compensator | None:
         options = self._rig.options
@@ -47,17 +61,23 @@ class Probe:
 
     def look(self, number: int, refresh: Refresh) -> None:
         """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
-        for eye, result in enumerate(refresh.eyes):
+        for eye in range(len(refresh.eyes)):
             late = refresh.frame.eyes[eye]
-            truth = self._rig.server.draw(result.view, self._rig.size, self._target)
-            picture = picture_from_linear(download(truth.colour))
             # The neighbour of a measured refresh is read for flicker alone.
-            depth = None if number % self._every else download(truth.inverse_depth)
-            self._take(number, eye, MAIN, late, result, picture, depth)
+            truth = draw_truth(self._rig.server, refresh.given[eye], self._rig.size, depth=number % self._every == 0)
+            picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
+            self._take(number, eye, MAIN, late, self._before_lens(refresh, eye), picture, depth)
             if self._against is not None:
                 other = self._against.run(self._rig.loop.given(refresh, self._against.plan.needs)[eye])
                 self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
                 self._take(number, eye, AGAINST, late, other, picture, depth)
+
+    def _before_lens(self, refresh: Refresh, eye: int) -> EyeResult:
+        if self._unfused is None:
+            return refresh.eyes[eye]
+        made = self._unfused.run(refresh.given[eye])
+        self._rig.gpu.timer.collect()
+        return made
 
     def _take(
         self,
@@ -85,3 +105,12 @@ class Probe:
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)
+
+
+def _about_scanout(rig: Rig) -> str:
+    how = "follows it row by row" if rig.plan.scanout else "shows all rows as in its middle"
+    told = [
+        f"The display scans out for {rig.options.scanout_ms:g} ms; warp '{rig.options.warp}' {how}.",
+        f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in the middle of it.",
+    ]
+    return " ".join(told)

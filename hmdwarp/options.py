@@ -42,9 +42,10 @@ class RunOptions:
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
     fused: warp and lens in one resample. scanout_ms: from the first row of the display to its last, 0 for a display that lights up at
-    once. budget_ms: per eye, for warp "auto" alone, which takes the most accurate warp and fill within it and keeps to it (`fill` does
-    not count then). bench: the bench.json it knows them from, None to try all on this run's own frames first. metrics_every: pictures
-    are measured at every n-th refresh. workers: measuring processes, None for one per core.
+    once. follow_scanout: whether warps that can give every row a view of its own do so; others show all as in the middle of the scan-out.
+    budget_ms: per eye, for warp "auto" alone, which takes the most accurate warp and fill within it and keeps to it (`fill` does not
+    count then). bench: the bench.json it knows them from, None to try all on this run's own frames first. metrics_every: pictures are
+    measured at every n-th refresh. workers: measuring processes, None for one per core.
     Errors: InputError for a number that cannot be meant.
     """
 
@@ -71,6 +72,7 @@ class RunOptions:
     budget_ms: float | None = attrs.field(default=None, validator=_number("budget", " ms", above=True))
     bench: Path | None = attrs.field(default=None, converter=attrs.converters.optional(Path))
     scanout_ms: float = attrs.field(default=0.0, validator=_number("scanout", " ms", most=100))
+    follow_scanout: bool = True
     trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     out: Path = attrs.field(default=Path("out/replay"), converter=Path)
     command: str = ""

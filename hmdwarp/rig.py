@@ -290,5 +290,5 @@ def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -
     effects = scene.effects if scene is not None else SceneEffect.NONE
     if options.against:
         build_plan(effects, options.against, "none", "none", client_geometry=True)
-    fused, scanout = options.fused, options.scanout_ms > 0
+    fused, scanout = options.fused, options.scanout_ms > 0 and options.follow_scanout
     return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout)

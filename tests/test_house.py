@@ -35,6 +35,7 @@ FLOORS = [
     {"report"},
     {"options", "frame_files", "catalogue", "loop"},
     {"rig", "image"},
+    {"truth"},
     {"measuring", "runlog", "ladder", "autolog"},
     {"outcome"},
     {"bench", "doctor", "_probes"},

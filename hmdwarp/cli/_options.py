@@ -32,6 +32,11 @@ Headset = Annotated[str, typer.Option("--headset", help=f"{names_in('headsets', 
 Size = Annotated[str | None, typer.Option("--size", help="WxH pixels of one eye; by default the headset's.", show_default=False)]
 Rate = Annotated[float | None, typer.Option("--rate", help="Refreshes a second; by default the headset's.", show_default=False)]
 Guard = Annotated[float, typer.Option("--guard", help="How many times as large (in tangents) the server draws the field of view.")]
+Fused = Annotated[bool, typer.Option("--fused", help="Warp and lens in one resample; for gather warps, without fill.")]
+Scanout = Annotated[float, typer.Option("--scanout", help="Milliseconds the display takes from its first row to its last.")]
+FollowScanout = Annotated[
+    bool, typer.Option("--follow-scanout/--no-follow-scanout", help="Warp each row for its own instant, or all for the middle one.")
+]
 Predict = Annotated[str, typer.Option("--predict", help="Pose the server draws for: none (now's) or constant_velocity.")]
 Horizon = Annotated[float, typer.Option("--horizon", help="Milliseconds to predict ahead at most.")]
 TraceFormat = Annotated[str | None, typer.Option("--format", help="Trace format, instead of finding out.", show_default=False)]
@@ -42,14 +47,18 @@ TraceRate = Annotated[float | None, typer.Option("--trace-rate", help="Samples p
 Segment = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.", show_default=False)]
 
 
-def fill_for(warp: str, fill: str | None) -> str:
-    """The fill asked for, or the usual one. Errors: InputError for one beside warp auto, which chooses its own."""
+def fill_for(warp: str, fill: str | None, fused: bool = False) -> str:
+    """The fill asked for, or the usual one, which is none for a warp fused with the lens.
+
+    Errors: InputError for one beside warp auto, which chooses its own.
+    """
     from ..errors import InputError
     from ..options import AUTO
 
     if warp == AUTO and fill is not None:
         raise InputError(f"--fill {fill}: warp auto chooses the fill too; leave one of the two out")
-    return "interpolate" if fill is None else fill
+    usual = "none" if fused else "interpolate"
+    return usual if fill is None else fill
 
 
 def lens_for(lens: str | None, headset: str) -> str:

@@ -26,6 +26,9 @@ def plan(
     size: o.Size = None,
     rate: o.Rate = None,
     guard: o.Guard = 1.0,
+    fused: o.Fused = False,
+    scanout: o.Scanout = 0.0,
+    follow_scanout: o.FollowScanout = True,
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
@@ -40,12 +43,15 @@ def plan(
         scene=scene,
         latency_ms=latency,
         warp=warp,
-        fill=o.fill_for(warp, fill),
+        fill=o.fill_for(warp, fill, fused),
         lens=o.lens_for(lens, headset),
         headset=headset,
         size=None if size is None else parse_size(size),
         rate_hz=rate,
         guard=guard,
+        fused=fused,
+        scanout_ms=scanout,
+        follow_scanout=follow_scanout,
         budget_ms=budget,
         bench=bench,
     )

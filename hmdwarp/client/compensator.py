@@ -21,9 +21,10 @@ DrawDepth = Callable[[View, tuple[int, int], moderngl.Texture], object]
 
 @attrs.frozen(eq=False)
 class EyeResult:
-    """One eye after the plan. `warped` holds the coverage before the fill, `shown` what the eye sees before the lens, `panel`
-    what goes to the display; a warp that is fused with the lens makes the panel alone, the others are None then. The textures belong
-    to the compensator and are written again at the next frame of that eye."""
+    """One eye after the plan. view: what is shown, half way through the scan-out if the display has one. `warped` holds the coverage
+    before the fill, `shown` what the eye sees before the lens, `panel` what goes to the display; a warp that is fused with the lens
+    makes the panel alone, the others are None then. The textures belong to the compensator and are written again at the next frame
+    of that eye."""
 
     view: View
     warped: Canvas | None
@@ -68,6 +69,7 @@ class Compensator:
     def run(self, given: Given) -> EyeResult:
         """Every pass of the plan for eye 0 or 1, each timed as a stage of gpu.timer."""
         warped, shown, panel = self._canvases[given.eye]
+        given = given if self.plan.scanout else given.at_once()
         stage = self.gpu.timer.stage
         if self._client_depth is not None:
             with stage("client_depth"):
@@ -84,7 +86,7 @@ class Compensator:
             with stage("lens"):
                 self._lens.run(shown, given.shown.fov, given.eye, panel)
                 self._publish()
-        return EyeResult(given.shown, warped, shown, panel)
+        return EyeResult(given.middle, warped, shown, panel)
 
     def took(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""

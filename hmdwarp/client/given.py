@@ -28,3 +28,14 @@ class Given:
     others: tuple[EyeImage, ...] = ()
     shown_last: View | None = None
     client_inverse_depth: moderngl.Texture | None = None
+
+    @property
+    def middle(self) -> View:
+        """The view half way through the scan-out: the best one for whatever shows all rows as at one instant."""
+        if self.shown_last is None:
+            return self.shown
+        return View(self.shown.pose.towards(self.shown_last.pose, 0.5), self.shown.fov)
+
+    def at_once(self) -> Given:
+        """The same for what cannot follow the scan-out: all rows as in its middle."""
+        return self if self.shown_last is None else attrs.evolve(self, shown=self.middle, shown_last=None)

@@ -40,6 +40,7 @@ class Backward(GatherWarp):
     gets_wrong = "needs the scene's geometry; shading that depends on the view stays late"
     source = "McMillan and Bishop 1995 (the map); Williams 1978 (the depth test)"
     Settings = BackwardSettings
+    scans_out = False  # its own depth is drawn for one instant
 
     def prepare(self) -> None:
         self._program = self.gather("warps/backward.comp")
