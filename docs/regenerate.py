@@ -1,7 +1,7 @@
-"""Runs what the figures in README.md and docs/results.md come from and writes them there: `make docs`, about twenty minutes.
+"""Runs what the figures in README.md and docs/ come from and writes them there: `make docs`, about half an hour, alone on the machine.
 
-`make docs OPTIONS=speed` (or picture, or quality) renews a part. Every figure is printed by the program; nothing between the
-markers is edited by hand.
+`make docs OPTIONS=bench` (or hard-cases, picture, border, prediction, speed) renews a part. Every figure is printed by the program; nothing
+between the markers is edited by hand. `make docs OPTIONS=bench:FILE` takes a bench.json that is already there.
 """
 
 from __future__ import annotations
@@ -13,20 +13,30 @@ import sys
 import tempfile
 from pathlib import Path
 
+import aims
 from PIL import Image
 
+from hmdwarp.report.bench_cases import cases
+from hmdwarp.report.bench_charts import pareto_plot_png
+from hmdwarp.report.bench_tables import markdown_table
+
 ROOT = Path(__file__).resolve().parents[1]
-WARPS = ("none", "rotation", "planar", "forward", "backward")
-COMMON = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
+README, RESULTS = ROOT / "README.md", ROOT / "docs" / "results.md"
+FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
+SMALL = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
+
+
+def program(*arguments: str) -> None:
+    """One run of the program."""
+    print(" ".join(["hmdwarp", *arguments]), flush=True)
+    subprocess.run([sys.executable, "-m", "hmdwarp", *arguments], check=True)
 
 
 def run(folder: Path, trace: str, *options: str) -> dict:
     """One replay; its summary."""
     out = folder / "-".join([trace, *options]).replace("/", "_").replace("--", "")
-    command = [sys.executable, "-m", "hmdwarp", "replay", trace, *COMMON, "--against", "", "--quiet", "--out", str(out), *options]
-    print(" ".join(["hmdwarp", *command[3:]]), flush=True)
-    subprocess.run(command, check=True)
+    program("replay", trace, *SMALL, "--against", "", "--quiet", "--out", str(out), *options)
     return json.loads((out / "summary.json").read_text(encoding="utf-8"))
 
 
@@ -69,40 +79,108 @@ def opening_picture(folder: Path) -> None:
     ordered.save(ROOT / "docs" / "opening.png", optimize=True)
 
 
-def quality(folder: Path) -> None:
-    """The tables of README.md and docs/results.md that compare pictures."""
-    readme, results = ROOT / "README.md", ROOT / "docs" / "results.md"
-    by_warp = {}
-    for guard in ("1", "1.5"):
-        for trace in ("look-around", "walk"):
-            for warp in WARPS:
-                by_warp[guard, trace, warp] = run(folder, trace, "--latency", "200", "--warp", warp, "--guard", guard)
-    any_run = next(iter(by_warp.values()))
-    machine = f"{any_run['machine']['gl_renderer']}, {any_run['machine']['cpu_count']} cores"
-    rows = [((trace, f"`{warp}`"), by_warp["1.5", trace, warp]) for trace in ("look-around", "walk") for warp in WARPS]
-    replace(readme, "results", f"{table(('recording', 'warp'), rows)}\n\nMeasured on {machine}.")
-    replace(results, "machine", f"hmdwarp {any_run['hmdwarp']}; {machine}; {any_run['machine']['gl_version']}.")
-    for guard in ("1", "1.5"):
-        rows = [((trace, f"`{warp}`"), by_warp[guard, trace, warp]) for trace in ("look-around", "walk") for warp in WARPS]
-        replace(results, f"guard {guard}", table(("recording", "warp"), rows))
-    rows = [
-        ((latency, f"`{warp}`"), run(folder, "look-around", "--latency", latency, "--warp", warp, "--guard", "1.5"))
-        for latency in ("200", "400", "800")
-        for warp in ("none", "rotation", "forward", "backward")
-    ]
-    replace(results, "latency", table(("latency ms", "warp"), rows))
+def bench(folder: Path, ready: str = "") -> None:
+    """Every warp at 200, 400 and 800 ms: tables, the plot of README.md, and what became of the aims."""
+    if not ready:
+        latencies = [part for ms in ("200", "400", "800") for part in ("--latency", ms)]
+        program("bench", *latencies, "--lens", "radial", "--quiet", "--out", str(folder / "bench"))
+    data = json.loads((Path(ready) if ready else folder / "bench" / "bench.json").read_text(encoding="utf-8"))
+    rows = data["rows"]
+    at_200 = [row for row in rows if row["latency_ms"] == 200]
+    machine = f"{data['machine']['gl_renderer']}, {data['machine']['cpu_count']} cores"
+    clock = "GPU timers" if data["clock"] == "gpu" else "wall clock after every pass"
+    told = (f"hmdwarp {data['hmdwarp']}", machine, data["machine"]["gl_version"], clock, f"{data['copy_gb_s']:.1f} GB/s copied")
+    replace(RESULTS, "machine", "; ".join(told) + ".")
+    for group in cases(rows):
+        name = f"bench {group.rows[0]['trace']} {group.rows[0]['latency_ms']:g}"
+        replace(RESULTS, name, markdown_table(group.ordered(), ("warp", "fill", "total_ms", "total_ms_p95", *FIGURES), mark="flip"))
+    regions = [row for case in cases(at_200) for row in case.ordered() if row["fill"] == "none"]
+    wanted = ("holes_share", "holes_flip", "edges_share", "edges_flip", "elsewhere_share", "elsewhere_flip")
+    replace(RESULTS, "regions", markdown_table(regions, ("trace", "warp", *wanted)))
+    replace(RESULTS, "displacement", displacement_table(data["grid"]))
+    replace(RESULTS, "fused", fused_table(data["fused"]))
+    replace(RESULTS, "traffic", traffic_table(at_200))
+    replace(RESULTS, "aims", aims.table(data))
+    replace(README, "results", short_table(at_200) + f"\nMeasured on {machine}.")
+    pareto_plot_png(ROOT / "docs" / "pareto.png", at_200)
+
+
+def short_table(rows: list[dict]) -> str:
+    """For the README: of each recording what nobody beats in error and time, and the usual ones beside them."""
+    usual = {("none", "none"), ("rotation", "none"), ("forward", "interpolate")}
+    chosen = []
+    for case in cases(rows):
+        best = {id(row) for row in case.front()}
+        chosen += [row for row in case.ordered() if id(row) in best or (row["warp"], row["fill"]) in usual]
+    return markdown_table(chosen, ("trace", "warp", "fill", "total_ms", "psnr_db", "flip", "hole_share"), mark="flip")
+
+
+def displacement_table(grid: list[dict]) -> str:
+    """FLIP of each warp by how far the head moved, the mean of both directions and of the axes of one kind."""
+    steps = [("xyz", 0.1), ("xyz", 0.2), ("xyz", 0.3), ("turn", 10), ("turn", 20), ("turn", 30)]
+    lines = ["| warp | " + " | ".join(f"{step * 100:.0f} cm" if kind == "xyz" else f"{step} degrees" for kind, step in steps) + " |"]
+    lines.append("|" + " --- |" * (len(steps) + 1))
+    for warp in dict.fromkeys(row["warp"] for row in grid):
+        means = []
+        for kind, step in steps:
+            found = [
+                row["flip"]
+                for row in grid
+                if row["warp"] == warp and (row["axis"] in "xyz") == (kind == "xyz") and abs(abs(row["offset"]) - step) < 1e-6
+            ]
+            means.append(f"{sum(found) / len(found):.3f}")
+        lines.append(f"| `{warp}` | " + " | ".join(means) + " |")
+    return "\n".join(lines)
+
+
+def fused_table(rows: list[dict]) -> str:
+    """Warp and lens in one resample against two."""
+    lines = ["| warp | one resample ms | two ms | faster | PSNR dB one / two | FLIP one / two | sharpness one / two |", "|" + " --- |" * 7]
+    for row in rows:
+        pairs = [(row[name]["fused"], row[name]["separate"]) for name in ("psnr_db", "flip", "sharpness")]
+        told = [f"{a:.{digits}f} / {b:.{digits}f}" for (a, b), digits in zip(pairs, (2, 3, 2), strict=True)]
+        lines.append(f"| `{row['warp']}` | {row['fused_ms']:.1f} | {row['separate_ms']:.1f} | {row['speedup']:.2f}x | {' | '.join(told)} |")
+    return "\n".join(lines)
+
+
+def traffic_table(rows: list[dict]) -> str:
+    """What each pass must move, the least time that takes, and how far above it the pass runs; the first row of each pass."""
+    lines = ["| pass | MB | bound ms | measured ms | times the bound |", "|" + " --- |" * 5]
+    seen = set()
+    for row in rows:
+        for one in row["passes"]:
+            name = {"warp": row["warp"], "fill": f"fill {row['fill']}", "lens": f"lens {row['lens']}"}[one["name"]]
+            if name not in seen:
+                seen.add(name)
+                figures = f"{one['bytes'] / 1e6:.1f} | {one['bound_ms']:.2f} | {one['median_ms']:.2f} | {one['times_bound']:.1f}"
+                lines.append(f"| `{name}` | {figures} |")
+    return "\n".join(lines)
+
+
+def border(folder: Path) -> None:
+    """Without a guard band."""
+    options = ("--guard", "1", "--size", "480x600", "--fill", "interpolate", "--no-grid", "--no-fused", "--quiet")
+    warps = ("none", "rotation", "forward", "iterative", "backward", "environment")
+    program("bench", *options, "--out", str(folder / "border"), *(part for warp in warps for part in ("--warp", warp)))
+    rows = json.loads((folder / "border" / "bench.json").read_text(encoding="utf-8"))["rows"]
+    ordered = [row for case in cases(rows) for row in case.ordered()]
+    replace(RESULTS, "border", markdown_table(ordered, ("trace", "warp", *FIGURES[:5])))
+
+
+def prediction(folder: Path) -> None:
+    """A server that draws for the predicted pose."""
     rows = [
         ((latency, predict), run(folder, "look-around", "--latency", latency, "--warp", "forward", "--predict", predict))
         for latency in ("200", "400")
         for predict in ("none", "constant_velocity")
     ]
-    replace(results, "prediction", table(("latency ms", "predict"), rows))
+    replace(RESULTS, "prediction", table(("latency ms", "predict"), rows))
 
 
 def speed(_: Path) -> None:
     """The output of the benchmark against OpenCV; wants a machine that does nothing else."""
     told = subprocess.run([sys.executable, str(ROOT / "tests" / "bench_quick.py")], check=True, capture_output=True, text=True).stdout
-    replace(ROOT / "docs" / "results.md", "speed", f"```text\n{told.rstrip()}\n```")
+    replace(RESULTS, "speed", f"```text\n{told.rstrip()}\n```")
 
 
 def hard_cases(_: Path) -> None:
@@ -114,13 +192,21 @@ def hard_cases(_: Path) -> None:
     replace(ROOT / "docs" / "hard-cases.md", "hard-cases", markdown())
 
 
-PARTS = {"hard-cases": hard_cases, "picture": opening_picture, "quality": quality, "speed": speed}
+PARTS = {
+    "hard-cases": hard_cases,
+    "picture": opening_picture,
+    "speed": speed,
+    "bench": bench,
+    "border": border,
+    "prediction": prediction,
+}
 
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         for part in sys.argv[1:] or PARTS:
-            PARTS[part](Path(name))
+            which, _, ready = part.partition(":")
+            PARTS[which](Path(name), *([ready] if ready else []))
 
 
 if __name__ == "__main__":
