@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import types
 import typing
 from typing import Any, get_type_hints
@@ -10,6 +11,8 @@ import attrs
 
 from ..errors import InputError
 from .warps import Warp, warps
+
+_WANTED = {int: "a whole number", float: "a number"}
 
 
 @attrs.frozen
@@ -49,9 +52,17 @@ def parse_warp(text: str) -> Choice:
 
 
 def _converted(text: str, key: str, value: str, kind: Any) -> Any:
-    if typing.get_origin(kind) in (typing.Union, types.UnionType, typing.Literal):
+    if typing.get_origin(kind) is typing.Literal:
+        words = typing.get_args(kind)
+        if value not in words:
+            raise InputError(f"warp '{text}': {key} is '{value}': wanted {' or '.join(map(str, words))}")
+        return value
+    if typing.get_origin(kind) in (typing.Union, types.UnionType):
         return value
     try:
-        return kind(value)
+        number = kind(value)
     except ValueError as error:
-        raise InputError(f"warp '{text}': {key} is '{value}': wanted {kind.__name__}") from error
+        raise InputError(f"warp '{text}': {key} is '{value}': wanted {_WANTED.get(kind, kind.__name__)}") from error
+    if kind is float and not math.isfinite(number):
+        raise InputError(f"warp '{text}': {key} is '{value}': wanted a finite number")
+    return number

@@ -23,7 +23,7 @@ from hmdwarp.reference.fused import fused
 from hmdwarp.reference.scanout import direction_error, row_view, scanned_out
 
 FOLLOWING = [name for name in warps.names() if warps.get(name).scans_out]
-WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "backward", "environment"]
+WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "environment"]
 SIZES = [(67, 53), (1, 1), (129, 2)]
 
 

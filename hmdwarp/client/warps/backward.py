@@ -25,8 +25,8 @@ DEPTH_FLOOR = 0.02  # 1/m: things beyond 50 m count as equally far
 class BackwardSettings:
     """Late depth agrees if it differs by at most tolerance * (its own + floor), floor in 1/m."""
 
-    tolerance: float = DEPTH_TOLERANCE
-    floor: float = DEPTH_FLOOR
+    tolerance: float = attrs.field(default=DEPTH_TOLERANCE, validator=attrs.validators.ge(0))
+    floor: float = attrs.field(default=DEPTH_FLOOR, validator=attrs.validators.ge(0))
 
 
 @warps.register

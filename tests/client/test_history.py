@@ -1,0 +1,65 @@
+"""The older frames that are kept: never too many, never too close, and every frame is given back exactly once."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.client.history import History
+from hmdwarp.frame import Frame
+from hmdwarp.scenes.effects import SceneEffect
+
+MS = 1_000_000
+# Instants in the order in which frames are replaced: never backwards, now and then the same again.
+INSTANTS = st.lists(st.integers(0, 60), max_size=40).map(lambda steps: [sum(steps[:n]) * MS for n in range(1, len(steps) + 1)])
+KEEPS, SPACINGS = st.integers(0, 5), st.sampled_from([0, 1, 16 * MS, 100 * MS])
+
+
+def frame(drawn_ns: int) -> Frame:
+    return Frame((), drawn_ns, SceneEffect.NONE)
+
+
+@given(KEEPS, SPACINGS, INSTANTS)
+def test_what_is_held_is_within_the_limits(keep, spacing_ns, instants):
+    history = History(keep, spacing_ns, lambda _: None)
+    for now in instants:
+        history.offer(frame(now))
+        held = [one.drawn_ns for one in history.frames]
+        assert len(held) <= keep
+        assert held == sorted(held, reverse=True), "newest first"
+        assert all(newer - older >= spacing_ns for newer, older in zip(held, held[1:], strict=False))
+        assert keep == 0 or held[0] > now - max(spacing_ns, 1), "the newest held one is no older than the spacing allows"
+
+
+@given(KEEPS, SPACINGS, INSTANTS)
+def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, instants):
+    discarded: list[Frame] = []
+    history = History(keep, spacing_ns, discarded.append)
+    offered = []
+    for now in instants:
+        offered.append(frame(now))
+        history.offer(offered[-1])
+        assert sorted(map(id, [*discarded, *history.frames])) == sorted(map(id, offered))
+    history.close()
+    assert history.frames == ()
+    assert sorted(map(id, discarded)) == sorted(map(id, offered))
+    history.close()
+    assert len(discarded) == len(offered), "closing twice gives nothing back twice"
+
+
+@given(SPACINGS, INSTANTS)
+def test_who_keeps_none_gives_each_back_at_once(spacing_ns, instants):
+    discarded: list[Frame] = []
+    history = History(0, spacing_ns, discarded.append)
+    for number, now in enumerate(instants, start=1):
+        history.offer(frame(now))
+        assert len(discarded) == number
+
+
+def test_the_oldest_goes_when_a_newer_one_comes():
+    discarded: list[Frame] = []
+    history = History(2, 10 * MS, discarded.append)
+    for now in (0, 5, 10, 14, 20, 30):
+        history.offer(frame(now * MS))
+    assert [one.drawn_ns // MS for one in history.frames] == [30, 20]
+    assert [one.drawn_ns // MS for one in discarded] == [5, 14, 0, 10]
