@@ -6,13 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from strategies import QUATERNIONS, UNIFORM_QUATERNIONS, poses, vectors
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
+from hmdwarp.poses.quaternions import slerp
 
 UNIT = 2.0**-53
 # Positions here stay below 60 m after three products; a rotation is a sum of three products of unit entries, each good to a few
@@ -166,3 +167,56 @@ def test_isclose_sees_angle_and_distance(pose, angle, distance):
     moved = Pose(pose.position_m + (0, distance, 0), pose.orientation_xyzw)
     assert not pose.isclose(moved, distance * 0.99)
     assert pose.isclose(moved, distance * 1.01)
+
+
+SHARES = st.floats(0, 1)
+
+
+def turn_between(a: Pose, b: Pose) -> float:
+    return float((a.rotation.inv() * b.rotation).magnitude())
+
+
+@given(poses(), poses())
+def test_towards_begins_and_ends_where_it_should(pose, other):
+    assert pose.towards(other, 0).isclose(pose, ATOL)
+    # The angle of a turn is found from its quaternion, of which the real part says little near half a turn: half the digits remain.
+    assert pose.towards(other, 1).isclose(other, 1e-7)
+    assert pose.towards(pose, 0.3).isclose(pose, ATOL)
+
+
+@given(poses(), poses(), SHARES)
+def test_towards_goes_straight_and_at_an_even_rate(pose, other, share):
+    there = pose.towards(other, share)
+    whole = turn_between(pose, other)
+    assert np.abs(there.position_m - (pose.position_m + share * (other.position_m - pose.position_m))).max() <= ATOL
+    assert abs(turn_between(pose, there) - share * whole) <= 1e-7
+    assert abs(turn_between(there, other) - (1 - share) * whole) <= 1e-7
+    assert turn_between(pose, there) <= math.pi * share + 1e-7, "never the longer way"
+
+
+@given(poses(), poses(), SHARES)
+def test_towards_is_the_trace_interpolation(pose, other, share):
+    """SLERP of quaternions (poses/quaternions.py) and of rotation vectors are the same arc, found by two formulas."""
+    assume(turn_between(pose, other) < math.pi - 1e-3)  # at half a turn either way round is the shorter one
+    wanted = Pose(pose.position_m, slerp(pose.orientation_xyzw.tolist(), other.orientation_xyzw.tolist(), share))
+    assert turn_between(pose.towards(other, share), wanted) <= 1e-7
+
+
+@given(poses(), poses(), SHARES)
+def test_towards_does_not_care_for_the_sign_of_a_quaternion(pose, other, share):
+    flipped = Pose(other.position_m, -other.orientation_xyzw)
+    assume(turn_between(pose, other) < math.pi - 1e-6)
+    assert pose.towards(other, share).isclose(pose.towards(flipped, share), 1e-9)
+
+
+@given(vectors(st.sampled_from([1e6, -1e6])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS)
+def test_towards_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
+    """A quarter of steps of 1/1024 m: representable at 1e6 m (2^-33 m apart), so it must be exact."""
+    pose, other = Pose(origin, q), Pose(np.array(origin) + step, q)
+    assert np.array_equal(pose.towards(other, 0.25).position_m, np.array(origin) + 0.25 * np.array(step))
+
+
+def test_a_turn_too_small_for_its_cosine_is_still_halved():
+    """1e-8 rad leaves the quaternion's real part at 1; its angle is in the other three."""
+    other = Pose((0, 0, 0), (0, 0.5e-8, 0, 1))
+    assert abs(turn_between(Pose(), Pose().towards(other, 0.5)) - 0.5e-8) <= 1e-14
