@@ -11,15 +11,15 @@ vec2 late_extent;
 // One channel of four texels, which is what the fused warps want of each look, costs llvmpipe two thirds of a look of its sampler, as
 // that makes all four channels. GPUs are given the sampler.
 layout(rgba16f) readonly uniform image2D late_texels;
-vec2 last_centre;
+vec2 texels_end;
 
 void prepare_looks() {
     late_extent = vec2(late_size);
-    last_centre = vec2(imageSize(late_texels)) - 0.5;
+    texels_end = vec2(imageSize(late_texels)) - 0.5;
 }
 
 vec4 look(vec2 p) {
-    vec2 at = clamp(p, vec2(0.5), last_centre) - 0.5;
+    vec2 at = clamp(p, vec2(0.5), texels_end) - 0.5;
     vec2 low = floor(at), part = at - low;
     ivec2 texel = ivec2(low);
     vec4 a = imageLoad(late_texels, texel), b = imageLoad(late_texels, texel + ivec2(1, 0));
