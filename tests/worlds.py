@@ -107,11 +107,11 @@ class World:
         if "late.cube" in entry.reads:
             self.bring_cube(gpu)
         if "late.layers" in entry.reads:
-            self.layers = tuple(self._behind(k + 1) for k in range(entry.needs(settings).layers))
+            self.layers = self.layers or tuple(self._behind(k + 1) for k in range(entry.needs(settings).layers))
             uploaded = tuple(Layer(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
             self.late = attrs.evolve(self.late, layers=uploaded)
         if "late.others" in entry.reads:
-            self.others = tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
+            self.others = self.others or tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others)
 
     def bring_cube(self, gpu) -> None:

@@ -1,0 +1,109 @@
+"""What the warps share that put several pictures with depth together: each is met by the shown rays in turn, one stays per pixel."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+import attrs
+import moderngl
+
+from ...geometry import View, WarpMap
+from ...gpu.textures import allocate
+from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from ._scatter import check_room
+
+if TYPE_CHECKING:
+    from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
+    from ..given import Given
+
+# Neighbouring texels are one surface if their inverse depths differ by less than tolerance * (theirs + floor): see backward.py.
+DEPTH_TOLERANCE = 0.03
+DEPTH_FLOOR = 0.02
+_COLOUR, _DEPTH = 1, 2  # texture units; images: 0 the result, 1 what is best so far, 2 the depth that is
+# scattered, 3 and on the warp's own
+
+
+@attrs.frozen(eq=False)
+class Picture:
+    """One of the pictures: `colour` and `inverse_depth` as in EyeImage, and the view they were drawn for."""
+
+    colour: moderngl.Texture
+    inverse_depth: moderngl.Texture
+    view: View
+
+
+class CompositeWarp(Warp):
+    """A gather from several pictures, each seeded by a scatter of its depth alone.
+
+    The scatter leaves in each shown pixel the nearest depth that lands there. The gather starts from these guesses, its own and its
+    neighbours', and looks where the ray meets the picture's surface (lib/meeting.glsl).
+    """
+
+    kind = "scatter"
+    best: ClassVar[tuple[int, str]] = (1, "f4")  # what is remembered of each shown pixel between two pictures
+
+    def prepare(self) -> None:
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
+        self._empty = self.gpu.shaders.compute("warps/layered_empty.comp")
+        self._seed = self.gpu.shaders.compute("warps/layered_seed.comp")
+        self._composite = self.gpu.shaders.compute(f"warps/{self.name}.comp", ROWS=4)
+        self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
+        self._seeds = self.gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
+        self._best = allocate(self.gpu.gl, self.shown_size, self.best)
+
+    @abstractmethod
+    def pictures(self, given: Given) -> list[Picture]:
+        """What is put together, in the order of preference between equals."""
+
+    def told(self, given: Given) -> dict[str, object]:
+        """What the warp's own shader wants to know besides."""
+        return {}
+
+    def run(self, given: Given, into: Canvas) -> None:
+        into.bind_for_writing(0)
+        self._best.bind_to_image(1, read=True, write=True)
+        self._seeds.bind_to_storage_buffer(0)
+        told = self.told(given)
+        for index, picture in enumerate(self.pictures(given)):
+            self._scatter(picture, given.shown)
+            self._gather(picture, given.shown, is_first=index == 0, **told)
+
+    def _scatter(self, picture: Picture, shown: View) -> None:
+        size = picture.colour.size
+        forward = WarpMap.between(picture.view, size, shown, self.shown_size)
+        picture.inverse_depth.bind_to_image(2, read=True, write=False)
+        self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=2, late_size=size, shown_size=self.shown_size)
+        self._empty.uniforms.set(quads=self._quads)
+        self._dispatch(self._empty, (self._quads, 1))
+        self._dispatch(self._seed, size)
+
+    def _gather(self, picture: Picture, shown: View, **told: object) -> None:
+        size = picture.colour.size
+        back = WarpMap.between(shown, self.shown_size, picture.view, size)
+        chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_late_colour
+        picture.colour.filter = (chosen, chosen)
+        picture.colour.use(_COLOUR)
+        picture.inverse_depth.use(_DEPTH)
+        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
+        sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
+        units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "shown_colour": 0, "best": 1}
+        self._composite.uniforms.set(H=back.H, e=back.e, **units, **sizes, **limits, **told)
+        self._dispatch(self._composite, self.shown_size)
+
+    def _dispatch(self, program: Compute, size: tuple[int, int]) -> None:
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        program.run(*size)
+
+    def close(self) -> None:
+        self._seeds.release()
+        self._best.release()
+
+    @classmethod
+    def bytes_of(cls, pictures: int, late_pixels: int, shown_pixels: int) -> int:
+        """For each picture: its depth read, the guesses emptied, raised (read, written) and read; depth and what is best so far read and
+        written once more; of all pictures one colour read and one written for each shown pixel."""
+        best = cls.best[0] * DEPTH_BYTES
+        each = late_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
+        return pictures * each + shown_pixels * 2 * COLOUR_BYTES

@@ -1,0 +1,59 @@
+"""Layered depth: the server also sends what lies behind the visible surfaces, so that what an edge uncovers is known."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from ...errors import PlanError
+from ...frame import Needs
+from . import warps
+from ._composite import CompositeWarp, Picture
+
+if TYPE_CHECKING:
+    from ..given import Given
+
+MOST_LAYERS = 4
+
+
+@attrs.frozen
+class LayeredSettings:
+    """layers: depth layers, the visible one included, 2 to 4."""
+
+    layers: int = 3
+
+    def __attrs_post_init__(self) -> None:
+        if not 2 <= self.layers <= MOST_LAYERS:
+            raise ValueError(f"layers is {self.layers}: wanted 2 to {MOST_LAYERS}, the visible one included")
+
+
+@warps.register
+class Layered(CompositeWarp):
+    """All layers warped together, the nearest surface wins: real content behind edges, and surfaces right below the pixel."""
+
+    name = "layered"
+    summary = "warps two to four depth layers of the server together: real content behind edges"
+    reads = ("late.colour", "late.inverse_depth", "late.layers")
+    exact_when = "always, up to one bilinear resample, where a layer holds the surface"
+    gets_wrong = "what no layer holds or the late field of view did not; the server draws the scene once more per layer"
+    source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
+    Settings = LayeredSettings
+
+    @classmethod
+    def needs(cls, settings: Any) -> Needs:
+        return Needs(layers=settings.layers - 1)
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        return cls.bytes_of(settings.layers, late_pixels, shown_pixels)
+
+    def told(self, given: Given) -> dict[str, object]:
+        given.late.inverse_depth.bind_to_image(3, read=True, write=False)
+        return {"front_inverse_depth": 3}
+
+    def pictures(self, given: Given) -> list[Picture]:
+        late, behind = given.late, self.settings.layers - 1
+        if len(late.layers) < behind:
+            raise PlanError(f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(late.layers)}")
+        return [Picture(each.colour, each.inverse_depth, late.view) for each in (late, *late.layers[:behind])]

@@ -1,0 +1,49 @@
+// Adds one more picture to the shown one: for every pixel of a column, the nearest meeting of its ray with that picture's surface,
+// where `belongs` lets it stand before what was there. Three guesses are tried: of what landed in the pixel and its eight neighbours the
+// nearest and the farthest, and what landed in the pixel itself. So a surface that comes closer has no cracks up to three times its size.
+#include "lib/rows.glsl"
+#include "lib/warp_map.glsl"
+#include "lib/meeting.glsl"
+#include "lib/seed_keys.glsl"
+layout(rgba16f) writeonly uniform image2D shown_colour;
+layout(BEST) uniform image2D best; // r: inverse depth of what the pixel shows, -1 for nothing
+uniform ivec2 shown_size;
+uniform bool is_first;
+
+// Whether the meeting may stand before what the pixel shows (-1 for nothing); what to remember of it.
+bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after);
+
+// What landed in three pixels in a row: the key of the nearest, that of the farthest less 1 (so that nothing, 0, is the largest uint), and
+// that of the middle one.
+uvec3 three_keys(ivec2 middle) {
+    int y = clamp(middle.y, 0, shown_size.y - 1) * shown_size.x;
+    uint a = seed_of[y + max(middle.x - 1, 0)], b = seed_of[y + middle.x], c = seed_of[y + min(middle.x + 1, shown_size.x - 1)];
+    return uvec3(max(max(a, b), c), min(min(a - 1u, b - 1u), c - 1u), b);
+}
+
+void composite(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
+    vec2 shown = vec2(pixel) + 0.5;
+    Ray ray = ray_of(base, e);
+    uint nearest = max(max(below.x, here.x), above.x), farthest = min(min(below.y, here.y), above.y) + 1u;
+    Meeting found = nearer_of(nearer_of(meet(ray, seed_depth(nearest)), meet(ray, seed_depth(farthest))), meet(ray, seed_depth(here.z)));
+    vec4 sum = textureLod(late_colour, found.look * late_pixel, 0.0);
+    vec4 before = is_first ? vec4(-1.0) : imageLoad(best, pixel), after;
+    bool shows = belongs(shown, ray, found, before, after) && found.depth >= 0.0 && sum.a >= 0.5;
+    if (shows || is_first) {
+        imageStore(shown_colour, pixel, shows ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0));
+        imageStore(best, pixel, shows ? after : vec4(-1.0));
+    }
+}
+
+void composite_column(ivec2 first) {
+    vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
+    uvec3 below = three_keys(first - ivec2(0, 1)), here = three_keys(first);
+    for (int row = 0; row < ROWS; ++row) {
+        ivec2 pixel = first + ivec2(0, row);
+        if (pixel.y >= shown_size.y) break;
+        uvec3 above = three_keys(pixel + ivec2(0, 1));
+        composite(pixel, base + H[1] * float(row), below, here, above);
+        below = here;
+        here = above;
+    }
+}

@@ -1,0 +1,80 @@
+// Where the ray of a shown pixel meets the surface that a picture holds, and what colour it has there. H, e: shown -> rendered.
+//
+// Each texel is a plane over its own square, slanted towards those of its neighbours that belong to the same surface. In the rendered
+// picture the ray is a line, on which the place of a point at rendered inverse depth r is linear in r: p = start + r * along. From a guess of
+// r, one step to the plane of the texel there (Newton's) is exact as long as it stays on that plane.
+// Source: Bowles et al. 2012, Iterative Image Warping, section 3; the slanted texels are this project's.
+uniform sampler2D late_colour;
+uniform sampler2D late_depth;
+uniform ivec2 late_size;
+uniform vec2 late_pixel;       // 1 / late_size
+uniform float depth_tolerance; // neighbours that differ by less than this times (their inverse depth + floor) are one surface
+uniform float depth_floor;     // 1/m
+const float MOST_STEP = 0.75;  // pixels that the step may lead away from the place it started from
+
+struct Ray {
+    bool ahead;
+    vec2 start, along;
+    float base_z, parallax_z;
+};
+
+struct Meeting {
+    float depth;     // inverse depth in the shown view, -1 if the ray meets nothing
+    vec2 place;      // rendered pixel
+    vec2 look;       // where to look for its colour
+    bvec2 connected; // whether neighbouring texels along x and y are of the same surface
+};
+
+Ray ray_of(vec3 base, vec3 parallax) {
+    vec2 start = base.xy / base.z;
+    return Ray(base.z > 0.0, start, parallax.xy - start * parallax.z, base.z, parallax.z);
+}
+
+bool is_depth(float inverse_depth) {
+    return inverse_depth >= 0.0 && inverse_depth < 1e30; // false for NaN too
+}
+
+bool of_one_surface(float a, float b) {
+    return is_depth(b) && abs(a - b) <= depth_tolerance * (min(a, b) + depth_floor);
+}
+
+// seed: an inverse depth in the shown view; negative: none.
+Meeting meet(Ray ray, float seed) {
+    float r = seed / (ray.base_z + seed * ray.parallax_z);
+    vec2 p = ray.start + r * ray.along;
+    // The four texels around p are gathered at the corner where they meet, so that no rounding chooses others.
+    vec2 corner = floor(clamp(p, vec2(0.0), vec2(late_size)) + 0.5);
+    vec4 four = textureGather(late_depth, corner * late_pixel);
+    bvec2 upper = greaterThanEqual(p, corner);
+    vec2 here = upper.y ? four.xy : four.wz; // left, right
+    vec2 next = upper.y ? four.wz : four.xy;
+    float own = upper.x ? here.y : here.x;
+    vec2 beside = vec2(upper.x ? here.x : here.y, upper.x ? next.y : next.x);
+    vec2 side = mix(vec2(-0.5), vec2(0.5), upper);
+    vec2 centre = corner + side;
+
+    Meeting found;
+    found.connected = bvec2(of_one_surface(own, beside.x), of_one_surface(own, beside.y));
+    vec2 slope = mix(vec2(0.0), (vec2(own) - beside) * 2.0 * side, found.connected);
+    float change = (own + dot(slope, p - centre) - r) / max(1.0 - dot(slope, ray.along), 0.25);
+    r = max(r + change, 0.0);
+    found.place = ray.start + r * ray.along;
+    found.look = mix(centre, found.place, found.connected);
+    float nearer = 1.0 - r * ray.parallax_z;
+    bool met = ray.ahead && seed >= 0.0 && is_depth(own) && nearer > 0.0 && abs(change) * length(ray.along) <= MOST_STEP;
+    bool inside_late = all(greaterThanEqual(found.place, vec2(0.0))) && all(lessThan(found.place, vec2(late_size)));
+    found.depth = met && inside_late ? r * ray.base_z / nearer : -1.0;
+    return found;
+}
+
+// Whether `depth` is nearer than another by more than rounding may make it: guesses often lead to the same point.
+bool is_nearer(float depth, float other) {
+    return depth * (1.0 - 1.0 / 65536.0) > other;
+}
+
+Meeting nearer_of(Meeting a, Meeting b) {
+    bool second = is_nearer(b.depth, a.depth) || a.depth < 0.0;
+    return Meeting(
+        second ? b.depth : a.depth, second ? b.place : a.place, second ? b.look : a.look, bvec2(second ? b.connected : a.connected)
+    );
+}
