@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from .picture import HALF_SMALLEST, HALF_UNIT, Asked, ReferencePicture
 
 NEAREST = 2.0**20  # 1/m
 WIDEST = 3.0  # late pixels averaged over on each axis
+SHARPNESS = 0.6667
 UNKNOWN = 1e30  # how far off the depth of a pixel without one is
 CORNERS = [(-1, -1), (-1, 1), (1, -1), (1, 1)]
 
@@ -89,10 +92,15 @@ def _patches(asked: Asked) -> _Patches:
     own = np.where(known, depth, 0)
     rays, back = world_directions(late, size), late.pose.position_m - shown.pose.position_m
     landing, _, w = project(rays, back, own, shown, asked.shown_size)
-    small = 1e-6 * (own + 1e-3)
-    moved = [project(rays, back, own + sign * small, shown, asked.shown_size)[0] for sign in (-1, 1)]
-    opening = np.abs(moved[1] - moved[0]).max(axis=-1) / (2 * small)
-    steps, shaky = zip(*(_steps(np.where(known, depth, np.nan), opening, axis, asked.settings) for axis in (1, 0)), strict=True)
+
+    def opened(other: Array) -> Array:
+        """Pixels from where each drawn pixel lands to where it would with another depth."""
+        return np.nan_to_num(np.abs(project(rays, back, other, shown, asked.shown_size)[0] - landing).max(axis=-1), nan=np.inf)
+
+    steps, shaky = zip(*(_steps(np.where(known, depth, np.nan), opened, axis, asked.settings) for axis in (1, 0)), strict=True)
+    steps = np.stack(steps, axis=-1)
+    steep = np.abs(steps).sum(axis=-1) > own
+    steps[steep] *= (own[steep] / np.abs(steps[steep]).sum(axis=-1))[:, None]
     error = pixel_error_bound(WarpMap.between(late, size, shown, asked.shown_size), size, own)
     drawn = known & (w > 0)
     y, x = np.nonzero(drawn)
@@ -100,25 +108,28 @@ def _patches(asked: Asked) -> _Patches:
         np.stack([x, y], axis=1) + 0.5,
         rays[drawn],
         own[drawn],
-        np.stack(steps, axis=-1)[drawn],
+        steps[drawn],
         landing[drawn],
         error[drawn],
         (shaky[0] | shaky[1])[drawn],
     )
 
 
-def _steps(depth: Array, opening: Array, axis: int, settings: object) -> tuple[Array, NDArray[np.bool_]]:
+def _steps(depth: Array, opened: Callable[[Array], Array], axis: int, settings: object) -> tuple[Array, NDArray[np.bool_]]:
     """The change of inverse depth to the next pixel along an axis: the mean of those that hang together; and close calls."""
     edge = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(depth, edge, constant_values=np.nan)
-    change = np.diff(padded, axis=axis)
-    pair = np.stack([np.take(change, range(k, k + depth.shape[axis]), axis=axis) for k in (0, 1)])
-    most = settings.tolerance * (depth + settings.floor)
-    small, narrow = np.abs(pair) - most, np.abs(pair) * opening - 1
-    close = (np.abs(small) <= 16 * FLOAT32_UNIT * (np.abs(pair) + 2 * depth + most)) | (np.abs(narrow) <= 1e-4)
-    holds = (small <= 0) | (narrow <= 0)
-    count = holds.sum(axis=0)
-    return np.where(holds, pair, 0).sum(axis=0) / np.maximum(count, 1), (close & np.isfinite(pair)).any(axis=0)
+    total, count, shaky = np.zeros(depth.shape), np.zeros(depth.shape, int), np.zeros(depth.shape, bool)
+    for start, sign in ((0, -1), (2, 1)):
+        other = np.take(padded, range(start, start + depth.shape[axis]), axis=axis)
+        change, most, gap = np.abs(other - depth), settings.tolerance * (depth + settings.floor), opened(other)
+        with np.errstate(invalid="ignore"):
+            close = (np.abs(change - most) <= 16 * FLOAT32_UNIT * (change + 2 * depth + most)) | (np.abs(gap - 1) <= 1e-3)
+        holds = (change <= most) | (np.isfinite(change) & (gap <= 1))
+        total += np.where(holds, sign * (other - depth), 0)
+        count += holds
+        shaky |= close & np.isfinite(change)
+    return total / np.maximum(count, 1), shaky
 
 
 def _ray_steps(view: View, size: tuple[int, int]) -> Array:
@@ -182,14 +193,16 @@ def _swap(point: tuple[Array, Array], offset: Array) -> tuple[Array, Array, Arra
 
 
 def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArray[np.bool_]) -> ReferencePicture:
-    """The late picture where the shown points are in it, averaged over the area of a shown pixel."""
+    """The late picture where the shown points are in it, averaged over the area of a shown pixel: of the late pixels there those that
+    agree in depth, or the one that agrees best of those under one late pixel's area."""
     place, expected, error, half = _looks(asked, nearest, depth_error)
     covers = nearest >= 0
     low, high = place - half, place + half
     around = np.floor(np.nan_to_num(np.clip(place, -9, 1e6))).astype(int)
     taps = [_Tap.of(asked, around + np.array([x, y]), low, high, expected) for y in range(-2, 3) for x in range(-2, 3)]
     most = asked.settings.tolerance * (expected + asked.settings.floor)
-    best, *others = (np.min([np.where(tap.area > least, tap.off, UNKNOWN) for tap in taps], axis=0) for least in (0, error, -error))
+    four = [_Tap.of(asked, around + np.array([x, y]), place - 0.5, place + 0.5, expected) for y in (-1, 0, 1) for x in (-1, 0, 1)]
+    best, *others = (np.min([np.where(tap.area > least, tap.off, UNKNOWN) for tap in four], axis=0) for least in (0, error, -error))
     limit = np.maximum(most, best)
     undecided = undecided | (covers & (error >= 1))
     for other in others:
@@ -244,7 +257,7 @@ def _looks(asked: Asked, nearest: Array, depth_error: Array) -> tuple[Array, Arr
     rays, own = world_directions(shown, asked.shown_size), np.maximum(nearest, 0)
     place, expected, _ = project(rays, moved, own, late, size)
     columns = [(project(rays + 0.01 * step, moved, own, late, size)[0] - place) / 0.01 for step in _ray_steps(shown, asked.shown_size)]
-    half = 0.5 * np.clip(np.hypot(*columns), 1, WIDEST)
+    half = 0.5 * np.clip(SHARPNESS * np.hypot(*columns), 1, WIDEST)
     small = 1e-6 * (own + 1e-3)
     parallax = np.abs(project(rays, moved, own + small, late, size)[0] - place).max(axis=-1) / small
     bound = pixel_error_bound(WarpMap.between(shown, asked.shown_size, late, size), asked.shown_size, own)

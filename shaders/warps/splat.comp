@@ -20,36 +20,39 @@ bool known(float inverse_depth) {
     return inverse_depth >= 0.0 && inverse_depth <= LARGEST;
 }
 
-#if PASS == 0
-uniform float reach;   // pixels: how far a footprint may go from its middle
-uniform float overlap; // pixels of the late picture by which squares are larger on each side
-const float NEAREST = 1048576.0; // 1/m: what comes nearer than a micrometre to the eye is not drawn
-
-// The step of inverse depth to the next pixel, from those on both sides: surfaces hang together where the step is small against the
-// depth, or where the motion opens it by less than a pixel (opening: pixels per 1/m).
-float slope(float before, float here, float after, float opening) {
-    float down = here - before, up = after - here;
-    float most = depth_tolerance * (here + depth_floor);
-    bool has_down = known(before) && (abs(down) <= most || abs(down) * opening <= 1.0);
-    bool has_up = known(after) && (abs(up) <= most || abs(up) * opening <= 1.0);
-    return has_down ? (has_up ? 0.5 * (down + up) : down) : (has_up ? up : 0.0);
-}
-
 float late_at(ivec2 drawn) {
     // Beyond the border an image reads 0, which would pass for sky.
     float held = imageLoad(late_inverse_depth, drawn).r;
     return all(lessThan(uvec2(drawn), uvec2(late_size))) ? held : -1.0;
 }
 
-void cover(ivec2 drawn, vec3 base) {
-    float here = imageLoad(late_inverse_depth, drawn).r;
+#if PASS == 0
+uniform float reach;   // pixels: how far a footprint may go from its middle
+uniform float overlap; // pixels of the late picture by which squares are larger on each side
+const float SMALLEST = 1.17549435e-38; // the smallest normal float32
+const float NEAREST = 1048576.0; // 1/m: what comes nearer than a micrometre to the eye is not drawn
+
+// The step of inverse depth to the next pixel, from those on both sides: surfaces hang together where the step is small against the
+// depth, or where the motion opens it by less than a pixel. With the next depth `change` more this pixel would land
+// change * parallax / (1 + change * receding) beside.
+float slope(float before, float here, float after, float parallax, float receding) {
+    float down = before - here, up = after - here;
+    float most = depth_tolerance * (here + depth_floor);
+    bool has_down = known(before) && (abs(down) <= most || abs(down) * parallax <= 1.0 + down * receding);
+    bool has_up = known(after) && (abs(up) <= most || abs(up) * parallax <= 1.0 + up * receding);
+    return has_down ? (has_up ? 0.5 * (up - down) : -down) : (has_up ? up : 0.0);
+}
+
+void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
     vec3 q = base + e * here;
     if (!known(here) || !(q.z > 0.0)) return;
     vec2 p = q.xy / q.z;
-    vec2 parallax = (e.xy - p * e.z) / q.z;
-    float opening = max(abs(parallax.x), abs(parallax.y));
-    vec2 step = vec2(slope(late_at(drawn - ivec2(1, 0)), here, late_at(drawn + ivec2(1, 0)), opening),
-                     slope(late_at(drawn - ivec2(0, 1)), here, late_at(drawn + ivec2(0, 1)), opening));
+    vec2 moves = abs(e.xy - p * e.z) / q.z;
+    float parallax = max(moves.x, moves.y), receding = e.z / q.z;
+    vec2 step = vec2(slope(late_at(drawn - ivec2(1, 0)), here, late_at(drawn + ivec2(1, 0)), parallax, receding),
+                     slope(below, here, above, parallax, receding));
+    // Within its square a patch stays at half its inverse depth or more: else it would tip over beyond infinity.
+    step *= here / max(max(abs(step.x) + abs(step.y), here), SMALLEST);
     // A point d late pixels beside lands at p + J d / (1 + a d), J = (across, along), at w = q.z (1 + a d).
     vec3 qx = H[0] + e * step.x, qy = H[1] + e * step.y;
     vec2 across = (qx.xy - p * qx.z) / q.z, along = (qy.xy - p * qy.z) / q.z;
@@ -76,15 +79,60 @@ void main() {
     ivec2 first = first_pixel();
     if (first.x >= late_size.x) return;
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
+    float below = late_at(first - ivec2(0, 1)), here = late_at(first);
     for (int row = 0; row < ROWS; ++row) {
         if (first.y + row >= late_size.y) break;
-        cover(first + ivec2(0, row), base + H[1] * float(row));
+        float above = late_at(first + ivec2(0, row + 1));
+        cover(first + ivec2(0, row), base + H[1] * float(row), below, here, above);
+        below = here;
+        here = above;
     }
 }
 #else
 layout(rgba16f) readonly uniform image2D late_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
-const float WIDEST = 3.0; // late pixels that a shown one is averaged over, on each axis
+const float WIDEST = 3.0; // late pixels that a shown one is averaged over at most, on each axis
+const float SHARPNESS = 0.6667; // up to 1.5 late pixels a shown one four are enough, as for any bilinear look
+
+// How far a drawn pixel's inverse depth is from the expected one.
+float off(ivec2 drawn, float expected) {
+    float held = late_at(drawn);
+    return known(held) ? abs(held - expected) : LARGEST;
+}
+
+// Of the pixels under the box of these sides around p, those whose depth is off by at most `most`, weighted by the area under the box.
+vec4 average_over(vec2 p, vec2 sides, float expected, float most) {
+    vec2 low = p - 0.5 * sides, high = p + 0.5 * sides;
+    ivec2 from = ivec2(floor(max(low, vec2(0.0)))), to = ivec2(ceil(min(high, vec2(late_size)))) - 1;
+    vec4 sum = vec4(0.0);
+    for (int y = from.y; y <= to.y; ++y) {
+        float height = min(high.y, float(y + 1)) - max(low.y, float(y));
+        for (int x = from.x; x <= to.x; ++x) {
+            float area = height * (min(high.x, float(x + 1)) - max(low.x, float(x)));
+            float held = imageLoad(late_inverse_depth, ivec2(x, y)).r;
+            if (abs(held - expected) <= most) sum += area * imageLoad(late_colour, ivec2(x, y));
+        }
+    }
+    return sum;
+}
+
+// Four pixels are what a box of one pixel covers. At least the one that agrees best counts: on a steep surface none may be within the
+// tolerance.
+vec4 average(vec2 p, vec2 sides, float expected, float most) {
+    ivec2 corner = ivec2(floor(p - 0.5));
+    vec2 upper = p - 0.5 - vec2(corner), lower = 1.0 - upper;
+    vec4 area = vec4(lower.x, upper.x, lower.x, upper.x) * vec4(lower.yy, upper.yy);
+    vec4 far = vec4(off(corner, expected), off(corner + ivec2(1, 0), expected), off(corner + ivec2(0, 1), expected),
+                    off(corner + ivec2(1, 1), expected));
+    far = mix(vec4(LARGEST), far, greaterThan(area, vec4(0.0)));
+    most = max(most, min(min(far.x, far.y), min(far.z, far.w)));
+    if (any(greaterThan(sides, vec2(1.0)))) return average_over(p, clamp(sides, vec2(1.0), vec2(WIDEST)), expected, most);
+    area = mix(vec4(0.0), area, lessThanEqual(far, vec4(most)));
+    vec4 sum = area.x * imageLoad(late_colour, corner);
+    sum += area.y * imageLoad(late_colour, corner + ivec2(1, 0));
+    sum += area.z * imageLoad(late_colour, corner + ivec2(0, 1));
+    return sum + area.w * imageLoad(late_colour, corner + ivec2(1, 1));
+}
 
 // base + e * inverse_depth: the late pixel (homogeneous) of a point at that inverse depth in the shown view. Here H, e: shown -> rendered.
 vec4 fetched(uint key, vec3 base) {
@@ -95,29 +143,9 @@ vec4 fetched(uint key, vec3 base) {
     vec2 p = clamp(q.xy / q.z, vec2(-1.0), vec2(late_size + 1));
     float expected = nearness / q.z;
     vec2 across = (H[0].xy - p * H[0].z) / q.z, along = (H[1].xy - p * H[1].z) / q.z;
-    vec2 half_size = 0.5 * clamp(sqrt(across * across + along * along), vec2(1.0), vec2(WIDEST));
-    vec2 low = p - half_size, high = p + half_size;
-    ivec2 from = ivec2(floor(max(low, vec2(0.0)))), to = ivec2(ceil(min(high, vec2(late_size)))) - 1;
-    // First how well the best drawn pixel agrees: on a steep surface none may be within the tolerance.
-    float best = LARGEST;
-    for (int y = from.y; y <= to.y; ++y)
-        for (int x = from.x; x <= to.x; ++x) {
-            float held = imageLoad(late_inverse_depth, ivec2(x, y)).r;
-            best = min(best, known(held) ? abs(held - expected) : LARGEST);
-        }
-    float most = max(best, depth_tolerance * (expected + depth_floor));
-    vec4 sum = vec4(0.0);
-    float area = 0.0;
-    for (int y = from.y; y <= to.y; ++y)
-        for (int x = from.x; x <= to.x; ++x) {
-            vec2 side = min(high, vec2(x + 1, y + 1)) - max(low, vec2(x, y));
-            float weight = side.x * side.y;
-            float held = imageLoad(late_inverse_depth, ivec2(x, y)).r;
-            if (known(held) && abs(held - expected) <= most && weight > 0.0) {
-                sum += weight * imageLoad(late_colour, ivec2(x, y));
-                area += weight;
-            }
-        }
+    vec2 sides = SHARPNESS * sqrt(across * across + along * along);
+    float most = depth_tolerance * (expected + depth_floor);
+    vec4 sum = average(p, sides, expected, most);
     return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
