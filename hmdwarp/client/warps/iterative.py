@@ -1,0 +1,84 @@
+"""A gather that finds its depth in the late picture by fixed-point iteration."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import attrs
+
+from . import warps
+from ._base import COLOUR_BYTES, DEPTH_BYTES
+from ._gather import GatherWarp
+from ._seeds import Seeds
+from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..given import Given
+
+MOST_STEPS = 64
+
+
+@attrs.frozen
+class IterativeSettings:
+    """seed: where the first guess is from, a forward splat of depth at a quarter of the resolution, or the map at infinity.
+
+    steps: looks at the late depth. slanted: how many of them, the last ones, take in the slope of the surface; each of these costs three
+    plain ones and gains most where near things pass by. tolerance, floor (1/m): neighbours are connected if they differ by at most
+    tolerance * (the farther one's inverse depth + floor). converged: pixels by which the last guess may have been off; else a hole.
+    """
+
+    seed: Literal["forward", "rotation"] = attrs.field(default="forward", validator=attrs.validators.in_(("forward", "rotation")))
+    steps: int = 3
+    slanted: int = 1
+    tolerance: float = DEPTH_TOLERANCE
+    floor: float = DEPTH_FLOOR
+    converged: float = 0.75
+
+    def __attrs_post_init__(self) -> None:
+        if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
+            raise ValueError(f"steps={self.steps}, slanted={self.slanted}: wanted 1 <= slanted <= steps <= {MOST_STEPS}")
+        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged)):
+            raise ValueError("tolerance, floor and converged must be 0 or more")
+
+
+@warps.register
+class Iterative(GatherWarp):
+    """A gather by fixed point on the late depth, started by a low-resolution forward splat; what does not converge is a hole."""
+
+    name = "iterative"
+    summary = "each pixel guesses its depth, looks where that was drawn, and takes the depth found there for its next guess"
+    reads = ("late.colour", "late.inverse_depth")
+    exact_when = "the late picture saw the surface and the guesses converge, up to one bilinear resample"
+    gets_wrong = "may miss the front one of several surfaces on a ray, or end in a hole there; silhouettes end half way between late pixels"
+    source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
+    Settings = IterativeSettings
+    rows = 4
+
+    def prepare(self) -> None:
+        chosen = self.settings
+        seeded = chosen.seed == "forward"
+        looks = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
+        self._program = self.gather("warps/iterative.comp", **looks, **({"SEEDED": 1} if seeded else {}))
+        self._seeds = Seeds(self.gpu, self.late_size, self.shown_size) if seeded else None
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        """Per shown pixel one of colour and of depth, and the result; with the forward seed the late depth once more."""
+        splat = late_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
+        return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat
+
+    def run(self, given: Given, into: Canvas) -> None:
+        given.late.inverse_depth.bind_to_image(1, read=True, write=False)
+        wide, high = self.late_size
+        surface: dict[str, object] = {"late_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+        surface |= {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
+        cells = {}
+        if self._seeds is not None:
+            self._seeds.find(given, surface)
+            cells["cells"] = self._seeds.cells
+        self.run_gather(self._program, given, into, most_pixels=self.settings.converged, **surface, **cells)
+
+    def close(self) -> None:
+        if self._seeds is not None:
+            self._seeds.close()

@@ -1,0 +1,43 @@
+// Gathers each shown pixel along its ray: guesses a depth, looks at the late depth where the ray has it, and guesses again.
+// In: shown pixel, late inverse depth, a first guess. Out: rendered pixel where the ray meets the late surface, and its colour there.
+// Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Lee et al. 2018, Iterative Depth Warping (first guess, convergence).
+//
+// In the late picture the ray is a line, and its place is linear in the inverse depth r there: q = base + parallax s with r = s / q.z gives
+// q / q.z = start + r * along.
+#include "lib/warp_map.glsl"
+#include "lib/gather.glsl"
+#include "lib/late_surface.glsl"
+#ifdef SEEDED
+#include "lib/seeds.glsl"
+#endif
+#include OUTPUT
+uniform float most_pixels; // by which the last guess may have been off
+
+vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
+    vec2 start = base.xy / base.z;
+    vec2 along = parallax.xy - start * parallax.z;
+#ifdef SEEDED
+    float r = seed_at(shown);
+#else
+    float r = 0.0;
+#endif
+    // A plain look costs a third of a slanted one. A guess that is on the surface already is kept: the seed knows its slope.
+    for (int look = 0; look < PLAIN; ++look) {
+        float seen = imageLoad(late_inverse_depth, texel_at(start + r * along)).r;
+        r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
+    }
+    // Newton steps: exact on planes, however far the guess was off.
+    Surface surface;
+    float change;
+    for (int look = 0; look < SLANTED; ++look) {
+        vec2 place = start + r * along;
+        surface = surface_at(place);
+        change = (surface.depth - r) / max(1.0 - dot(surface.slope, along), 0.25);
+        r = surface.known ? max(r + change, 0.0) : r;
+    }
+    vec2 p = start + r * along;
+    vec4 sum = textureLod(late_colour, colour_place(surface, p) * late_pixel, 0.0);
+    bool met = surface.known && abs(change) * length(along) <= most_pixels;
+    bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // of both eyes
+    return met && ahead && inside(p, late_size) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+}
