@@ -256,11 +256,12 @@ def _looks(asked: Asked, nearest: Array, depth_error: Array) -> tuple[Array, Arr
     moved = shown.pose.position_m - late.pose.position_m
     rays, own = world_directions(shown, asked.shown_size), np.maximum(nearest, 0)
     place, expected, _ = project(rays, moved, own, late, size)
-    columns = [(project(rays + 0.01 * step, moved, own, late, size)[0] - place) / 0.01 for step in _ray_steps(shown, asked.shown_size)]
+    ends = [[project(rays + h * step, moved, own, late, size)[0] for h in (-1e-3, 1e-3)] for step in _ray_steps(shown, asked.shown_size)]
+    columns = [(end[1] - end[0]) / 2e-3 for end in ends]
     half = 0.5 * np.clip(SHARPNESS * np.hypot(*columns), 1, WIDEST)
     small = 1e-6 * (own + 1e-3)
     parallax = np.abs(project(rays, moved, own + small, late, size)[0] - place).max(axis=-1) / small
     bound = pixel_error_bound(WarpMap.between(shown, asked.shown_size, late, size), asked.shown_size, own)
-    # 1e-3 of what a box exceeds one pixel by: its sides are differences over a hundredth of a pixel here.
-    error = bound + parallax * depth_error + 1e-3 * (half.max(axis=-1) - 0.5)
+    # The sides of a box larger than a pixel are differences of the place's own terms: its bound once more for each half of a side.
+    error = bound * (1 + 2 * (half.max(axis=-1) > 0.5)) + parallax * depth_error + 1e-5 * (half.max(axis=-1) - 0.5)
     return place, np.nan_to_num(expected, nan=-1), np.minimum(np.nan_to_num(error, nan=1), 1), half
