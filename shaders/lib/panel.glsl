@@ -6,8 +6,10 @@
 layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 panel_size;
 uniform ivec2 shown_size;
-vec2 axis;         // where the lens's axis meets the shown picture, in its pixels
-vec2 shown_extent; // a copy made before the loop, see lib/gather.glsl
+// Copies made before the loop, see lib/gather.glsl.
+vec4 lens_placing;
+vec2 shown_extent, per_tangent;
+vec2 axis; // where the lens's axis meets the shown picture, in its pixels
 
 void prepare_pixels();
 vec4 panel_pixel(ivec2 p, vec2 radius, vec3 scales);
@@ -16,28 +18,33 @@ bool in_view(vec2 shown) {
     return shown.x >= 0.0 && shown.y >= 0.0 && shown.x < shown_extent.x && shown.y < shown_extent.y;
 }
 
+vec2 on_lens_at(int x, int y) {
+    return (vec2(x, y) + 0.5) * lens_placing.xy + lens_placing.zw;
+}
+
+bool sees_any(vec2 on_lens) {
+    vec3 scales = lens_scales(on_lens);
+    vec2 radius = on_lens * per_tangent;
+    return in_view(axis + scales.r * radius) || in_view(axis + scales.g * radius) || in_view(axis + scales.b * radius);
+}
+
 void main() {
     ivec2 first = first_pixel(), size = panel_size;
     if (first.x >= size.x) return;
-    vec4 lens = lens_from_panel, pixels = shown_from_tangent * vec4(shown_size, shown_size);
-    axis = pixels.zw;
+    lens_placing = lens_from_panel;
     shown_extent = vec2(shown_size);
+    per_tangent = shown_from_tangent.xy * shown_extent;
+    axis = shown_from_tangent.zw * shown_extent;
     prepare_lens();
     prepare_pixels();
-    int rows = min(ROWS, size.y - first.y), begin = rows, end = 0;
-    for (int row = 0; row < ROWS; ++row) {
-        vec2 on_lens = (vec2(first + ivec2(0, row)) + 0.5) * lens.xy + lens.zw, radius = on_lens * pixels.xy;
-        vec3 scales = lens_scales(on_lens);
-        bool sees = in_view(axis + scales.r * radius) || in_view(axis + scales.g * radius) || in_view(axis + scales.b * radius);
-        sees = sees && row < rows;
-        begin = sees ? min(begin, row) : begin;
-        end = sees ? row + 1 : end;
-    }
+    int begin = 0, end = min(ROWS, size.y - first.y), rows = end;
+    while (begin < end && !sees_any(on_lens_at(first.x, first.y + begin))) ++begin;
+    while (begin < end && !sees_any(on_lens_at(first.x, first.y + end - 1))) --end;
     for (int row = 0; row < begin; ++row) imageStore(written, first + ivec2(0, row), vec4(0.0));
-    for (int row = max(begin, end); row < rows; ++row) imageStore(written, first + ivec2(0, row), vec4(0.0));
+    for (int row = end; row < rows; ++row) imageStore(written, first + ivec2(0, row), vec4(0.0));
     for (int row = begin; row < end; ++row) {
         ivec2 p = first + ivec2(0, row);
-        vec2 on_lens = (vec2(p) + 0.5) * lens.xy + lens.zw;
-        imageStore(written, p, panel_pixel(p, on_lens * pixels.xy, lens_scales(on_lens)));
+        vec2 on_lens = on_lens_at(p.x, p.y);
+        imageStore(written, p, panel_pixel(p, on_lens * per_tangent, lens_scales(on_lens)));
     }
 }

@@ -17,6 +17,9 @@ float row_share;
 
 void prepare_pixels() {
     prepare_looks();
+#ifdef PREPARE
+    PREPARE();
+#endif
     map = H;
     map_e = e;
 #ifdef SCANOUT

@@ -1,4 +1,5 @@
 // Runs a gather warp's `gathered` for every pixel of the shown view.
+// A warp that defines PREPARE, the name of a function, has that called once before the loop over rows.
 // shown: the pixel's centre. base + parallax * inverse_depth: the rendered pixel (homogeneous) of a point at that depth from here.
 #include "lib/rows.glsl"
 #include "lib/gather.glsl"
@@ -10,6 +11,9 @@ void main() {
     ivec2 first = first_pixel(), size = shown_size;
     if (first.x >= size.x) return;
     prepare_looks();
+#ifdef PREPARE
+    PREPARE();
+#endif
     vec2 start = vec2(first) + 0.5;
     vec3 base = H * vec3(start, 1.0), up = H[1], parallax = e;
 #ifdef SCANOUT

@@ -3,14 +3,21 @@
 // Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams 1978), per texel of the footprint.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-#include OUTPUT
 layout(r32f) readonly uniform image2D late_inverse_depth;
 layout(r32f) readonly uniform image2D client_inverse_depth;
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
 
+float allowed, allowed_floor;
+void take_limits() {
+    allowed = depth_tolerance;
+    allowed_floor = depth_tolerance * depth_floor;
+}
+#define PREPARE take_limits
+#include OUTPUT
+
 bool holds(float held, float expected) {
-    return abs(held - expected) <= depth_tolerance * (expected + depth_floor);
+    return abs(held - expected) <= allowed * expected + allowed_floor;
 }
 
 // Two texels decide: the nearest, and the one across the corner of the bilinear footprint, which an edge through the footprint

@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 class GatherWarp(Warp):
     """A warp whose shader has `vec4 gathered(vec2 shown, vec3 base, vec3 parallax)`: what the shown pixel at `shown` sees, where
-    `base + parallax * inverse_depth` is the rendered pixel (homogeneous) of a point at that inverse depth in the shown view."""
+    `base + parallax * inverse_depth` is the rendered pixel (homogeneous) of a point at that inverse depth in the shown view.
+
+    The shader looks by `look(p)` of lib/gather.glsl, which is the quicker one of sampler and image loads. If it defines PREPARE, the
+    name of a function, before it includes OUTPUT, that function runs once before the loop over rows: for copies of uniforms.
+    """
 
     kind = "gather"
     fuses = True
