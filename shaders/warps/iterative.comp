@@ -36,8 +36,8 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         r = surface.known ? max(r + change, 0.0) : r;
     }
     vec2 p = start + r * along;
-    vec4 sum = textureLod(late_colour, colour_place(surface, p) * late_pixel, 0.0);
+    vec4 sum = look(colour_place(surface, p));
     bool met = surface.known && abs(change) * length(along) <= most_pixels;
     bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // of both eyes
-    return met && ahead && inside(p, late_size) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+    return met && ahead && in_late(p) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
