@@ -43,7 +43,7 @@ def read_rows(path: Path) -> list[Row]:
         bench = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}; wanted the bench.json that hmdwarp bench wrote") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: no JSON ({error}); wanted the bench.json that hmdwarp bench wrote") from error
     if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
         raise InputError(f"{path}: it has no list of 'rows'; wanted the bench.json that hmdwarp bench wrote")
@@ -80,7 +80,10 @@ def ladder_from_file(path: Path, options: RunOptions, lens_ms: LensTime | None) 
 
 def _fitted(rows: list[Row], options: RunOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str) -> Ladder:
     other = {row["lens"] for row in rows} - {options.lens}
-    rungs, more = _at_size([_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name)
+    try:
+        rungs, more = _at_size([_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
     if other:
         added = 0.0 if options.lens == "none" or lens_ms is None else lens_ms(options)
         rungs = tuple(attrs.evolve(rung, total_ms=rung.total_ms + added) for rung in rungs)

@@ -58,6 +58,7 @@ def test_options_that_make_no_sense(options, told):
     [
         (None, "No such file"),
         ("rows", "no JSON"),
+        pytest.param("[" * 100_000, "no JSON", id="nested"),
         ("[1]", "no list of 'rows'"),
         ('{"schema": 1}', "no list of 'rows'"),
         ('{"schema": 2, "rows": []}', "its schema is 2, this program reads 1"),
@@ -71,6 +72,30 @@ def test_files_that_are_no_benchmark(tmp_path, text, told):
     with pytest.raises(InputError, match=re.escape(f"{path}: ")) as caught:
         read_rows(path)
     assert told in str(caught.value)
+
+
+ODD = [None, True, 0, -1, 10**400, 1e308, "", "x", [], [[1]], {}, {"a": []}]
+
+
+@pytest.mark.parametrize("value", ODD, ids=repr)
+def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_path, value):
+    good = a_row("none", "none", 1.0, 0.3, rate_hz=60.0, predict="none")
+    damaged = [{**good, key: value} for key in good]
+    damaged += [{**good, table: {**good[table], name: value}} for table in ("time_ms", "quality") for name in good[table]]
+    damaged += [
+        {**good, table: {**good[table], name: {**good[table][name], figure: value}}}
+        for table in ("time_ms", "quality") for name in good[table] for figure in good[table][name]
+    ]  # fmt: skip
+    path = tmp_path / "b.json"
+    for row in damaged:
+        a_bench(path, [row, good])
+        for lens in ("none", "radial"):
+            try:
+                found = ladder_from_file(path, small(**auto(path), headset="rift-dk1", lens=lens), lambda options: 0.1)
+            except InputError as error:
+                assert "b.json" in str(error) and "\n" not in str(error)
+            else:
+                assert found.rungs and found.notes_on("this one", 2) is not None
 
 
 def test_a_budget_in_which_nothing_fits(tmp_path):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -53,6 +53,8 @@ SUMMARY_KEYS = (
 )
 MACHINE_KEYS = ("gl_renderer", "gl_version", "cpu_count")
 CLOCKS = ("gpu", "wall")
+_LARGEST = sys.float_info.max  # JSON may hold whole numbers beyond it
+_MOST_PIXELS = 1 << 20  # on a side
 
 _TEXTS = ("hmdwarp", "trace", "scene", "warp", "fill", "lens", "headset")
 
@@ -85,11 +87,16 @@ def _is_count(value: Any, least: int = 0) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and -_LARGEST <= value <= _LARGEST
 
 
 def _is_text(value: Any) -> bool:
     return isinstance(value, str) and value != ""
+
+
+def _is_size(value: Any) -> bool:
+    sides = value if isinstance(value, list | tuple) else ()
+    return len(sides) == 2 and all(_is_count(side, 1) and side <= _MOST_PIXELS for side in sides)
 
 
 def _is_machine(value: Any) -> bool:
@@ -101,10 +108,14 @@ _CHECKS = (
     *((key, "a text", _is_text) for key in _TEXTS),
     ("effects", "a list of names", lambda v: isinstance(v, list) and all(_is_text(name) for name in v)),
     ("latency_ms", "a number from 0", lambda v: _is_number(v) and v >= 0),
-    ("size", "[w, h] in pixels", lambda v: isinstance(v, list | tuple) and len(v) == 2 and all(_is_count(side, 1) for side in v)),
+    ("size", "[w, h] in pixels", _is_size),
     ("frames", "a count", _is_count),
     ("machine", f"an object with {', '.join(MACHINE_KEYS)}", _is_machine),
     ("clock", " or ".join(CLOCKS), lambda v: v in CLOCKS),
+    # Not in all summaries, but read where they are.
+    ("rate_hz", "a number above 0", lambda v: _is_number(v) and v > 0),
+    ("guard", "a number from 1", lambda v: _is_number(v) and v >= 1),
+    ("predict", "a text", _is_text),
 )
 
 
