@@ -53,7 +53,8 @@ void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
                      slope(below, here, above, parallax, receding));
     // Within its square a patch stays at half its inverse depth or more: else it would tip over beyond infinity.
     step *= here / max(max(abs(step.x) + abs(step.y), here), SMALLEST);
-    // A point d late pixels beside lands at p + J d / (1 + a d), J = (across, along), at w = q.z (1 + a d).
+    // A point d late pixels beside lands at p + J d / (1 + a d), J = (across, along), with w = q.z (1 + a d). So what lands `off` beside
+    // p is, with u = J^-1 off, at d = u / (1 - a u), where 1 + a d = 1 / (1 - a u): its inverse depth is affine in `off`.
     vec3 qx = H[0] + e * step.x, qy = H[1] + e * step.y;
     vec2 across = (qx.xy - p * qx.z) / q.z, along = (qy.xy - p * qy.z) / q.z;
     vec2 a = vec2(qx.z, qy.z) / q.z;
@@ -61,15 +62,14 @@ void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
     float least = 1.0 - half_side * (abs(a.x) + abs(a.y));
     vec2 extent = least > 0.0 ? min(half_side * (abs(across) + abs(along)) / least, vec2(reach)) : vec2(reach);
     vec2 low = max(ceil(p - extent - 0.5), vec2(0.0)), high = min(floor(p + extent - 0.5), vec2(shown_size - 1));
+    mat2 inverse_J = mat2(along.y, -across.y, -along.x, across.x) / (across.x * along.y - along.x * across.y);
+    vec2 per_u = step - here * a;
     for (float y = low.y; y <= high.y; y += 1.0) {
         for (float x = low.x; x <= high.x; x += 1.0) {
-            vec2 off = vec2(x, y) + 0.5 - p;
-            vec2 m0 = across - off * a.x, m1 = along - off * a.y; // (J - off a^T) d = off
-            float det = m0.x * m1.y - m1.x * m0.y;
-            vec2 d = vec2(off.x * m1.y - m1.x * off.y, m0.x * off.y - off.x * m0.y) / det;
-            float w = q.z * (1.0 + dot(a, d));
-            float nearness = abs(max(here + dot(step, d), 0.0) / w); // abs: -0 is 0
-            if (max(abs(d.x), abs(d.y)) <= half_side && w > 0.0 && nearness <= NEAREST)
+            vec2 u = inverse_J * (vec2(x, y) + 0.5 - p);
+            float before = 1.0 - dot(a, u); // > 0 before the eye
+            float nearness = abs(max(here + dot(per_u, u), 0.0) / q.z); // abs: -0 is 0
+            if (max(abs(u.x), abs(u.y)) <= half_side * before && before > 0.0 && nearness <= NEAREST)
                 atomicMax(key_of[int(y) * shown_size.x + int(x)], floatBitsToUint(nearness) + 1u);
         }
     }

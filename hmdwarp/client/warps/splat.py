@@ -45,8 +45,7 @@ class Splat(ScatterWarp):
     Settings = SplatSettings
 
     def prepare(self) -> None:
-        # Eight rows an invocation would be slower: the registers spill.
-        self._cover, self._fetch = (self.gpu.shaders.compute("warps/splat.comp", PASS=k, ROWS=4) for k in range(2))
+        self._cover, self._fetch = (self.gpu.shaders.compute("warps/splat.comp", PASS=k) for k in range(2))
         self._keys = self.empty_keys()
 
     def run(self, given: Given, into: Canvas) -> None:
