@@ -30,6 +30,11 @@ def is_warped_by_the_frame_alone(name: str) -> bool:
     return "late.colour" in warps.get(name).reads
 
 
+def brings_more_pictures(name: str) -> bool:
+    """Whether it shows other pictures than the late one too, which are noise here."""
+    return bool({"late.layers", "late.others"} & set(warps.get(name).reads))
+
+
 @attrs.frozen(eq=False)
 class Picture:
     """colour (h, w, 4) with coverage in alpha, bottom row first; decided: where rounding may not choose otherwise; maker: "shader" or
