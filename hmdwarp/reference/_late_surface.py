@@ -42,6 +42,7 @@ class RaysInLate:
         error = pixel_error_bound(warp, shown_size, np.zeros(shown_size[::-1]))
         if directions is not None:
             error = np.full(lead.shape, error.max())
+        error = np.minimum(error, 1e12)  # as good as not knowing the place, and no Inf to multiply a zero with
         sizes = np.abs(warp.e[:2]).max() + 2 * np.abs(np.nan_to_num(start)).max(axis=-1) * abs(warp.e[2])
         return cls(start, along, lead, ahead, error, abs(warp.e[2]) * error + 4 * FLOAT32_UNIT * sizes)
 

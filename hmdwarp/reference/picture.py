@@ -20,12 +20,20 @@ HALF_SMALLEST = 2.0**-24  # the smallest denormal half float
 GPU_SAMPLER_PIXELS = 1 / 256
 
 
+_ANYWHERE = 1e12  # pixels: as good as not knowing the place, and no Inf to multiply a zero with
+
+
+def _with_none_as_minus_one(inverse_depth: Array) -> Array:
+    """What is negative or no finite number is no depth (docs/conventions.md)."""
+    return np.where(np.isfinite(inverse_depth) & (inverse_depth >= 0), inverse_depth, -1.0)
+
+
 @attrs.frozen(eq=False)
 class LatePicture:
     """colour (h, w, 4) premultiplied linear with coverage in alpha, inverse_depth (h, w) in 1/m, -1 for none, and their view."""
 
     colour: Array
-    inverse_depth: Array
+    inverse_depth: Array = attrs.field(converter=_with_none_as_minus_one)
     view: View
 
 
@@ -40,7 +48,7 @@ class Asked:
     """
 
     colour: Array
-    inverse_depth: Array
+    inverse_depth: Array = attrs.field(converter=_with_none_as_minus_one)
     late: View
     shown: View
     shown_size: tuple[int, int]
@@ -114,10 +122,8 @@ def sample_covered(
     out = np.zeros_like(looked)
     out[covered] = np.concatenate([looked[covered][:, :3] / alpha[covered][:, None], np.ones((covered.sum(), 1))], axis=1)
 
-    error = position_error + sampler_pixels
-    contrast = _contrast_near(colour, coords)
-    # Both axes; where the place is not known at all (error inf), nothing changes if there is no contrast.
-    slope = 2 * contrast * np.where(contrast > 0, error[..., None], 0)
+    error = np.minimum(position_error + sampler_pixels, _ANYWHERE)
+    slope = _contrast_near(colour, coords) * 2 * error[..., None]  # both axes
     brightest = np.abs(out[..., :3]).max(axis=-1)
     tolerance = (slope[..., :3].max(axis=-1) + brightest * slope[..., 3]) / np.maximum(alpha - slope[..., 3], 1e-3)
     tolerance += HALF_UNIT * brightest + HALF_SMALLEST
