@@ -4,15 +4,9 @@
 #include "lib/warp_map.glsl"
 uniform sampler2D late_colour;
 uniform vec2 late_pixel;
-in vec2 drawn;
-in float drawn_inverse_depth;
+in vec4 surface_point;
 #if PIECES
 flat in vec4 owner;
-const float held_back = 1.0;
-#elif ADAPTIVE
-flat in float held_back; // what shown inverse depth counts for in the depth test
-#else
-const float held_back = 1.0;
 #endif
 layout(location = 0) out vec4 colour;
 
@@ -35,11 +29,11 @@ uniform vec3 late_parallax;
 // A sheet that joins two surfaces is known by its nearest vertex: it has another depth. Of each surface half a pixel around the
 // vertex stays, in the vertex's own colour: what lies there at the vertex's own depth. False for the rest of the sheet.
 bool keeps(inout vec2 at) {
-    ivec2 pixel = clamp(ivec2(drawn), ivec2(0), late_size - 1);
+    ivec2 pixel = clamp(ivec2(surface_point.xy), ivec2(0), late_size - 1);
     float own = imageLoad(late_inverse_depth, pixel).r;
     vec2 centre = vec2(pixel) + 0.5;
-    float allowed = dot(steepest, abs(drawn - centre)) * min(own, drawn_inverse_depth);
-    if (abs(drawn_inverse_depth - own) <= allowed) return true;
+    float allowed = dot(steepest, abs(surface_point.xy - centre)) * min(own, surface_point.z);
+    if (abs(surface_point.z - own) <= allowed) return true;
     at = centre;
     vec3 base = late_from_shown * vec3(gl_FragCoord.xy, 1.0);
     // Along this ray the late inverse depth `own` is met at base + late_parallax * s with s = own base_z / (1 - own late_parallax_z).
@@ -50,9 +44,9 @@ bool keeps(inout vec2 at) {
 #endif
 
 void main() {
-    vec2 at = drawn;
+    vec2 at = surface_point.xy;
 #if PIECES
-    vec2 away = owner.zw * max((drawn - owner.xy) * owner.zw, 0.0);
+    vec2 away = owner.zw * max((surface_point.xy - owner.xy) * owner.zw, 0.0);
     // Joined both ways, and yet not whole: the corner across is another surface, which a bilinear look would let in.
     at = owner.xy + (abs(away.x) > abs(away.y) ? vec2(away.x, 0.0) : vec2(0.0, away.y));
 #endif
@@ -62,7 +56,8 @@ void main() {
     const bool kept = true;
 #endif
     vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
-    if (sum.a < 0.5 || !kept) discard;
-    gl_FragDepth = ordered(drawn_inverse_depth * gl_FragCoord.w * held_back);
+    // What is not there has depth 0, which nothing is behind: cheaper than to discard it, for llvmpipe by a quarter of the pass.
+    bool there = kept && sum.a >= 0.5;
+    gl_FragDepth = there ? ordered(surface_point.z * gl_FragCoord.w * surface_point.w) : 0.0;
     colour = vec4(sum.rgb / sum.a, 1.0);
 }

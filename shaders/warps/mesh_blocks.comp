@@ -3,6 +3,7 @@
 // Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (surfaces found in a depth picture); Schollmeyer et al. 2017 (the levels).
 #include "warps/mesh_surface.glsl"
 #include "warps/mesh_flatness.glsl"
+#include "warps/mesh_clip.glsl"
 #define GROUP_X 64
 layout(local_size_x = GROUP_X) in;
 layout(std430, binding = 0) writeonly buffer Blocks { Block blocks[]; };
@@ -24,6 +25,26 @@ bool joined(float before, float a, float b, float after, float limit) {
 #endif
 }
 
+#if ADAPTIVE
+// The box around each cell in the shown picture; everything where a corner lies beside or behind the eye.
+void bounds_of_cells(float r[SIDE * SIDE], ivec2 corner, out vec2 least[16], out vec2 most[16]) {
+    vec2 place[25];
+    bool before[25];
+    for (int k = 0; k < 25; ++k) {
+        ivec2 at = ivec2(k % 5, k / 5);
+        vec3 q = shown_point(clamp(vec2(corner + at) + 0.5, vec2(0.0), vec2(late_size)), r[(at.y + 1) * SIDE + at.x + 1]);
+        place[k] = q.xy / q.z;
+        before[k] = q.z > 0.0;
+    }
+    for (int k = 0; k < 16; ++k) {
+        int a = (k >> 2) * 5 + (k & 3);
+        bool all_before = before[a] && before[a + 1] && before[a + 5] && before[a + 6];
+        least[k] = all_before ? min(min(place[a], place[a + 1]), min(place[a + 5], place[a + 6])) : vec2(0.0);
+        most[k] = all_before ? max(max(place[a], place[a + 1]), max(place[a + 5], place[a + 6])) : vec2(shown_size);
+    }
+}
+#endif
+
 void main() {
     ivec2 block = ivec2(gl_GlobalInvocationID.xy), count = groups() * (GROUP / BLOCK);
     if (block.x >= count.x || block.y >= count.y) return;
@@ -32,7 +53,7 @@ void main() {
     for (int y = 0; y < SIDE; ++y)
         for (int x = 0; x < SIDE; ++x) r[y * SIDE + x] = known_inverse_depth(first + ivec2(x, y) - 2);
 
-    uint rows = 0u, columns = 0u;
+    uint rows = 0u, columns = 0u; // joined edges
     for (int y = 0; y < 5; ++y)
         for (int x = 0; x < 4; ++x) {
             int a = (y + 1) * SIDE + x + 1, c = (x + 1) * SIDE + y + 1;
@@ -53,25 +74,78 @@ void main() {
             pieces |= uint(exists && some && !is_whole) << uint(y * 4 + x);
         }
 
-    uint flats = 0u;
+    uint shown = 0x80000000u, sizes[2] = uint[2](0u, 0u);
     float error = INFINITE;
 #if ADAPTIVE
+    ivec2 corner = first - 1;
+    vec2 least[16], most[16];
+    bounds_of_cells(r, corner, least, most);
+    uint on_screen = 0u, hits = 0u;
+    for (int k = 0; k < 16; ++k) {
+        on_screen |= uint(all(greaterThan(most[k], vec2(-1.0))) && all(lessThan(least[k], vec2(shown_size + 1)))) << uint(k);
+        hits |= uint(holds_a_centre(least[k], most[k])) << uint(k);
+    }
+    shown = on_screen != 0u ? 0x80000000u : 0u;
+
     bool inner = all(greaterThan(first, ivec2(0))) && all(lessThanEqual(first + BLOCK, late_size));
     float quarters = 0.0;
     for (int k = 0; k < 4; ++k) {
         int a = ((k >> 1) * 2 + 1) * SIDE + (k & 1) * 2 + 1;
-        float bend = unevenness(r[a], r[a + 1], r[a + 2], r[a + SIDE], r[a + SIDE + 1], r[a + SIDE + 2],
-                                r[a + 2 * SIDE], r[a + 2 * SIDE + 1], r[a + 2 * SIDE + 2]);
-        uint cells = 0x33u << uint((k >> 1) * 8 + (k & 1) * 2);
-        ivec2 corner = first + 2 * ivec2(k & 1, k >> 1);
-        bool within = all(greaterThan(corner, ivec2(0))) && all(lessThanEqual(corner + 2, late_size));
-        float allowed = allowed_error(corner - 1, 2, r[a], r[a + 2], r[a + 2 * SIDE], r[a + 2 * SIDE + 2]);
-        flats |= uint(within && coarsest >= 2 && (whole & cells) == cells && bend <= allowed) << uint(k);
-        quarters = max(quarters, bend);
+        quarters = max(quarters, unevenness(r[a], r[a + 1], r[a + 2], r[a + SIDE], r[a + SIDE + 1], r[a + SIDE + 2],
+                                            r[a + 2 * SIDE], r[a + 2 * SIDE + 1], r[a + 2 * SIDE + 2]));
     }
     int a = SIDE + 1, b = 3 * SIDE + 1, c = 5 * SIDE + 1;
     float bend = unevenness(r[a], r[a + 2], r[a + 4], r[b], r[b + 2], r[b + 4], r[c], r[c + 2], r[c + 4]);
     if (inner && whole == 0xFFFFu) error = quarters + bend;
+
+    // Two cells make one if inverse depth goes on straight across what they share and each is planar. Second differences below an
+    // eighth of what is allowed keep 4x4 cells within it: n * n / 8 of those along x and y, and twice of the mixed one, for n = 4.
+    float allowed = coarsest >= 2 ? allowed_error(corner, BLOCK, r[a], r[a + 4], r[c], r[c + 4]) / 8.0 : -1.0;
+    uint seen = whole & on_screen, planar = 0u, on_x = 0u, on_y = 0u;
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 4; ++x) {
+            int k = (y + 1) * SIDE + x + 1;
+            ivec2 cell = first + ivec2(x, y);
+            bool within = all(greaterThan(cell, ivec2(0))) && all(lessThan(cell, late_size));
+            float beside = max(abs(r[k] - 2.0 * r[k + 1] + r[k + 2]), abs(r[k + SIDE] - 2.0 * r[k + SIDE + 1] + r[k + SIDE + 2]));
+            float above = max(abs(r[k] - 2.0 * r[k + SIDE] + r[k + 2 * SIDE]), abs(r[k + 1] - 2.0 * r[k + SIDE + 1] + r[k + 2 * SIDE + 1]));
+            uint bit = 1u << uint(y * 4 + x);
+            if (within && abs(r[k] - r[k + 1] - r[k + SIDE] + r[k + SIDE + 1]) <= allowed) planar |= bit;
+            if (x < 3 && beside <= allowed) on_x |= bit;
+            if (y < 3 && above <= allowed) on_y |= bit;
+        }
+    planar &= seen;
+    on_x &= planar & planar >> 1u;
+    on_y &= planar & planar >> 4u;
+
+    // Each cell in turn that is left: as far to the right as cells join, then as far up as whole rows of it do.
+    uint left = seen, begins = 0u;
+    for (int k = 0; k < 16; ++k) {
+        uint bit = 1u << uint(k), row = bit;
+        if ((left & bit) == 0u) continue;
+        int wide = 1, high = 1;
+        for (int n = 1; n < 4; ++n)
+            if (wide == n && (on_x & bit << uint(n - 1)) != 0u && (left & bit << uint(n)) != 0u) {
+                row |= bit << uint(n);
+                ++wide;
+            }
+        uint across = row & ~(bit << uint(wide - 1)); // cells that must join the next one in the row
+        uint taken = row;
+        for (int n = 1; n < 4; ++n) {
+            uint above = row << uint(4 * n);
+            bool goes_on = high == n && k + 4 * n < 16 && (on_y & row << uint(4 * n - 4)) == row << uint(4 * n - 4);
+            if (goes_on && (left & above) == above && (on_x & across << uint(4 * n)) == across << uint(4 * n)) {
+                taken |= above;
+                ++high;
+            }
+        }
+        left &= ~taken;
+        if (wide * high > 1 || (hits & bit) != 0u) begins |= bit;
+        uint size = uint(wide - 1 + 4 * (high - 1)) << uint((k & 7) * 4);
+        if (k < 8) sizes[0] |= size;
+        else sizes[1] |= size;
+    }
+    whole = begins;
 #endif
-    blocks[block_index(block)] = Block(whole | pieces << 16u, rows | flats << 20u, columns, floatBitsToUint(error));
+    blocks[block_index(block)] = Block(whole | pieces << 16u, rows | shown, columns, floatBitsToUint(error), sizes[0], sizes[1]);
 }

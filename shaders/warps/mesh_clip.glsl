@@ -1,12 +1,23 @@
-// Where a point of the late surface lies in the shown picture, as clip coordinates; depth is no part of them.
+// Where a point of the late surface lies in the shown picture; depth is no part of its clip coordinates.
 // `precise`, so that the corners of whole cells and of pieces are the same to the last bit, and no crack is between them.
 #include "lib/warp_map.glsl"
 uniform ivec2 shown_size;
 
-// z = 0: clipping by x and y leaves w > 0 alone, so what lies beside or behind the eye is cut off, not mirrored; depth is written by
-// mesh.frag. w is never 0, which would be inside the clip volume with x = y = 0 and have no place.
-vec4 clip_position(vec2 pixel, float inverse_depth) {
+// Homogeneous shown pixel. z, its w, is never 0: (0, 0, 0) would be inside the clip volume and have no place.
+vec3 shown_point(vec2 pixel, float inverse_depth) {
     precise vec3 q = H * vec3(pixel, 1.0) + e * inverse_depth;
-    float w = q.z == 0.0 ? -1e-30 : q.z;
-    return vec4(2.0 * q.xy / vec2(shown_size) - w, 0.0, w);
+    return vec3(q.xy, q.z == 0.0 ? -1e-30 : q.z);
+}
+
+// z = 0: clipping by x and y leaves w > 0 alone, so what lies beside or behind the eye is cut off, not mirrored; depth is written by
+// mesh.frag.
+vec4 clip_position(vec2 pixel, float inverse_depth) {
+    vec3 q = shown_point(pixel, inverse_depth);
+    return vec4(2.0 * q.xy / vec2(shown_size) - q.z, 0.0, q.z);
+}
+
+// Whether a box may hold the centre of a shown pixel, as the rasteriser sees it: 1/512 off and in float32, so 1/64 for sure.
+bool holds_a_centre(vec2 least, vec2 most) {
+    vec2 first = ceil(max(least - 1.0 / 64.0, 0.0) - 0.5), last = floor(min(most + 1.0 / 64.0, vec2(shown_size)) - 0.5);
+    return all(lessThanEqual(first, last));
 }

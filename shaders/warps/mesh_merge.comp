@@ -8,16 +8,7 @@ layout(local_size_x = GROUP_X) in;
 layout(std430, binding = 0) buffer Blocks { Block blocks[]; };
 layout(std430, binding = 1) writeonly buffer Groups { uvec2 drawn[]; };
 
-const uint OWN = 0u, FOUR = 1u, EIGHT = 2u, SIXTEEN = 3u, COVERED = 4u; // levels; covered: by another block's cell
-
-uint own_cells(Block block) {
-    uint n = 0u;
-    for (int k = 0; k < 4; ++k) {
-        uint cells = block.cells & (0x33u << uint((k >> 1) * 8 + (k & 1) * 2));
-        n += (block.rows_flat >> uint(20 + k) & 1u) != 0u ? 1u : uint(bitCount(cells));
-    }
-    return n;
-}
+const uint OWN = 0u, FOUR = 1u, EIGHT = 2u, SIXTEEN = 3u, COVERED = 4u; // levels; covered: by another block's cell, or off the screen
 
 void main() {
     ivec2 group = ivec2(gl_GlobalInvocationID.xy), count = groups();
@@ -39,7 +30,9 @@ void main() {
             int p = at.y * 5 + at.x;
             float error = uintBitsToFloat(blocks[block_index(first + at)].error_order);
             worst = max(worst, error);
-            if (coarsest >= 4 && error <= allowed_error(pixel + BLOCK * at, BLOCK, r[p], r[p + 1], r[p + 5], r[p + 6])) level[b] = FOUR;
+            if (coarsest >= 4 && error <= allowed_error(pixel + BLOCK * at, BLOCK, r[p], r[p + 1], r[p + 5], r[p + 6])) {
+                level[b] = blocks[block_index(first + at)].rows >> 31u != 0u ? FOUR : COVERED;
+            }
         }
         int p = (q >> 1) * 10 + (q & 1) * 2;
         float error = worst + unevenness(r[p], r[p + 1], r[p + 2], r[p + 5], r[p + 6], r[p + 7], r[p + 10], r[p + 11], r[p + 12]);
@@ -60,7 +53,7 @@ void main() {
     for (int k = 0; k < 16; ++k) {
         int index = block_index(first + ivec2(k & 3, k >> 2));
         blocks[index].error_order = level[k] << 20u | pieces << 10u | cells;
-        cells += level[k] == OWN ? own_cells(blocks[index]) : uint(level[k] != COVERED);
+        cells += level[k] == OWN ? uint(bitCount(blocks[index].cells & 0xFFFFu)) : uint(level[k] != COVERED);
         pieces += uint(bitCount(blocks[index].cells >> 16u));
     }
     drawn[group_index(group)] = uvec2(cells, pieces);

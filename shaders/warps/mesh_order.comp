@@ -1,16 +1,19 @@
-// Turns what each group draws into where it begins in the lists, and writes the draw calls. One work group.
-// In: numbers of cells and of cells in pieces. Out: their sums over all groups before; indirect draws of DRAW quads each.
+// Turns numbers of things to draw into where each begins in a list, and writes the draw calls. One work group.
+// In: numbers of each group or chunk. Out: their sums over all before; indirect draws of draw_quads quads each, or of all triangles.
 // Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs equal to the last bit.
 #define THREADS 256
+#include "warps/mesh_draws.glsl"
 layout(local_size_x = THREADS) in;
-struct Draw { uint count, instances, first, base_vertex, base_instance; };
-layout(std430, binding = 1) buffer Groups { uvec2 drawn[]; };
-layout(std430, binding = 2) writeonly buffer CellDraws { Draw cell_draws[]; };
-layout(std430, binding = 3) writeonly buffer PieceDraws { Draw piece_draws[]; };
-uniform int group_count;
 uniform ivec2 draws;     // that there is room for: of cells, of pieces
 uniform int draw_quads;  // quads in one draw
 shared uvec2 sums[THREADS];
+
+#if CHUNKS
+layout(std430, binding = 8) buffer Chunks { uint drawn[]; };
+#else
+layout(std430, binding = 1) buffer Groups { uvec2 drawn[]; };
+uniform int group_count;
+#endif
 
 Draw draw_of(int k, uint quads) {
     int left = clamp(int(quads) - k * draw_quads, 0, draw_quads);
@@ -19,10 +22,15 @@ Draw draw_of(int k, uint quads) {
 
 void main() {
     int me = int(gl_LocalInvocationIndex);
-    int each = (group_count + THREADS - 1) / THREADS;
-    int begin = min(me * each, group_count), end = min(begin + each, group_count);
+#if CHUNKS
+    int count = int(chunks_in(cut_cells));
+#else
+    int count = group_count;
+#endif
+    int each = (count + THREADS - 1) / THREADS;
+    int begin = min(me * each, count), end = min(begin + each, count);
     uvec2 sum = uvec2(0u);
-    for (int k = begin; k < end; ++k) sum += drawn[k];
+    for (int k = begin; k < end; ++k) sum += uvec2(drawn[k]);
     sums[me] = sum;
     barrier();
     for (int reach = 1; reach < THREADS; reach *= 2) {
@@ -33,10 +41,23 @@ void main() {
     }
     uvec2 start = sums[me] - sum, total = sums[THREADS - 1];
     for (int k = begin; k < end; ++k) {
-        uvec2 own = drawn[k];
+        uvec2 own = uvec2(drawn[k]);
+#if CHUNKS
+        drawn[k] = start.x;
+#else
         drawn[k] = start;
+#endif
         start += own;
     }
+#if CHUNKS
+    if (me == 0) piece_draws[0] = Draw(3u * total.x, 1u, 0u, 0u, 0u); // without an index buffer: the rest is no part of it
+#else
     for (int k = me; k < draws.x; k += THREADS) cell_draws[k] = draw_of(k, total.x);
-    for (int k = me; k < draws.y; k += THREADS) piece_draws[k] = draw_of(k, total.y * 4u);
+    for (int k = me; k < draws.y; k += THREADS) piece_draws[k] = draw_of(k, total.y * 4u); // unless only some are chosen
+    if (me == 0) {
+        cut_cells = total.y;
+        chunk_groups[0] = (chunks_in(total.y) + CHUNK_GROUP - 1u) / CHUNK_GROUP;
+        chunk_groups[1] = chunk_groups[2] = 1u;
+    }
+#endif
 }

@@ -14,10 +14,12 @@ float known_inverse_depth(ivec2 pixel) {
 }
 
 struct Block {
-    uint cells;       // a bit for each cell that is drawn whole, 16 above it for each that is drawn in pieces
-    uint rows_flat;   // a bit for each joined edge along x, 4 in each of 5 rows; from bit 20 on one for each flat quarter of the block
-    uint columns;     // and along y, 5 in each of 4 rows
-    uint error_order; // bits of the error as one cell; after mesh_merge: level << 20, pieces before << 10, cells before in its group
+    uint cells;        // a bit for each cell that begins a rectangle to draw, 16 above it for each that is drawn in pieces
+    uint rows;         // a bit for each joined edge along x, 4 in each of 5 rows; bit 31: something of the block is on the screen
+    uint columns;      // and along y, 5 in each of 4 rows
+    uint error_order;  // bits of the error as one cell; after mesh_merge: level << 20, pieces before << 10, rectangles before in its group
+    uint sizes_low;    // of the rectangles, less one: 2 bits of width and 2 of height for each cell that begins one; of the lower 8 cells
+    uint sizes_high;   // and of the upper 8
 };
 const int BLOCK = 4;  // cells on a side of a block; its first cell is this times its place, less SHIFT, so that cells 1 to 16 are a group
 const int GROUP = 16; // cells on a side of a group of 16 blocks

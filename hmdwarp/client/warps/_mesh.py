@@ -14,12 +14,16 @@ from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
 from ._gather import bind_late_colour
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...gpu.shaders import Compute
     from ..given import Given
 
 MOST_SIDE = 2**14 - 2  # cells are named by 14 bits a side, and there is one more than pixels
 QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
 GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
-BLOCK_BYTES, CALL_BYTES = 16, 20
+BLOCK_BYTES, CALL_BYTES = 24, 20
+CHUNK = 8  # as in shaders/warps/mesh_draws.glsl
 
 
 class MeshWarp(Warp):
@@ -52,8 +56,11 @@ class MeshWarp(Warp):
         shaders, adaptive = self.gpu.shaders, int(self.adaptive)
         self._blocks = shaders.compute("warps/mesh_blocks.comp", ADAPTIVE=adaptive, SLOPE=slope)
         self._merge = shaders.compute("warps/mesh_merge.comp", ADAPTIVE=adaptive)
-        self._order = shaders.compute("warps/mesh_order.comp")
+        self._order = shaders.compute("warps/mesh_order.comp", CHUNKS=0)
         self._list = shaders.compute("warps/mesh_list.comp")
+        if self.adaptive:
+            self._count, self._choose = (shaders.compute("warps/mesh_triangles.comp", STAGE=stage) for stage in range(2))
+            self._order_triangles = shaders.compute("warps/mesh_order.comp", CHUNKS=1)
         self._cells = shaders.draw("warps/mesh_cells.vert", "warps/mesh.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex)
         self._pieces = shaders.draw("warps/mesh_pieces.vert", "warps/mesh.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex)
 
@@ -62,14 +69,19 @@ class MeshWarp(Warp):
         cells = (wide + 1) * (high + 1)
         self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.late_size)
         groups = self._groups[0] * self._groups[1]
-        self._calls = -(-cells // QUADS), -(-4 * cells // QUADS)
-        sizes = [groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES, 8 * groups, *(CALL_BYTES * n for n in self._calls), 4 * cells, 4 * cells]
+        self._calls = -(-cells // QUADS), 1 if self.adaptive else -(-4 * cells // QUADS)
+        chunks = -(-cells // CHUNK)
+        # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them; their triangles, chunks and masks.
+        sizes = [groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES, 8 * groups, *(CALL_BYTES * n for n in self._calls), 8 * cells, 4 * cells, 16]
+        if self.adaptive:
+            sizes += [32 * cells, 4 * chunks, 8 * chunks]
         _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.late_size)
         self._buffers = [gl.buffer(reserve=size) for size in sizes]  # bound as they are numbered in the shaders
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
         self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
         self._arrays = [
-            gl.vertex_array(draw.program, [], index_buffer=self._corners, index_element_size=2) for draw in (self._cells, self._pieces)
+            gl.vertex_array(self._cells.program, [], index_buffer=self._corners, index_element_size=2),
+            gl.vertex_array(self._pieces.program, [], index_buffer=None if self.adaptive else self._corners, index_element_size=2),
         ]
         self._colour = allocate(gl, self.shown_size, COLOUR)
         self._depth = gl.depth_renderbuffer(self.shown_size)
@@ -97,6 +109,7 @@ class MeshWarp(Warp):
             "H": forward.H,
             "e": forward.e,
             "late_size": self.late_size,
+            "shown_size": self.shown_size,
             "late_inverse_depth": 0,
             "steepest": self._steepest(late),
             "reach": reach(forward, self.shown_size),
@@ -108,9 +121,16 @@ class MeshWarp(Warp):
         side = GROUP // BLOCK
         blocks = self._groups[0] * side, self._groups[1] * side
         for program, size in ((self._blocks, blocks), (self._merge, self._groups), (self._order, (1, 1)), (self._list, blocks)):
-            _set_declared(program.uniforms, named)
-            program.run(*size)
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._run(program, named, lambda program=program, size=size: program.run(*size))
+        if self.adaptive:
+            self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
+            self._run(self._order_triangles, named, lambda: self._order_triangles.run(1))
+            self._run(self._choose, named, lambda: self._choose.program.run_indirect(self._buffers[6]))
+
+    def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
+        _set_declared(program.uniforms, named)
+        dispatch()
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def _draw(self, forward: WarpMap, shown: View, late: View) -> None:
         gl = self.gpu.gl
