@@ -3,6 +3,7 @@
 // Source: selection by bisection on the bits of non-negative floats, which sort as unsigned integers (abs: -0.0 sorts as 0).
 #define GRID 64
 #define THREADS 256
+#define FLOAT_MAX 3.4028234e38
 layout(local_size_x = THREADS) in;
 uniform sampler2D late_inverse_depth;
 uniform ivec2 late_size;
@@ -19,6 +20,7 @@ void main() {
         int k = int(gl_LocalInvocationIndex) + i * THREADS;
         ivec2 cell = ivec2(k % GRID, k / GRID);
         mine[i] = texelFetch(late_inverse_depth, (2 * cell + 1) * late_size / (2 * GRID), 0).r;
+        if (!(mine[i] <= FLOAT_MAX)) mine[i] = -1.0; // Inf and NaN are no depth
         if (mine[i] >= 0.0) atomicAdd(with_depth, 1u);
     }
     barrier();
