@@ -16,7 +16,7 @@ from ._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_direct
 from .picture import LatePicture, ReferencePicture, sample_covered
 
 Mask = NDArray[np.bool_]
-MOST_STEP = 0.75  # pixels
+MOST_STEP = 0.5  # pixels
 DEPTH_TOLERANCE, DEPTH_FLOOR = 0.03, 0.02
 SAME = 2.0**-16  # depths that differ by less are one: guesses often lead to the same point
 

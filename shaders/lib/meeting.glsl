@@ -10,7 +10,7 @@ uniform ivec2 late_size;
 uniform vec2 late_pixel;       // 1 / late_size
 uniform float depth_tolerance; // neighbours that differ by less than this times (their inverse depth + floor) are one surface
 uniform float depth_floor;     // 1/m
-const float MOST_STEP = 0.75;  // pixels that the step may lead away from the place it started from
+const float MOST_STEP = 0.5;   // pixels that the step may lead away from the place it started from
 
 struct Ray {
     bool ahead;

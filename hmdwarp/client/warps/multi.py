@@ -1,0 +1,79 @@
+"""Several late pictures: what an edge hides from one, the other eye saw, or the same eye a moment before."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Literal
+
+import attrs
+import numpy as np
+
+from ...frame import Needs
+from ...geometry import WarpMap
+from . import warps
+from ._composite import CompositeWarp, Picture
+
+if TYPE_CHECKING:
+    from ..given import Given
+
+MOST_FRAMES = 8
+
+
+@attrs.frozen
+class MultiSettings:
+    """frames: how many past frames of the same eye are used. spacing: at least so many milliseconds between them. eye: whether the other
+    eye's picture is used too, or only the eye's own."""
+
+    frames: int = 2
+    spacing: float = 300.0
+    eye: Literal["other", "own"] = attrs.field(default="other", validator=attrs.validators.in_(("other", "own")))
+
+    def __attrs_post_init__(self) -> None:
+        if not 0 <= self.frames <= MOST_FRAMES:
+            raise ValueError(f"frames is {self.frames}: wanted 0 to {MOST_FRAMES} past frames")
+        if not (math.isfinite(self.spacing) and 0 <= self.spacing <= 60_000):
+            raise ValueError(f"spacing is {self.spacing:g} ms: wanted 0 to 60000")
+
+
+@warps.register
+class Multi(CompositeWarp):
+    """The newest frame first, then the other eye's, then past ones; each adds what those before it could not see."""
+
+    name = "multi"
+    summary = "fills what the newest frame did not see from the other eye's and from past frames"
+    reads = ("late.colour", "late.inverse_depth", "late.others")
+    exact_when = "always, up to one bilinear resample, where one of the frames saw the surface and the scene is static"
+    gets_wrong = "what no frame saw; things that moved, where the newest frame cannot contradict the older ones"
+    source = "Mark et al. 1997, Post-Rendering 3D Warping; Mark 1999 (thesis); Bowles et al. 2012 (the gather)"
+    Settings = MultiSettings
+    best = (2, "f4")
+
+    @classmethod
+    def needs(cls, settings: Any) -> Needs:
+        spacing_ns = round(settings.spacing * 1e6) if settings.frames else 0
+        return Needs(past=settings.frames, past_spacing_ns=spacing_ns, other_eye=settings.eye == "other")
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        return cls.bytes_of(1 + settings.frames + (settings.eye == "other"), late_pixels, shown_pixels)
+
+    def pictures(self, given: Given) -> list[Picture]:
+        """The newest alone for an eye that has not moved and sees no more than it did: there is nothing to add."""
+        late = given.late
+        back = self._newest(given)
+        others = () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, late.size) else given.others
+        return [Picture(one.colour, one.inverse_depth, one.view) for one in (late, *others)]
+
+    def told(self, given: Given) -> dict[str, object]:
+        given.late.inverse_depth.bind_to_image(3, read=True, write=False)
+        newest = self._newest(given)
+        return {"newest_inverse_depth": 3, "newest_size": given.late.size, "newest_H": newest.H, "newest_e": newest.e}
+
+    def _newest(self, given: Given) -> WarpMap:
+        return WarpMap.between(given.shown, self.shown_size, given.late.view, given.late.size)
+
+
+def _lies_within(back: WarpMap, shown_size: tuple[int, int], late_size: tuple[int, int]) -> bool:
+    """For a map that only shifts by whole pixels."""
+    low = np.round(back.H[:2, 2])
+    return bool((low >= 0).all() and (low + shown_size <= late_size).all())

@@ -1,0 +1,41 @@
+// Adds one late picture to the shown one: the nearest surface stays, of those equally near the one known better, and of a picture other
+// than the newest only what the newest does not contradict.
+// In: shown pixel, the picture's inverse depth, a first guess per shown pixel. Out: the picture's colour where it stays.
+// Source: Mark et al. 1997, Post-Rendering 3D Warping (two reference frames, depth and connectedness); Mark 1999, chapter 3.
+#define BEST rg32f // r: inverse depth, -1 for nothing; g: confidence
+#include "lib/composite.glsl"
+layout(r32f) readonly uniform image2D newest_inverse_depth;
+uniform mat3 newest_H; // shown -> rendered, of the newest picture
+uniform vec3 newest_e;
+uniform ivec2 newest_size;
+const float DOUBT = 0.25; // confidence in what is not connected with its neighbour on an axis
+const float GAIN = 1.5;   // by which an older picture must know better: else the newest stays
+
+// Pixels per area that the picture spent there on each axis, less where it is an edge.
+float confidence_of(Ray ray, Meeting found) {
+    float depth_ratio = ray.base_z + found.depth * ray.parallax_z;
+    vec2 sureness = mix(vec2(DOUBT), vec2(1.0), found.connected);
+    return sureness.x * sureness.y / depth_ratio;
+}
+
+// Whether the newest picture looked through the place to something farther: then what an older one saw there is gone, or misjudged.
+bool is_contradicted(vec2 shown, float depth) {
+    vec3 q = newest_H * vec3(shown, 1.0) + newest_e * depth;
+    vec2 p = q.xy / q.z;
+    float expected = depth / q.z, held = imageLoad(newest_inverse_depth, ivec2(p)).r;
+    return q.z > 0.0 && inside(p, newest_size) && is_depth(held) && expected - held > depth_tolerance * (expected + depth_floor);
+}
+
+bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after) {
+    float confidence = confidence_of(ray, found);
+    after = vec4(found.depth, confidence, 0.0, 0.0);
+    bool alike = abs(found.depth - before.r) <= depth_tolerance * (max(found.depth, before.r) + depth_floor);
+    bool better = alike ? confidence > GAIN * before.g : found.depth > before.r;
+    return is_first || ((before.r < 0.0 || better) && !is_contradicted(shown, found.depth));
+}
+
+void main() {
+    ivec2 first = first_pixel();
+    if (first.x >= shown_size.x) return;
+    composite_column(first);
+}

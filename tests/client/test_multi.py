@@ -1,0 +1,221 @@
+"""Several late pictures: what one saw fills what another did not, the newest is never overruled by what it looked through."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from worlds import World, read
+
+from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.given import Given
+from hmdwarp.errors import InputError
+from hmdwarp.frame import EyeImage
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.reference.picture import LatePicture
+from hmdwarp.scenes import Background, Mesh, Scene, load_scene
+from hmdwarp.server import Server, Target
+
+SIZE = (120, 96)
+FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
+HALF_FLOAT = 2.0**-9  # flat colours: what is seen is right to the rounding of a half float
+
+
+def square(depth_m: float, centre: tuple[float, float], half: float, level: float) -> Mesh:
+    x, y = centre
+    corners = [(x + i * half, y + j * half, -depth_m) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    light = np.full((4, 3), level)
+    return Mesh(f"square {level}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], -1, False)
+
+
+def scene_of(*squares: Mesh) -> Scene:
+    return Scene("squares", "", squares, background=Background.uniform((1, 1, 1)))
+
+
+WALL = square(3, (0, 0), 20, 0.25)
+BEFORE_A_WALL = scene_of(square(1, (0, 0), 0.25, 0.5), WALL)
+
+
+def drawn(gpu, scene: Scene, view: View, size=SIZE, target=None) -> EyeImage:
+    """A picture in textures of its own, whose server is gone."""
+    server = Server(gpu, scene)
+    image = server.draw(view, size, Target(allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)))
+    gpu.gl.finish()
+    server.close()
+    return image
+
+
+def put_together(gpu, late: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE) -> np.ndarray:
+    choice = parse_warp(spec)
+    warp, canvas = choice.warp(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp.run(Given(late, shown, others=others), canvas)
+    gpu.gl.memory_barrier()
+    out = read(canvas.texture)
+    warp.close()
+    canvas.release()
+    return out
+
+
+def at(x: float, y: float = 0, z: float = 0) -> View:
+    return View(Pose((x, y, z)), FOV)
+
+
+def inner(picture: np.ndarray, margin: int = 14) -> np.ndarray:
+    return picture[margin:-margin, margin:-margin]
+
+
+def test_what_the_other_eye_saw_fills_the_shadow_of_an_edge(gpu):
+    """The newest stands left of the square and hides the wall to its right; the other eye, right of it, saw that."""
+    newest, other = (drawn(gpu, BEFORE_A_WALL, at(x)) for x in (-0.1, 0.1))
+    truth = inner(read(drawn(gpu, BEFORE_A_WALL, at(0)).colour))
+    alone, both = (inner(put_together(gpu, newest, others, at(0))) for others in ((), (other,)))
+    assert (alone[..., 3] == 0).mean() > 0.01
+    assert (both[..., 3] == 0).mean() < 0.1 * (alone[..., 3] == 0).mean()
+    assert (np.abs(both - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.03, "all but the square's outline, which is half a pixel off"
+
+
+def test_a_past_frame_fills_what_has_left_the_field_of_view(gpu):
+    """The wall beyond the newest picture's border."""
+    scene = scene_of(WALL)
+    newest, past = drawn(gpu, scene, at(-0.8)), drawn(gpu, scene, at(0.1))
+    alone, both = (put_together(gpu, newest, others, at(0)) for others in ((), (past,)))
+    assert (alone[..., 3] == 0).mean() > 0.05
+    assert (inner(both)[..., 3] == 1).all()
+    assert np.abs(inner(both)[..., :3] - 0.25).max() <= HALF_FLOAT
+
+
+def test_what_has_gone_is_not_painted_over_what_the_newest_sees(gpu):
+    """A past frame holds a square that the newest, which looks right through its place, has not."""
+    newest, past = drawn(gpu, scene_of(WALL), at(0.02)), drawn(gpu, BEFORE_A_WALL, at(0))
+    out = put_together(gpu, newest, (past,), at(0.05))
+    assert np.abs(inner(out)[..., :3] - 0.25).max() <= HALF_FLOAT
+
+
+def test_what_the_newest_could_not_see_may_stand_before_what_it_saw(gpu):
+    """A small square hid a middle one from the newest eye; from the shown one the middle one is before the wall."""
+    scene = scene_of(square(0.5, (0.0, 0), 0.12, 0.5), square(1.0, (0.0, 0), 0.12, 0.75), WALL)
+    newest, past = drawn(gpu, scene, at(0)), drawn(gpu, scene, at(0.3))
+    shown = at(0.3)
+    truth, out = read(drawn(gpu, scene, shown).colour), put_together(gpu, newest, (past,), shown)
+    middle_one = np.abs(truth[..., 0] - 0.75) < 1e-3
+    assert middle_one.sum() > 100
+    assert (np.abs(out - truth)[middle_one].max(axis=-1) <= HALF_FLOAT).mean() > 0.9
+
+
+def test_of_equal_surfaces_the_newest_is_shown(gpu):
+    """The wall was dark before and is bright now."""
+    before, now = scene_of(WALL), scene_of(square(3, (0, 0), 20, 0.5))
+    out = put_together(gpu, drawn(gpu, now, at(0)), (drawn(gpu, before, at(0.05)),), at(0.02))
+    assert np.abs(inner(out)[..., :3] - 0.5).max() <= HALF_FLOAT
+
+
+def test_a_much_closer_look_is_preferred_to_the_newest(gpu):
+    """A past eye stood three times as near to the wall: it has nine pixels for each of the newest's."""
+    fine = scene_of(square(3, (0, 0), 20, 0.5))
+    out = put_together(gpu, drawn(gpu, scene_of(WALL), at(0)), (drawn(gpu, fine, at(0, 0, -2)),), at(0, 0, -0.5))
+    centre = out[SIZE[1] // 2 - 8 : SIZE[1] // 2 + 8, SIZE[0] // 2 - 8 : SIZE[0] // 2 + 8]
+    assert np.abs(centre[..., :3] - 0.5).max() <= HALF_FLOAT
+
+
+def test_without_others_it_is_the_newest_frame_alone_and_nothing_is_left_from_before(gpu):
+    """The first refreshes have no past frames; and none may live on in the buffers."""
+    newest, other = (drawn(gpu, BEFORE_A_WALL, at(x)) for x in (-0.1, 0.1))
+    choice = parse_warp("multi")
+    warp, canvas = choice.warp(gpu, SIZE, SIZE, choice.settings), Canvas(gpu.gl, SIZE)
+    pictures = []
+    for others in ((), (other,), (), (other, other, other), ()):
+        warp.run(Given(newest, at(0), others=others), canvas)
+        gpu.gl.memory_barrier()
+        pictures.append(read(canvas.texture))
+    assert np.array_equal(pictures[0], pictures[2])
+    assert np.array_equal(pictures[0], pictures[4])
+    assert (pictures[1][..., 3] >= pictures[0][..., 3]).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_it_covers_what_forward_covers_and_more(gpu, seed):
+    """All but single pixels at edges, where a drawn pixel lands though the ray through the shown pixel's centre passes it by."""
+    world = World(gpu, seed, (64, 48))
+    forward, multi = world.warp(gpu, "forward")[..., 3], world.warp(gpu, "multi")[..., 3]
+    assert multi.mean() > forward.mean()
+    assert (forward > multi).mean() < 0.04
+
+
+def test_an_unmoved_eye_is_shown_the_newest_frame_bit_for_bit_whatever_others_hold(gpu):
+    world = World(gpu, 7, (64, 48), moved=False)
+    world.bring(gpu, parse_warp("multi").warp)
+    assert len(world.others) == 2
+    assert np.array_equal(world.warp(gpu, "multi"), world.colour)
+
+
+def test_an_unmoved_eye_with_a_wider_view_is_given_more_around(gpu):
+    scene = scene_of(WALL)
+    narrow = View(Pose(), Fov.from_tangents((-0.5, 0.5, -0.4, 0.4)))
+    newest, past = drawn(gpu, scene, narrow, (60, 48)), drawn(gpu, scene, at(0.05))
+    out = put_together(gpu, newest, (past,), at(0))
+    assert (inner(out)[..., 3] == 1).all()
+
+
+@pytest.mark.parametrize("spec", ["multi", "multi:frames=0", "multi:frames=1,eye=own", "multi:frames=3"])
+def test_any_number_of_pictures_equals_the_twin(gpu, spec):
+    world = World(gpu, 30, (57, 43), (61, 40))
+    needs = parse_warp(spec).warp.needs(parse_warp(spec).settings)
+    world.others = tuple(LatePicture(*world._picture(), world._beside()) for _ in range(needs.past + needs.other_eye))
+    if not world.others:
+        world.bring = lambda gpu, entry: None
+    got, wanted = world.warp(gpu, spec), world.reference(spec)
+    decided = ~wanted.undecided
+    assert decided.mean() > 0.9
+    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
+    assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, -1e-30, 3e38])
+def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, bad):
+    """In the newest picture and in the others."""
+    world, pictures = World(gpu, 4, (64, 48)), []
+    world.bring(gpu, parse_warp("multi").warp)
+    for no_depth in (-1, bad):
+        for depth in (world.inverse_depth, *(one.inverse_depth for one in world.others)):
+            depth[::5, ::3] = no_depth
+        world.upload(gpu)
+        pictures.append(world.warp(gpu, "multi"))
+    assert np.isfinite(pictures[1]).all()
+    assert np.array_equal(*pictures)
+
+
+def test_in_the_room_past_frames_and_the_other_eye_leave_fewer_holes(gpu):
+    """A walk sideways: 5 cm between frames, the shown eye 10 cm on."""
+    scene, size = load_scene("room"), (160, 128)
+    eye = scene.viewpoint
+
+    def view(x: float) -> View:
+        return View(Pose(eye.position_m + (x, 0, 0), eye.orientation_xyzw), FOV)
+
+    newest, other, past = (drawn(gpu, scene, view(x), size) for x in (0.0, 0.063, -0.25))
+    shown = view(0.1)
+    truth = read(drawn(gpu, scene, shown, size).colour)
+    holes, wrong = [], []
+    for others in ((), (other,), (other, past)):
+        out = put_together(gpu, newest, others, shown, size=size)
+        holes.append((out[..., 3] == 0).mean())
+        wrong.append(np.minimum((out - truth)[..., :3] ** 2, 1).mean())
+    assert holes[1] < 0.8 * holes[0], holes
+    assert holes[2] <= holes[1]
+    assert wrong[1] < wrong[0]
+
+
+def test_what_it_needs_of_frames():
+    specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40")
+    told = {spec: parse_warp(spec).warp.needs(parse_warp(spec).settings) for spec in specs}
+    assert (told["multi"].past, told["multi"].past_spacing_ns, told["multi"].other_eye) == (2, 300_000_000, True)
+    assert (told["multi:frames=0,eye=own"].past, told["multi:frames=0,eye=own"].other_eye) == (0, False)
+    assert told["multi:spacing=40"].past_spacing_ns == 40_000_000
+
+
+@pytest.mark.parametrize("spec", ["multi:frames=-1", "multi:frames=9", "multi:spacing=-1", "multi:spacing=nan", "multi:eye=left"])
+def test_impossible_settings_are_refused(spec):
+    with pytest.raises(InputError, match="warp 'multi:"):
+        parse_warp(spec)
+    attrs.validate(parse_warp("multi").settings)
