@@ -20,23 +20,25 @@ bool holds(float held, float expected) {
     return abs(held - expected) <= allowed * expected + allowed_floor;
 }
 
-// Two texels decide: the nearest, and the one across the corner of the bilinear footprint, which an edge through the footprint
-// almost always parts from it. Both hold the expected depth: bilinear. One does: that one alone, so that no surface bleeds into
-// another. (Asking all four would cost llvmpipe half as much time again.)
+// The client knows its depth at the centres of its pixels, so what is seen there decides. Two texels do: the one the centre lies in, and
+// the one across from it in the bilinear footprint, which an edge through the footprint almost always parts from it. Both hold the
+// expected depth: bilinear. One does: that one alone, so that no surface bleeds into another. (Asking all four would cost llvmpipe
+// half as much time again; asking around the place itself tore silhouettes behind the lens, where places are no centres.)
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
     vec3 q = base + parallax * own;
-    float depth_ratio = 1.0 / q.z;
-    vec2 p = q.xy * depth_ratio;
+    vec2 p = q.xy / q.z;
+    vec3 at_centre = base_at_centre(shown, base) + parallax * own;
+    float depth_ratio = 1.0 / at_centre.z;
     float expected = own * depth_ratio;
-    ivec2 nearest = ivec2(p);
-    vec2 centre = vec2(nearest) + 0.5;
-    vec2 across = centre + mix(vec2(1.0), vec2(-1.0), lessThan(p, centre));
-    bool near_holds = holds(imageLoad(late_inverse_depth, nearest).r, expected);
-    bool opposite_holds = holds(imageLoad(late_inverse_depth, ivec2(floor(across))).r, expected);
-    opposite_holds = opposite_holds && in_late(across); // beyond the border an image reads 0, which would pass for sky
-    vec2 at = near_holds ? (opposite_holds ? p : centre) : across;
+    vec2 nearest = floor(at_centre.xy * depth_ratio);
+    vec2 across = 2.0 * floor(p - 0.5) + 1.0 - nearest;
+    bool near_holds = holds(imageLoad(late_inverse_depth, ivec2(nearest)).r, expected);
+    bool across_holds = holds(imageLoad(late_inverse_depth, ivec2(across)).r, expected);
+    near_holds = near_holds && in_late(nearest); // beyond the border an image reads 0, which would pass for sky
+    across_holds = across_holds && in_late(across);
+    vec2 at = near_holds ? (across_holds ? p : nearest + 0.5) : across + 0.5;
     vec4 sum = look(at);
-    bool seen = (near_holds || opposite_holds) && own >= 0.0 && q.z > 0.0 && in_late(p);
-    return seen ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+    bool ahead = own >= 0.0 && q.z > 0.0 && at_centre.z > 0.0;
+    return ahead && (near_holds || across_holds) && in_late(p) ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

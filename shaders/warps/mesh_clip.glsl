@@ -10,7 +10,7 @@ vec3 shown_point(vec2 pixel, float inverse_depth) {
 }
 
 // z = 0: clipping by x and y leaves w > 0 alone, so what lies beside or behind the eye is cut off, not mirrored; depth is written by
-// mesh.frag.
+// mesh_look.glsl.
 vec4 clip_position(vec2 pixel, float inverse_depth) {
     vec3 q = shown_point(pixel, inverse_depth);
     return vec4(2.0 * q.xy / vec2(shown_size) - q.z, 0.0, q.z);

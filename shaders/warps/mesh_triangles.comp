@@ -38,8 +38,8 @@ uint halves_seen(Quarter q) {
 }
 
 void main() {
-    uint chunk = gl_GlobalInvocationID.x;
-    if (chunk >= chunks_in(cut_cells)) return;
+    uint chunk = gl_GlobalInvocationID.x, count = chunks_in(cut_cells);
+    if (chunk >= count) return;
 #if STAGE == 0
     uvec2 mask = uvec2(0u);
     for (uint k = 0u; k < CHUNK; ++k) {

@@ -61,8 +61,8 @@ class MeshWarp(Warp):
         if self.adaptive:
             self._count, self._choose = (shaders.compute("warps/mesh_triangles.comp", STAGE=stage) for stage in range(2))
             self._order_triangles = shaders.compute("warps/mesh_order.comp", CHUNKS=1)
-        self._cells = shaders.draw("warps/mesh_cells.vert", "warps/mesh.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex)
-        self._pieces = shaders.draw("warps/mesh_pieces.vert", "warps/mesh.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex)
+        self._cells = shaders.draw("warps/mesh_cells.vert", "warps/mesh_cells.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex)
+        self._pieces = shaders.draw("warps/mesh_pieces.vert", "warps/mesh_pieces.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex)
 
     def _allocate(self) -> None:
         gl, (wide, high) = self.gpu.gl, self.late_size

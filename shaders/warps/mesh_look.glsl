@@ -1,6 +1,5 @@
-// The late colour on the surface, and the surface's shown inverse depth for the depth test.
-// In: rendered pixel and inverse depth, interpolated over a triangle. Out: linear colour with coverage 1; depth, larger is nearer.
-// Source: Mark et al. 1997, section 3; the cut after rasterisation is the connectedness test of Mark 1999, 3.3, per shown pixel.
+// The late colour on the surface, and the surface's shown inverse depth for the depth test: both kinds of triangles, those of whole
+// cells and (PIECES) of cut ones. VERTEX: sheets are cut here, by the connectedness test of Mark 1999, 3.3, per shown pixel.
 #include "lib/warp_map.glsl"
 uniform sampler2D late_colour;
 uniform vec2 late_pixel;
@@ -56,8 +55,13 @@ void main() {
     const bool kept = true;
 #endif
     vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
-    // What is not there has depth 0, which nothing is behind: cheaper than to discard it, for llvmpipe by a quarter of the pass.
+    // What is not there has depth 0, which is behind nothing and never drawn; to discard it would cost llvmpipe more.
     bool there = kept && sum.a >= 0.5;
-    gl_FragDepth = there ? ordered(surface_point.z * gl_FragCoord.w * surface_point.w) : 0.0;
+#if ADAPTIVE
+    float counts_for = surface_point.w; // large cells are held back behind small ones
+#else
+    const float counts_for = 1.0;
+#endif
+    gl_FragDepth = there ? ordered(surface_point.z * gl_FragCoord.w * counts_for) : 0.0;
     colour = vec4(sum.rgb / sum.a, 1.0);
 }
