@@ -60,16 +60,21 @@ def planar(asked: Asked) -> ReferencePicture:
 
 
 def backward(asked: Asked) -> ReferencePicture:
-    """Each shown point, looked up in the late picture where the late depth there agrees with the point's own."""
+    """Each shown point, looked up in the late picture where the late depth there agrees with the point's own.
+
+    Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever the colour is looked for.
+    """
     late, shown, shown_size, size, settings = asked.late, asked.shown, asked.shown_size, asked.size, asked.settings
     own = asked.own_depth()
     known = own >= 0
     own = np.where(known, own, 0)
     moved = shown.pose.position_m - late.pose.position_m
-    pixels, expected, w = project(asked.directions(shown), moved, own, late, size)
-    pixels = np.where(known[..., None], pixels, np.nan)
+    pixels, _, _ = project(asked.directions(shown), moved, own, late, size)
+    centres, expected, _ = project(asked.at_centres().directions(shown), moved, own, late, size)
+    both_ahead = known & ~np.isnan(pixels).any(axis=-1) & ~np.isnan(centres).any(axis=-1)
+    pixels = np.where(both_ahead[..., None], pixels, np.nan)
     bound = asked.map_error(WarpMap.between(shown, shown_size, late, size), own)
-    at, agree, undecided = _where_depth_agrees(asked.inverse_depth, pixels, expected, bound, settings.tolerance, settings.floor)
+    at, agree, undecided = _where_depth_agrees(asked.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor)
     looked = sample_covered(asked.colour, np.where(agree[..., None], at, np.nan), bound, asked.sampler_pixels, least=0.0)
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
@@ -78,20 +83,23 @@ def backward(asked: Asked) -> ReferencePicture:
     return ReferencePicture(looked.colour, looked.tolerance, undecided)
 
 
-def _where_depth_agrees(inverse_depth: Array, pixels: Array, expected: Array, error: Array, tolerance: float, floor: float):
+def _where_depth_agrees(inverse_depth: Array, pixels: Array, centres: Array, expected: Array, error: Array, tolerance: float, floor: float):
     """The place, or the centre of the one of two texels that agrees; whether any agrees; where rounding may decide.
 
-    The two texels: the one the place lies in, and of the other three of its bilinear footprint the one not beside it.
+    The two texels: the one that the centre of the shown pixel falls into, and of the other three of the place's bilinear footprint the
+    one not beside it.
     """
-    texel = np.floor(np.nan_to_num(pixels)).astype(int)
-    within = np.nan_to_num(pixels) - texel
-    across = texel + np.where(within < 0.5, -1, 1)
+    corner = np.floor(np.nan_to_num(pixels) - 0.5).astype(int)
+    texel = np.floor(np.nan_to_num(centres)).astype(int)
+    across = 2 * corner + 1 - texel
     near, near_close = _agrees(inverse_depth, texel, expected, tolerance, floor)
     far, far_close = _agrees(inverse_depth, across, expected, tolerance, floor)
     at = np.where((near & far)[..., None], pixels, np.where(near[..., None], texel, across) + 0.5)
-    # The place may lie in the next texel, or in the other half of its own, where the other three texels are others.
+    # The centre may fall into the next texel, or the place into the other half of its own, where the other three texels are others.
+    within = np.nan_to_num(centres) - texel
     from_border = np.minimum(within, 1 - within).min(axis=-1) <= error
-    from_middle = np.abs(within - 0.5).min(axis=-1) <= error
+    middle = np.nan_to_num(pixels) - np.round(np.nan_to_num(pixels) - 0.5) - 0.5
+    from_middle = np.abs(middle).min(axis=-1) <= error
     return at, near | far, near_close | far_close | from_border | from_middle
 
 

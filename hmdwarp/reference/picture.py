@@ -81,6 +81,12 @@ class Asked:
         nearest = np.floor(np.clip(place, -1, np.array(self.shown_size))).astype(int)
         return np.pad(self.client_inverse_depth, 1, constant_values=-1)[nearest[..., 1] + 1, nearest[..., 0] + 1]
 
+    def at_centres(self) -> Asked:
+        """The same, asked about the centres of the shown pixels that its places lie in."""
+        if self.places is None:
+            return self
+        return attrs.evolve(self, places=attrs.evolve(self.places, pixels=np.floor(self.places.pixels) + 0.5))
+
     def near_another_pixel(self) -> Array:
         """(h, w): whether a place lies within its error of another pixel, whose depth a shader may then take."""
         if self.places is None:

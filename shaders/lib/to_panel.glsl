@@ -7,7 +7,7 @@
 #include "lib/panel.glsl"
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax);
 
-mat3 map;
+mat3 map, now; // `now` is that of the row
 vec3 map_e;
 #ifdef SCANOUT
 mat3 map_linear, map_square;
@@ -21,6 +21,7 @@ void prepare_pixels() {
     PREPARE();
 #endif
     map = H;
+    now = H;
     map_e = e;
 #ifdef SCANOUT
     map_linear = H_linear;
@@ -31,13 +32,17 @@ void prepare_pixels() {
 #endif
 }
 
+vec3 base_at_centre(vec2 shown, vec3 base) {
+    vec2 step = floor(shown) + 0.5 - shown;
+    return base + now[0] * step.x + now[1] * step.y;
+}
+
 vec4 panel_pixel(ivec2 p, vec2 radius, vec3 scales) {
 #ifdef SCANOUT
     float t = 1.0 - (float(p.y) + 0.5) * row_share;
-    mat3 now = map + t * (map_linear + t * map_square);
+    now = map + t * (map_linear + t * map_square);
     vec3 parallax = map_e + t * (e_by_t + t * e_by_t2);
 #else
-    mat3 now = map;
     vec3 parallax = map_e;
 #endif
     vec3 on_axis = now * vec3(axis, 1.0), along = now[0] * radius.x + now[1] * radius.y;

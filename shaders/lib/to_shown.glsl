@@ -7,6 +7,11 @@ layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 shown_size;
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax);
 
+// What base is at the centre of the shown pixel that `shown` lies in: here that is `shown` itself.
+vec3 base_at_centre(vec2 shown, vec3 base) {
+    return base;
+}
+
 void main() {
     ivec2 first = first_pixel(), size = shown_size;
     if (first.x >= size.x) return;
