@@ -1,0 +1,92 @@
+"""A gather that follows each ray through the late depth to the first surface it meets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import moderngl
+
+from . import warps
+from ._base import COLOUR_BYTES, DEPTH_BYTES
+from ._gather import GatherWarp
+from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..given import Given
+
+LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
+BOUND_BYTES = 8
+NEAREST = 2.0**11  # 1/m; what is nearer than half a millimetre is not searched for
+
+
+@attrs.frozen
+class SearchSettings:
+    """steps: cells a ray may pass, then it ends in a hole. gap: pixels by which a ray may miss the end of a surface and meet it all the
+    same, so that steep surfaces keep together. tolerance, floor (1/m): neighbours are connected if they differ by at most
+    tolerance * (the farther one's inverse depth + floor)."""
+
+    steps: int = 512
+    gap: float = 0.05
+    tolerance: float = DEPTH_TOLERANCE
+    floor: float = DEPTH_FLOOR
+
+    def __attrs_post_init__(self) -> None:
+        if not 1 <= self.steps <= 65536:
+            raise ValueError(f"steps={self.steps}: wanted 1 to 65536")
+        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.gap)):
+            raise ValueError("tolerance, floor and gap must be 0 or more")
+
+
+@warps.register
+class Search(GatherWarp):
+    """A gather to the first hit along the epipolar segment, skipping by a pyramid of bounds; rays that meet nothing seen are holes."""
+
+    name = "search"
+    summary = "follows each pixel's ray through the late picture to the first surface it meets"
+    reads = ("late.colour", "late.inverse_depth")
+    exact_when = "the late picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
+    gets_wrong = "silhouettes end half way between late pixels; slow where rays run long past many edges"
+    source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
+    Settings = SearchSettings
+    rows = 4
+
+    def prepare(self) -> None:
+        self._program = self.gather("warps/search.comp")
+        self._build = tuple(self.gpu.shaders.compute("warps/search_pyramid.comp", FROM_DEPTH=k) for k in (1, 0))
+        self._sizes = [self.late_size]
+        for _ in range(LEVELS):
+            self._sizes.append(tuple(-(-n // FACTOR) for n in self._sizes[-1]))
+        counts = [w * h for w, h in self._sizes[1:]]
+        self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
+        self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+        """The late depth once for the pyramid; per shown pixel one of colour and of depth, and the result."""
+        return late_pixels * DEPTH_BYTES + shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES)
+
+    def run(self, given: Given, into: Canvas) -> None:
+        given.late.inverse_depth.bind_to_image(1, read=True, write=False)
+        self._bounds.bind_to_storage_buffer(0)
+        levels = {"level_first": self._first, "level_width": tuple(w for w, _ in self._sizes[1:])}
+        self._build_pyramid(levels)
+        wide, high = self.late_size
+        chosen = self.settings
+        surface = {"late_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+        surface |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
+        self.run_gather(self._program, given, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels)
+
+    def _build_pyramid(self, levels: dict[str, tuple[int, ...]]) -> None:
+        for level in range(1, LEVELS + 1):
+            program = self._build[min(level, 2) - 1]
+            below, blocks = self._sizes[level - 1 : level + 1]
+            program.uniforms.set(level=level, blocks=blocks, below=below, **levels)
+            if level == 1:
+                program.uniforms.set(late_inverse_depth=1, late_size=self.late_size)
+            program.run(*blocks)
+            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        self._bounds.release()
