@@ -22,14 +22,14 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match.group(1)), int(match.group(2))
 
 
-def _number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False, most: float = math.inf):
+def number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False, most: float = math.inf):
+    """A validator for attrs: the value, or each of a tuple, is finite and within the limits, or None. Errors: InputError."""
     wanted = f"{'above' if above else 'of at least'} {least:g}{unit}" + (f" and at most {most:g}{unit}" if math.isfinite(most) else "")
 
-    def check(_: object, __: attrs.Attribute, value: float | None) -> None:
-        if value is None:
-            return
-        if not math.isfinite(value) or value > most or not (value > least if above else value >= least):
-            raise InputError(f"{name} {value:g}{unit}: wanted a number {wanted}")
+    def check(_: object, __: attrs.Attribute, value: float | tuple[float, ...] | None) -> None:
+        for one in value if isinstance(value, tuple) else (value,):
+            if one is not None and not (math.isfinite(one) and one <= most and (one > least if above else one >= least)):
+                raise InputError(f"{name} {one:g}{unit}: wanted a number {wanted}")
 
     return check
 
@@ -51,27 +51,27 @@ class RunOptions:
 
     trace: str
     scene: str = "room"
-    latency_ms: float = attrs.field(default=200.0, validator=_number("latency", " ms"))
+    latency_ms: float = attrs.field(default=200.0, validator=number("latency", " ms"))
     warp: str = "forward"
     fill: str = "interpolate"
     lens: str = "radial"
     headset: str = "rift-dk1"
     size: tuple[int, int] | None = None
-    rate_hz: float | None = attrs.field(default=None, validator=_number("rate", " Hz", above=True, most=1000))
-    start_s: float = attrs.field(default=0.0, validator=_number("start", " s"))
-    seconds: float | None = attrs.field(default=None, validator=_number("seconds", " s", above=True))
-    guard: float = attrs.field(default=1.0, validator=_number("guard", least=1.0))
+    rate_hz: float | None = attrs.field(default=None, validator=number("rate", " Hz", above=True, most=1000))
+    start_s: float = attrs.field(default=0.0, validator=number("start", " s"))
+    seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
+    guard: float = attrs.field(default=1.0, validator=number("guard", least=1.0))
     predict: str = "none"
-    horizon_ms: float = attrs.field(default=100.0, validator=_number("horizon", " ms"))
+    horizon_ms: float = attrs.field(default=100.0, validator=number("horizon", " ms"))
     against: str = "none"
-    metrics_every: int = attrs.field(default=10, validator=_number("metrics-every", least=1))
-    workers: int | None = attrs.field(default=None, validator=_number("workers", most=256))
-    images: int = attrs.field(default=6, validator=_number("images"))
+    metrics_every: int = attrs.field(default=10, validator=number("metrics-every", least=1))
+    workers: int | None = attrs.field(default=None, validator=number("workers", most=256))
+    images: int = attrs.field(default=6, validator=number("images"))
     video: bool = False
     fused: bool = False
-    budget_ms: float | None = attrs.field(default=None, validator=_number("budget", " ms", above=True))
+    budget_ms: float | None = attrs.field(default=None, validator=number("budget", " ms", above=True))
     bench: Path | None = attrs.field(default=None, converter=attrs.converters.optional(Path))
-    scanout_ms: float = attrs.field(default=0.0, validator=_number("scanout", " ms", most=100))
+    scanout_ms: float = attrs.field(default=0.0, validator=number("scanout", " ms", most=100))
     follow_scanout: bool = True
     trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     out: Path = attrs.field(default=Path("out/replay"), converter=Path)

@@ -12,7 +12,7 @@ from .colour import picture_from_linear
 from .gpu.textures import download
 from .loop import Refresh
 from .measuring import AGAINST, MAIN, Probe
-from .metrics.pool import QualityPool
+from .metrics.pool import QualityPool, worker_count
 from .options import RunOptions
 from .outcome import OWNED, ReplayResult, outcome_of, write_outcome
 from .report.files import OutputFolder
@@ -22,7 +22,6 @@ from .runlog import Row, RunLog
 from .trial import ladder_for
 
 WORST_FRAMES = 6
-MOST_WORKERS = 8  # each takes 200 MB; measuring every tenth refresh keeps two busy
 
 Progress = Callable[[int, int], None]
 
@@ -38,7 +37,7 @@ def replay(
     ladder = ladder_for(options, say)
     with build_rig(options, rungs=ladder.rungs) as rig, OutputFolder(options.out, owned=OWNED) as out:
         rig.notes.extend(ladder.notes_on(rig.gpu.renderer, os.cpu_count() or 1))
-        workers = min(os.cpu_count() or 1, MOST_WORKERS) if options.workers is None else options.workers
+        workers = worker_count(options.workers)
         with QualityPool(workers, rig.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(rig, key)) as pool:
             probe = Probe(rig, pool, _keep_every(rig))
             log = _run(rig, probe, out, progress)

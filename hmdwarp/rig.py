@@ -10,12 +10,12 @@ from contextlib import ExitStack
 import attrs
 import numpy as np
 
-from .client.adaptive import AdaptiveCompensator, needs_of
+from .client.adaptive import AdaptiveCompensator
 from .client.choice import Rung
 from .client.compensator import Compensator
 from .client.governor import Governor
 from .client.history import History
-from .client.plan import BYTES_PER_PIXEL, CUBE_BYTES, LAYER_BYTES, Plan, build_plan
+from .client.plan import BYTES_PER_PIXEL, CUBE_BYTES, LAYER_BYTES, Plan, build_plan, needs_of
 from .errors import InputError, MachineError
 from .frame import Needs
 from .geometry.cube import cube_size
@@ -199,15 +199,14 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     trace = load_trace(options.trace, options.trace_options)
     times = timetable(trace.track, options, options.rate_hz or headset.refresh_hz)
     size = options.size or headset.eye_size_px
-    late_size = guarded_size(options.guard, headset, size)
+    guarded_size(options.guard, headset, size)
     scene = load_scene(options.scene)
     plans = plans_for(options, headset, scene, rungs)
     needs = needs_of(plans) | _needs_of_against(options, scene) | (also or Needs())
     track, notes = placed(trace.track, scene)
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
-        check_size(gpu.gl, size)
-        _check_room(gpu, options, times.rate_hz, late_size, needs, cube_bytes(headset, size, needs))
+        check_room(gpu, options, headset, needs)
         server = Server(gpu, scene)
         stack.callback(server.close)
         history = History(needs.past, needs.past_spacing_ns, server.recycle)
@@ -253,12 +252,15 @@ def cube_bytes(headset: Headset, size: tuple[int, int], needs: Needs) -> int:
     return CUBE_BYTES * wide * high if needs.cube else 0
 
 
-def _check_room(gpu: Gpu, options: RunOptions, rate_hz: float, late_size: tuple[int, int], needs: Needs, cube: int) -> None:
+def check_room(gpu: Gpu, options: RunOptions, headset: Headset, needs: Needs) -> None:
     """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
+    size = options.size or headset.eye_size_px
+    check_size(gpu.gl, size)
+    late_size, cube = guarded_size(options.guard, headset, size), cube_bytes(headset, size, needs)
     if max(late_size) > gpu.max_texture_size:
         found = f"guard {options.guard:g} makes frames of {late_size[0]}x{late_size[1]} pixels"
         raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
-    frames = frames_held(options, rate_hz, needs)
+    frames = frames_held(options, options.rate_hz or headset.refresh_hz, needs)
     needed = frames * 2 * (late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * needs.layers) + cube)
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(

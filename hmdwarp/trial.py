@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from statistics import fmean, median
@@ -10,15 +9,16 @@ from typing import Any
 
 import attrs
 
-from .bench.cases import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of, needs_of
+from .bench.cases import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .bench.casework import Casework, Measured, refreshes
 from .client.choice import best_within, ladder
 from .client.fills import fills
+from .client.plan import needs_of
 from .client.warps import warps
 from .errors import PlanError
 from .headsets import Headset, load_headset
 from .ladder import Ladder, ladder_from_file
-from .metrics.pool import QualityPool
+from .metrics.pool import QualityPool, worker_count
 from .options import AUTO, RunOptions
 from .rig import Rig, build_plan_for, build_rig, guarded_size, memory_bytes
 from .scenes import load_scene
@@ -26,7 +26,6 @@ from .scenes import load_scene
 INSTANTS, ROUNDS = 3, 2  # of the run, evenly spread; timed runs of both eyes at each
 # Beyond twice the budget a warp is out of reach until the machine becomes twice as fast: its picture is not measured.
 REACH = 2.0
-MOST_WORKERS = 8  # each takes 200 MB
 Say = Callable[[str], None]
 
 
@@ -67,7 +66,7 @@ def tried(options: RunOptions, say: Say) -> Ladder:
     told = f"Warp 'auto' tried {len(kept)} combinations of warp and fill at {INSTANTS} instants of this run"
     left_out = sorted(set(took) - set(within))
     if left_out:
-        told += f"; {', '.join(left_out)} took more than {REACH:g} times the budget and came into no question"
+        told += f"; {', '.join(left_out)} took more than {REACH:g} times the budget, so their pictures were not measured"
     return Ladder(rungs, (f"{told}.",))
 
 
@@ -112,8 +111,7 @@ def _rows(options: RunOptions, headset: Headset, combinations: Sequence[Combinat
     """What choice.ladder reads of a row of bench.json, for each combination."""
     size = options.size or headset.eye_size_px
     case = Case(options.scene, options.trace, options.latency_ms, size)
-    workers = min(os.cpu_count() or 1, MOST_WORKERS) if options.workers is None else options.workers
-    with QualityPool(workers, headset.left_fov.pixels_per_degree(size)) as pool:
+    with QualityPool(worker_count(options.workers), headset.left_fov.pixels_per_degree(size)) as pool:
         for batch in _batches(options, headset, combinations):
             with build_rig(_beside(options), needs_of(c.plan for c in batch)) as rig:
                 casework = Casework(rig, case, batch, pool, ROUNDS)

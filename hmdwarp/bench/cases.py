@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
-from functools import reduce
-from operator import or_
 
 import attrs
 
@@ -16,7 +14,7 @@ from ..client.warps import warps
 from ..frame import Needs
 from ..link import ConstantLink
 from ..options import RunOptions
-from ..poses import load_trace
+from ..poses import PoseTrack
 from ..rig import Timetable, refreshes_of, timetable
 from ..scenes import Scene
 from .options import BenchOptions, Size
@@ -63,11 +61,6 @@ def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
     return [Combination(w, f, build_plan(scene.effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
-def needs_of(plans: Iterable[Plan]) -> Needs:
-    """What frames must carry for all of them."""
-    return reduce(or_, (plan.needs for plan in plans), Needs())
-
-
 def batches(combinations: Sequence[Combination], late_size: Size, shown_size: Size, most_bytes: float) -> list[list[Combination]]:
     """Combinations that exist at the same time: those that want their older frames equally far apart, within `most_bytes`.
 
@@ -110,17 +103,17 @@ def run_options(options: BenchOptions, case: Case, **changes: object) -> RunOpti
         "seconds": options.seconds,
         "guard": options.guard,
         "against": "",
+        "trace_options": options.trace_options,
         "out": options.out,
         "command": options.command,
     }
     return RunOptions(**{**known, **changes})
 
 
-def common_start_s(options: BenchOptions, recording: str, rate_hz: float) -> float:
+def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
     """Where all latencies can start, after checking that each has a frame to show in this recording. Errors: as timetable."""
-    track = load_trace(recording).track
     for latency in options.latencies_ms:
-        timetable(track, run_options(options, Case("", recording, latency, options.sizes[0])), rate_hz)
+        timetable(track, run_options(options, Case("", "", latency, options.sizes[0])), rate_hz)
     return max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)
 
 

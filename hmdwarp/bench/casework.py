@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..client.compensator import Compensator, EyeResult
 from ..client.given import Given
+from ..client.plan import needs_of
 from ..colour import picture_from_linear
 from ..frame import Needs
 from ..geometry import View
@@ -22,7 +23,7 @@ from ..metrics.pool import QualityPool
 from ..rig import Rig
 from ..runlog import Row, stage_columns
 from ..server.targets import TargetPool
-from .cases import Case, Combination, frames_used, instants_of, needs_of, numbered
+from .cases import Case, Combination, frames_used, instants_of, numbered
 
 Key = tuple[Case, str, str, int, int]  # (case, warp, fill, refresh, eye): what a picture is measured under
 EYES = (0, 1)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..client.compensator import Compensator
 from ..client.given import Given
-from ..client.plan import build_plan
+from ..client.plan import build_plan, needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
 from ..metrics.job import Compared, QualityJob
@@ -20,7 +20,7 @@ from ..metrics.sharpness import sharpness
 from ..rig import Rig
 from ..runlog import stage_columns
 from ..server.targets import Target, TargetPool
-from .cases import instants_of, needs_of
+from .cases import instants_of
 from .casework import refreshes
 
 INSTANTS = 3

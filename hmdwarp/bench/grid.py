@@ -11,6 +11,7 @@ import numpy as np
 
 from ..client.compensator import Compensator
 from ..client.history import History
+from ..client.plan import needs_of
 from ..colour import picture_from_linear
 from ..errors import HmdwarpError
 from ..geometry import Pose
@@ -23,7 +24,7 @@ from ..poses import Origin, PoseSample
 from ..rig import Requested, Rig
 from ..scenes import Scene
 from ..server.targets import TargetPool
-from .cases import Combination, needs_of
+from .cases import Combination
 
 METRES, DEGREES = 0.3, 30.0
 STEPS = 3  # to either side

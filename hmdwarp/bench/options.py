@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,8 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
+from ..options import number
+from ..poses.options import TraceOptions
 
 Size = tuple[int, int]
 
@@ -31,24 +32,14 @@ def _several(what: str, key: Callable[[Any], Any] = lambda value: value) -> Call
     return convert
 
 
-def _number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False) -> Callable[[object, attrs.Attribute, Any], None]:
-    wanted = f"a number {'above' if above else 'of at least'} {least:g}{unit}"
-
-    def check(_: object, __: attrs.Attribute, value: Any) -> None:
-        for one in value if isinstance(value, tuple) else (value,):
-            if one is not None and not (math.isfinite(one) and (one > least if above else one >= least)):
-                raise InputError(f"{name} {one:g}{unit}: wanted {wanted}")
-
-    return check
-
-
 @attrs.frozen
 class BenchOptions:
     """Every combination of warps x fills x latencies x scenes x recordings x sizes is run.
 
     warps: names, with settings if wanted (`mesh:cut=slope`); empty for all that are registered. fills: likewise, empty for none and
-    interpolate. sizes: (w, h) of one eye. start_s, seconds: the part of each recording, None for all of it. instants: how many
-    refreshes of it are measured, evenly spread. rounds: how often each combination is timed at each, after a run to warm up.
+    interpolate. sizes: (w, h) of one eye. trace_options: how every recording is read. start_s, seconds: the part of each recording,
+    None for all of it. instants: how many refreshes of it are measured, evenly spread. rounds: how often each combination is timed at
+    each, after a run to warm up.
     workers: measuring processes, None for one per core. grid, fused: whether the displacement grid and the warps that look through the
     lens themselves are measured too. budget_ms: a time per eye to choose the most accurate combination for.
     Errors: InputError for a number that cannot be meant, and for an empty list.
@@ -56,21 +47,22 @@ class BenchOptions:
 
     warps: tuple[str, ...] = attrs.field(default=(), converter=lambda names: tuple(dict.fromkeys(names)))
     fills: tuple[str, ...] = attrs.field(default=("none", "interpolate"), converter=_several("fill"))
-    latencies_ms: tuple[float, ...] = attrs.field(default=(200.0,), converter=_several("latency"), validator=_number("latency", " ms"))
+    latencies_ms: tuple[float, ...] = attrs.field(default=(200.0,), converter=_several("latency"), validator=number("latency", " ms"))
     scenes: tuple[str, ...] = attrs.field(default=("room",), converter=_several("scene"))
     recordings: tuple[str, ...] = attrs.field(default=("look-around", "walk"), converter=_several("recording"))
     sizes: tuple[Size, ...] = attrs.field(default=((1280, 800),), converter=_several("size", tuple))
+    trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     lens: str = "none"
     headset: str = "rift-dk1"
-    guard: float = attrs.field(default=1.5, validator=_number("guard", least=1.0))
-    rate_hz: float | None = attrs.field(default=None, validator=_number("rate", " Hz", above=True))
-    start_s: float = attrs.field(default=0.0, validator=_number("start", " s"))
-    seconds: float | None = attrs.field(default=None, validator=_number("seconds", " s", above=True))
-    instants: int = attrs.field(default=INSTANTS, validator=_number("instants", least=1))
-    rounds: int = attrs.field(default=ROUNDS, validator=_number("rounds", least=1))
-    workers: int | None = attrs.field(default=None, validator=_number("workers"))
+    guard: float = attrs.field(default=1.5, validator=number("guard", least=1.0))
+    rate_hz: float | None = attrs.field(default=None, validator=number("rate", " Hz", above=True, most=1000))
+    start_s: float = attrs.field(default=0.0, validator=number("start", " s"))
+    seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
+    instants: int = attrs.field(default=INSTANTS, validator=number("instants", least=1))
+    rounds: int = attrs.field(default=ROUNDS, validator=number("rounds", least=1))
+    workers: int | None = attrs.field(default=None, validator=number("workers", most=256))
     fused: bool = True
     grid: bool = True
-    budget_ms: float | None = attrs.field(default=None, validator=_number("budget", " ms", above=True))
+    budget_ms: float | None = attrs.field(default=None, validator=number("budget", " ms", above=True))
     out: Path = attrs.field(default=Path("out/bench"), converter=Path)
     command: str = ""

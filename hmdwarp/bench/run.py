@@ -5,22 +5,23 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ..client.choice import choose
-from ..client.plan import build_plan
+from ..client.plan import build_plan, needs_of
 from ..errors import InputError
 from ..gpu.bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
-from ..metrics.pool import QualityPool
+from ..metrics.pool import QualityPool, worker_count
+from ..poses import load_trace
 from ..report.files import OutputFolder
 from ..report.schema import SCHEMA
-from ..rig import build_plan_for, build_rig, guarded_size, memory_bytes, timetable
+from ..rig import build_plan_for, build_rig, check_room, guarded_size, memory_bytes, timetable
 from ..scenes import load_scene
 from ..version import __version__
 from . import fused, grid
@@ -34,7 +35,6 @@ from .cases import (
     combinations_of,
     common_start_s,
     instants_of,
-    needs_of,
     run_options,
     warps_of,
 )
@@ -43,7 +43,6 @@ from .options import BenchOptions
 from .rows import COLUMNS, flat, row_of
 
 OWNED = ("bench.csv", "bench.html")
-MOST_WORKERS = 8  # each takes 200 MB
 Progress = Callable[[int, int], None]
 
 
@@ -123,25 +122,31 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
 def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
     """Everything that can be found wrong without starting the GPU. Errors: InputError and its kin."""
     rate_hz = options.rate_hz or headset.refresh_hz
-    combinations = {}
+    combinations, called = {}, {}
     for name in options.scenes:
         scene = load_scene(name)
         build_plan_for(run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens), headset, scene)
-        combinations[name] = combinations_of(options, scene)
-    starts = {recording: common_start_s(options, recording, rate_hz) for recording in options.recordings}
+        combinations[name], called[name] = combinations_of(options, scene), scene.name
+    _refuse_one_name("scenes", called)
+    traces = {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
+    _refuse_one_name("recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()})
+    starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = []
     for case in cases_of(options):
         guarded_size(options.guard, headset, case.size)
         run = run_options(options, case, start_s=starts[case.recording])
-        count = _refreshes(run, rate_hz)
+        count = timetable(traces[case.recording].track, run, rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
     return works
 
 
-def _refreshes(run: Any, rate_hz: float) -> int:
-    from ..poses import load_trace
-
-    return timetable(load_trace(run.trace).track, run, rate_hz).count
+def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
+    """Rows, tables and charts tell cases apart by what things are called. called: by what was asked for. Errors: InputError."""
+    found: dict[str, str] = {}
+    for asked, name in called.items():
+        first = found.setdefault(name, asked)
+        if first != asked:
+            raise InputError(f"{kind} '{first}' and '{asked}' are both called '{name}': leave one out, or rename a file")
 
 
 def _examined(
@@ -155,6 +160,9 @@ def _examined(
             work.case: batches(work.combinations, guarded_size(options.guard, headset, work.case.size), work.case.size, most)
             for work in works
         }
+        for work in works:
+            for batch in batched[work.case]:
+                check_room(gpu, work.run, headset, needs_of(c.plan for c in batch))
         return machine, copy_bandwidth(gpu), check_clocks(gpu), batched
 
 
@@ -165,8 +173,7 @@ def _total(options: BenchOptions, headset: Headset, works: list[_Work], batched:
 
 
 def _pool(options: BenchOptions, headset: Headset, size: tuple[int, int]) -> QualityPool:
-    workers = min(os.cpu_count() or 1, MOST_WORKERS) if options.workers is None else options.workers
-    return QualityPool(workers, headset.left_fov.pixels_per_degree(size))
+    return QualityPool(worker_count(options.workers), headset.left_fov.pixels_per_degree(size))
 
 
 def _case_rows(

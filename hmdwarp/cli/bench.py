@@ -48,11 +48,18 @@ def bench(
     workers: Annotated[
         int | None, typer.Option(help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False)
     ] = None,
+    trace_format: o.TraceFormat = None,
+    quat_order: o.QuatOrder = None,
+    up: o.Up = None,
+    scale: o.Scale = None,
+    trace_rate: o.TraceRate = None,
+    segment: o.Segment = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for bench.csv, bench.json and bench.html.")] = Path("out/bench"),
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Run every combination of warps, fills, latencies, scenes, traces and sizes on the same late frames: error against time."""
     from ..bench import BenchOptions
+    from ..poses.options import TraceOptions
 
     asked = {
         "warps": None if warp is None else [name for text in warp for name in ([text] if ":" in text else _split(text))],
@@ -66,6 +73,7 @@ def bench(
     }
     options = BenchOptions(
         **{name: value for name, value in asked.items() if value is not None},
+        trace_options=TraceOptions(trace_format, quat_order, up, scale, trace_rate, segment),
         lens=lens,
         headset=headset,
         guard=guard,

@@ -98,8 +98,7 @@ def _auto(options: RunOptions) -> None:
 
 def _weights(options: RunOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
     """What frames weigh that carry what all the plans read, and how many there are."""
-    from ..client.adaptive import needs_of
-    from ..client.plan import BYTES_PER_PIXEL, LAYER_BYTES
+    from ..client.plan import BYTES_PER_PIXEL, LAYER_BYTES, needs_of
     from ..rig import cube_bytes, frames_held, guarded_size
 
     shown_size = options.size or headset.eye_size_px

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import functools
-import operator
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import attrs
 
-from ..frame import Needs
 from .compensator import Compensator, EyeResult, Stages
 from .governor import Change, Governor
 
 if TYPE_CHECKING:
+    from ..frame import Needs
     from ..gpu.context import Gpu
     from .choice import Rung
     from .given import Given
@@ -69,11 +67,6 @@ class AdaptiveCompensator:
         """Free every texture and buffer of all rungs."""
         for compensator in self._compensators.values():
             compensator.close()
-
-
-def needs_of(plans: Iterable[Plan]) -> Needs:
-    """What frames must carry so that each of the plans can run."""
-    return functools.reduce(operator.or_, (plan.needs for plan in plans), Needs())
 
 
 def _only(given: Given, needs: Needs) -> Given:

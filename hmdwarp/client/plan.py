@@ -5,6 +5,10 @@ What is not in the plan compiles nothing, allocates nothing and costs nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import reduce
+from operator import or_
+
 import attrs
 
 from ..errors import PlanError
@@ -77,6 +81,11 @@ class Plan:
     def bytes_per_pixel(self) -> int:
         """What one pixel of a frame weighs with the layers this plan reads; a cube is counted apart."""
         return sum(BYTES_PER_PIXEL.get(name, 0) for name in self.layers) + LAYER_BYTES * self.needs.layers
+
+
+def needs_of(plans: Iterable[Plan]) -> Needs:
+    """What frames must carry so that each of the plans can run."""
+    return reduce(or_, (plan.needs for plan in plans), Needs())
 
 
 def build_plan(

@@ -24,6 +24,12 @@ from .worst import Kept, WorstKeeper
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"
 # More than one thread in a worker's BLAS would fight the other workers for the cores.
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+MOST_WORKERS = 8  # each takes 200 MB
+
+
+def worker_count(asked: int | None) -> int:
+    """How many measuring processes: as many as asked for, by default one per core."""
+    return min(os.cpu_count() or 1, MOST_WORKERS) if asked is None else asked
 
 
 class QualityPool:

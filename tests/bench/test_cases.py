@@ -17,6 +17,7 @@ from hmdwarp.bench.cases import (
     frames_used,
     instants_of,
     numbered,
+    run_options,
     warps_of,
 )
 from hmdwarp.bench.casework import refreshes
@@ -24,6 +25,7 @@ from hmdwarp.bench.options import BenchOptions
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.frame import Needs
+from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.rig import build_rig
 from hmdwarp.scenes import load_scene
 
@@ -65,6 +67,8 @@ def test_all_registered_warps_by_default():
         ({"instants": 0}, "instants 0"),
         ({"rounds": 0}, "rounds 0"),
         ({"rate_hz": 0}, "rate 0 Hz"),
+        ({"rate_hz": 2000}, "rate 2000 Hz"),
+        ({"workers": 100_000}, "at most 256"),
     ],
 )
 def test_numbers_that_cannot_be_meant(changes, told):
@@ -127,9 +131,15 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
     assert len(used) <= len(looked_at) * (1 + needs.past)
 
 
+def test_every_run_reads_its_recording_as_asked():
+    options = BenchOptions(trace_options=TraceOptions(scale=0.5))
+    assert {run_options(options, case).trace_options for case in cases_of(options)} == {options.trace_options}
+
+
 def test_latencies_start_at_the_same_refresh():
     options = BenchOptions(latencies_ms=(0, 100, 500), recordings=("walk",))
-    assert common_start_s(options, "walk", 60.0) == 0.5
-    assert common_start_s(attrs.evolve(options, start_s=2.0), "walk", 60.0) == 2.0
+    walk = load_trace("walk").track
+    assert common_start_s(options, walk, 60.0) == 0.5
+    assert common_start_s(attrs.evolve(options, start_s=2.0), walk, 60.0) == 2.0
     with pytest.raises(InputError, match="latency 90000 ms"):
-        common_start_s(attrs.evolve(options, latencies_ms=(100, 90000)), "walk", 60.0)
+        common_start_s(attrs.evolve(options, latencies_ms=(100, 90000)), walk, 60.0)

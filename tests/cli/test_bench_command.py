@@ -55,6 +55,10 @@ def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_pa
         (("--guard", "0.5"), ("guard 0.5",)),
         (("--guard", "500"), ("guard 500",)),
         (("--instants", "0"), ("instants 0",)),
+        (("--workers", "100000"), ("workers 100000", "at most 256")),
+        (("--rate", "1e9"), ("rate 1e+09 Hz",)),
+        (("--segment", "7"), ("walk", "segment")),
+        (("--quat-order", "xywz"), ("'xywz'", "wxyz")),
         (("--budget", "-1"), ("budget -1 ms",)),
         (("--start", "1000"), ("start 1000 s",)),
         (("--headset", "flat-90", "--lens", "radial"), ("no lens",)),
@@ -71,6 +75,20 @@ def test_refusals_come_before_anything_runs(arguments, told, command, tmp_path, 
     out = tmp_path / "out"
     command("bench", "walk", *QUICK, *arguments, "--out", out).refused(*told)
     assert not out.exists()
+
+
+def test_a_size_beyond_the_gpu_is_refused_before_the_others_run(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("hmdwarp.bench.run.build_rig", lambda *_: pytest.fail("it ran"))
+    command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused("picture size 100000x40")
+
+
+def test_recordings_that_no_table_could_tell_apart(command, tmp_path):
+    text = "t,x,y,z,qx,qy,qz,qw\n" + "".join(f"{k / 60},0,1.6,0,0,0,0,1\n" for k in range(60))
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "head.csv").write_text(text, encoding="utf-8")
+    files = [str(tmp_path / folder / "head.csv") for folder in ("a", "b")]
+    command("bench", *files, *QUICK, "--out", tmp_path / "out").refused(*files, "both called 'head'")
 
 
 def test_a_warp_with_settings_is_not_split(command, tmp_path):
