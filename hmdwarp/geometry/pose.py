@@ -31,7 +31,7 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     largest = float(np.abs(given).max())
     if largest == 0:
         raise InputError(f"a quaternion of length 0 is no rotation: {value!r}")
-    # A quaternion already unit to the last bits (normalising leaves up to 6 units of 1.1e-16) stays as it is: q -> Pose -> q is then bit-exact.
+    # A quaternion already unit to the last bits stays as it is (normalising leaves up to 6 units of 1.1e-16): q -> Pose -> q is bit-exact.
     if largest <= 1 and abs(float(given @ given) - 1) < 1e-15:
         return given
     array = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm

@@ -21,7 +21,8 @@ def search(asked: Asked) -> ReferencePicture:
     settings, size = asked.settings, asked.size
     surface = LateSurface(asked.inverse_depth, settings.tolerance, settings.floor)
     rays = RaysInLate.of(asked.late, size, asked.shown, asked.shown_size)
-    run = np.where(np.abs(rays.along) < LEAST_RUN, LEAST_RUN, np.nan_to_num(rays.along))
+    along = np.nan_to_num(rays.along)
+    run = np.where(np.abs(along) < LEAST_RUN, LEAST_RUN, along)
     first, last = _segment(rays, run, size)
     crossed = _crossings(rays, run, size, first, last)
     near, far = crossed[..., :-1], crossed[..., 1:]

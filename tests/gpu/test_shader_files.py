@@ -13,8 +13,8 @@ from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.frame import Needs
 from hmdwarp.errors import MachineError
+from hmdwarp.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.bandwidth import Copier
 from hmdwarp.gpu.context import Gpu
