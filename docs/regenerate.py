@@ -149,7 +149,8 @@ def traffic_table(rows: list[dict]) -> str:
     seen = set()
     for row in rows:
         for one in row["passes"]:
-            name = {"warp": row["warp"], "fill": f"fill {row['fill']}", "lens": f"lens {row['lens']}"}[one["name"]]
+            kind = one["name"]
+            name = row["warp"] if kind == "warp" else f"{kind} {row.get(kind, '')}".strip()
             if name not in seen:
                 seen.add(name)
                 figures = f"{one['bytes'] / 1e6:.1f} | {one['bound_ms']:.2f} | {one['median_ms']:.2f} | {one['times_bound']:.1f}"

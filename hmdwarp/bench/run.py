@@ -99,7 +99,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             with _pool(options, headset, size) as pool:
                 for work in group:
                     rows += _case_rows(options, work, batched[work.case], pool, bandwidth, steps)
-        first = works[0]
+        first, has_grid, has_fused = works[0], options.grid, options.fused and headset.lens is not None
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -109,8 +109,10 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
             "copy_gb_s": bandwidth.bytes_per_s * 1e-9,
             "rows": rows,
-            "grid": _grid(options, headset, first, steps) if options.grid else [],
-            "fused": _fused(options, headset, first, steps) if options.fused and headset.lens is not None else [],
+            "grid": _grid(options, headset, first, steps) if has_grid else [],
+            "grid_at": {"scene": rows[0]["scene"], "size": list(grid.SIZE), "eye": "left"} if has_grid else None,
+            "fused": _fused(options, headset, first, steps) if has_fused else [],
+            "fused_at": _fused_at(options, rows[0]) if has_fused else None,
             "choice": None,
         }
         data["choice"], refused = _choice(rows, options.budget_ms)
@@ -198,9 +200,17 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    lens = options.lens if options.lens != "none" else "radial"
     with _pool(options, headset, work.case.size) as pool, build_rig(work.run, needs_of(c.plan for c in work.combinations)) as rig:
-        return fused.fused_rows(rig, warps_of(options), lens, pool, work.instants, options.rounds, steps)
+        return fused.fused_rows(rig, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps)
+
+
+def _fused_lens(options: BenchOptions) -> str:
+    return options.lens if options.lens != "none" else "radial"
+
+
+def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
+    """What the fused rows were measured with; row: any of the first case."""
+    return {**{key: row[key] for key in ("scene", "trace", "latency_ms", "size")}, "lens": _fused_lens(options), "eye": "left"}
 
 
 def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:

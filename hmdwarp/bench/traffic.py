@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..client.plan import Plan
+from ..client.plan import BYTES_PER_PIXEL, Plan
 
 
 def passes_of(
@@ -16,9 +16,10 @@ def passes_of(
     """The `passes` of a row: name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
 
     stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so no pass can be quicker unless its
-    pictures stay in the caches. Drawing the client's own depth is rasterising, not moving, and is left out of `warp` here.
+    pictures stay in the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it writes counts.
     """
-    moved = {"warp": plan.warp.bytes_moved(late_pixels, shown_pixels, plan.choice.settings)}
+    moved = {"client_depth": BYTES_PER_PIXEL["late.inverse_depth"] * shown_pixels} if plan.draws_client_depth else {}
+    moved["warp"] = plan.warp.bytes_moved(late_pixels, shown_pixels, plan.choice.settings)
     if plan.fill.is_pass:
         moved["fill"] = plan.fill.bytes_moved(shown_pixels)
     if plan.lens.is_pass and not plan.fused:

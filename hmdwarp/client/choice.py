@@ -13,6 +13,7 @@ from ..errors import InputError
 # What makes two rows the same case, so that their figures may be compared.
 _CASE = ("trace", "scene", "latency_ms", "lens", "headset", "size", "rate_hz", "guard", "predict", "frames")
 Row = Mapping[str, Any]
+Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR in dB
 
 
 @attrs.frozen
@@ -43,8 +44,14 @@ def ladder(rows: Iterable[Row]) -> tuple[Rung, ...]:
     of several sizes the largest counts, where time is scarcest. A row without a time or a FLIP is no measurement.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
+    combined, shared = _compared(rows)
+    return _front([_rung(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()])
+
+
+def _compared(rows: Iterable[Row]) -> tuple[dict[tuple[str, str], dict[tuple, list[Figures]]], set[tuple]]:
+    """(figures of each warp and fill by case, the cases that all of them were measured in). Errors: as ladder."""
     measured = _largest(_measured(rows))
-    combined: dict[tuple[str, str], dict[tuple, list[tuple[float, float, float | None]]]] = {}
+    combined: dict[tuple[str, str], dict[tuple, list[Figures]]] = {}
     for row, figures in measured:
         combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
     shared = set.intersection(*(set(cases) for cases in combined.values()))
@@ -53,19 +60,21 @@ def ladder(rows: Iterable[Row]) -> tuple[Rung, ...]:
             f"the {len(combined)} combinations of warp and fill were measured in no common case, so they cannot be compared: "
             "measure all of them with the same traces, scenes and latencies"
         )
-    rungs = [_rung(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()]
-    return _front(rungs)
+    return combined, shared
 
 
 def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
     """The `choice` entry of bench.json: the most accurate combination within `budget_ms` per eye, and the next step up, if any.
 
+    sizes, cases: at which size (several only if they have as many pixels), and over how many cases, its figures are means.
     Errors: as ladder; InputError for a budget that is no positive time, or in which nothing fits.
     """
-    rungs = ladder(rows)
+    rows = list(rows)
+    rungs, (_, shared) = ladder(rows), _compared(rows)
     at = best_within(rungs, budget_ms)
     following = _told(rungs[at + 1]) if at + 1 < len(rungs) else None
-    return {"budget_ms": float(budget_ms), **_told(rungs[at]), "settings": settings_of(rungs[at].warp), "next": following}
+    terms = {"sizes": sorted({case[_CASE.index("size")] for case in shared}), "cases": len(shared)}
+    return {"budget_ms": float(budget_ms), **_told(rungs[at]), "settings": settings_of(rungs[at].warp), **terms, "next": following}
 
 
 def best_within(rungs: tuple[Rung, ...], budget_ms: float) -> int:
@@ -92,7 +101,7 @@ def _told(rung: Rung) -> dict[str, Any]:
     return {"warp": rung.warp, "fill": rung.fill, "total_ms": rung.total_ms, "flip": rung.error, "psnr_db": rung.psnr_db}
 
 
-def _measured(rows: Iterable[Row]) -> list[tuple[Row, tuple[float, float, float | None]]]:
+def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
     found = []
     for row in rows:
         total = row["time_ms"]["total"]["median"]
@@ -114,7 +123,7 @@ def _case(row: Row) -> tuple:
     return tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
 
 
-def _rung(warp: str, fill: str, figures: list[tuple[float, float, float | None]]) -> Rung:
+def _rung(warp: str, fill: str, figures: list[Figures]) -> Rung:
     times, errors, psnr = zip(*figures, strict=True)
     return Rung(warp, fill, _mean(times), _mean(errors), None if None in psnr else _mean(psnr))
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
 _REGION_MARKERS = ("s", "^", "o")
-_KINDS = ("warp", "fill", "lens")
+_KINDS = ("client_depth", "warp", "fill", "lens")
 
 
 def row_name(row: Row, with_fill: bool = True) -> str:
@@ -111,6 +111,11 @@ class Traffic:
     median_ms: float
 
     @property
+    def label(self) -> str:
+        """'warp forward', 'fill none'; a pass of which there is one kind only has that name."""
+        return self.kind if self.kind == self.name else f"{self.kind} {self.name}"
+
+    @property
     def times_bound(self) -> float:
         """How many times the bound the pass takes; infinite for a pass that moves nothing."""
         return self.median_ms / self.bound_ms if self.bound_ms > 0 else float("inf")
@@ -156,7 +161,7 @@ def traffic_chart(passes: Sequence[Traffic]) -> str:
             axes.plot(entry.median_ms, y, marker="o", markersize=6, color=colour, linestyle="none", zorder=4)
             text = {"textcoords": "offset points", "va": "center", "color": PAGE.ink}
             axes.annotate(f"{entry.times_bound:.1f}×", (max(entry.median_ms, entry.bound_ms), y), (8, 0), **text)
-        names = [entry.name if entry.kind == "warp" else f"{entry.kind} {entry.name}" for entry in shown]
+        names = [entry.name if entry.kind == "warp" else entry.label for entry in shown]
         axes.set_yticks(range(len(shown)), names, parse_math=False)
         axes.set_ylim(len(shown) - 0.4, -0.6)
         low, high = axes.get_xlim()

@@ -13,12 +13,12 @@ from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_labe
 from .bench_charts import pareto_chart, pareto_text
 from .bench_displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
 from .bench_style import css_variables, markers_of
-from .bench_tables import DECISION
+from .bench_tables import DECISION, choice_terms
 
 MEASURES = ("flip", "psnr_db")
 _CLOCKS = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 _YARDSTICK = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
-_TOLD_OF_A_CHOICE = {"budget_ms", "warp", "fill", "settings", "total_ms", "flip", "psnr_db", "next"}
+_TOLD_OF_A_CHOICE = {"budget_ms", "warp", "fill", "settings", "total_ms", "flip", "psnr_db", "sizes", "cases", "next"}
 
 
 @attrs.frozen
@@ -83,8 +83,10 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
         fronts=_fronts(groups, rows),
         displacement=[_displacement(grid, axis) for axis in axes_of(grid)],
         displacement_table=_displacement_table(grid),
+        displacement_at=_taken_at(data.get("grid_at")),
         regions=_regions(groups),
         fused=_fused(data.get("fused") or ()),
+        fused_at=_taken_at(data.get("fused_at")),
         traffic=PageChart("", (("", traffic_chart(passes), _traffic_text(passes)),), _traffic_table(passes)) if passes else None,
         measures=[(name, measure_label(name).partition(",")[0]) for name in MEASURES],
         clock=_CLOCKS.get(data.get("clock"), str(data.get("clock"))),
@@ -159,6 +161,7 @@ def _choice(choice: Mapping[str, Any] | None) -> dict[str, Any] | None:
         "settings": [f"{name} {value}" for name, value in settings.items()],
         "time": f"{choice['total_ms']:.2f}",
         "figures": _figures(choice),
+        "terms": choice_terms(choice),
         "next": step and {
             "name": f"{step['warp']} + {step['fill']}",
             "time": f"{step['total_ms']:.2f}",
@@ -286,6 +289,17 @@ def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
     return PageTable("Warp and lens in one resample, against two", tuple(heads), tuple(lines)) if lines else None
 
 
+def _taken_at(at: Mapping[str, Any] | None) -> str:
+    """Where a section was measured, which is not in every case of the bench: 'scene room, 400x400, left eye'."""
+    if not at:
+        return ""
+    parts = [f"scene {at['scene']}"]
+    if "trace" in at:
+        parts.append(f"{at['trace']}, {at['latency_ms']:g} ms")
+    parts.append("x".join(map(str, at["size"])))
+    return ", ".join([*parts, *([f"lens {at['lens']}"] if "lens" in at else []), f"{at['eye']} eye"])
+
+
 def _number(value: float | None, digits: int = 2) -> str:
     return "–" if value is None else f"{value:.{digits}f}"
 
@@ -293,11 +307,10 @@ def _number(value: float | None, digits: int = 2) -> str:
 def _traffic_table(passes: Sequence[Any]) -> PageTable:
     heads = (("pass", ""), ("size", ""), ("moves", "MB"), ("bound", "ms"), ("takes", "ms"), ("times the bound", ""))
     lines = tuple(
-        _line([f"{p.kind} {p.name}", p.size, *map(_number, (p.bytes / 1e6, p.bound_ms, p.median_ms)), _number(p.times_bound, 1)], 2)
-        for p in passes
+        _line([p.label, p.size, *map(_number, (p.bytes / 1e6, p.bound_ms, p.median_ms)), _number(p.times_bound, 1)], 2) for p in passes
     )
     return PageTable("What each pass moves and takes", heads, lines)
 
 
 def _traffic_text(passes: Sequence[Any]) -> str:
-    return "Time of each pass and its bound: " + ", ".join(f"{p.kind} {p.name} {p.times_bound:.1f} times" for p in passes)
+    return "Time of each pass and its bound: " + ", ".join(f"{p.label} {p.times_bound:.1f} times" for p in passes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, name_pieces
@@ -110,6 +110,12 @@ def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
     if left_out:
         lines.append(f"left out, for they do not fit: {', '.join(left_out)}")
     return "\n".join(lines)
+
+
+def choice_terms(choice: Mapping[str, Any]) -> str:
+    """Of what a choice's figures are means: 'at 1280x800, means over 2 cases'."""
+    sizes = " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
+    return f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
 
 
 def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, mark: str | None = None) -> str:

@@ -39,7 +39,22 @@ SMALL = BenchOptions(
     command="hmdwarp bench",
 )
 TIMES = ("time_ms", "passes")
-KEYS = {"schema", "hmdwarp", "command", "machine", "clock", "clocks", "copy_gb_s", "rows", "grid", "fused", "choice", "seconds"}
+KEYS = {
+    "schema",
+    "hmdwarp",
+    "command",
+    "machine",
+    "clock",
+    "clocks",
+    "copy_gb_s",
+    "rows",
+    "grid",
+    "grid_at",
+    "fused",
+    "fused_at",
+    "choice",
+    "seconds",
+}
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -84,7 +99,8 @@ def test_rows_are_summaries_and_more(full):
         assert row["regions"]["holes"]["share"] == pytest.approx(row["quality"]["hole_share"]["mean"])
         assert row["mismatch"] is not None and 0 <= row["mismatch"] <= 1
         assert all(row["time_ms"]["warp"][figure] > 0 for figure in ("median", "p95"))
-        assert [entry["name"] for entry in row["passes"]] == (["warp", "fill"] if row["fill"] == "interpolate" else ["warp"])
+        wanted = ["client_depth"] * (row["warp"] == "backward") + ["warp"] + ["fill"] * (row["fill"] == "interpolate")
+        assert [entry["name"] for entry in row["passes"]] == wanted
         for entry in row["passes"]:
             assert entry["times_bound"] == pytest.approx(entry["median_ms"] / entry["bound_ms"])
 
@@ -139,6 +155,7 @@ def test_only_times_change(full, tmp_path, monkeypatch):
 
 def test_the_grid_knows_no_error_at_rest(full):
     grid = full[1].data["grid"]
+    assert full[1].data["grid_at"] == {"scene": "planes", "size": [100, 100], "eye": "left"}
     assert len(grid) == 3 * len(AXES) * 7
     for row in grid:
         assert set(row) == {"warp", "axis", "offset", "psnr_db", "flip", "hole_share"}
@@ -165,6 +182,8 @@ def test_displacements_are_in_the_heads_own_frame():
 def test_fused_rows(full):
     fused = {row["warp"]: row for row in full[1].data["fused"]}
     assert set(fused) == {"rotation", "backward"}
+    at = {"scene": "planes", "trace": "look-around", "latency_ms": 100.0, "size": [96, 80], "lens": "radial", "eye": "left"}
+    assert full[1].data["fused_at"] == at
     for row in fused.values():
         assert row["speedup"] == pytest.approx(row["separate_ms"] / row["fused_ms"])
         for figure in ("psnr_db", "flip", "sharpness"):
@@ -184,7 +203,7 @@ def test_without_latency_and_warp_the_panel_is_nearly_the_truth(tmp_path):
 def test_a_headset_without_a_lens_fuses_nothing(tmp_path):
     options = attrs.evolve(SMALL, headset="flat-90", warps=("rotation",), fills=("none",), latencies_ms=(0.0,), grid=False, out=tmp_path)
     data = bench(options).data
-    assert data["fused"] == [] and data["grid"] == []
+    assert data["fused"] == [] and data["grid"] == [] and data["fused_at"] is data["grid_at"] is None
     assert data["choice"]["warp"] == "rotation"
 
 
@@ -226,15 +245,21 @@ def test_passes_are_held_against_what_they_must_move():
     assert warp["bound_ms"] == pytest.approx(warp["bytes"] * 1e-3)
     assert (fill["name"], fill["bytes"], fill["times_bound"]) == ("fill", 1600, pytest.approx(4.0 / 1.6))
     assert (lens["name"], lens["bytes"]) == ("lens", 1600)
+    plan = build_plan(SceneEffect.NONE, "backward", "none", "none", client_geometry=True)
+    drawn, _ = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
+    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)  # r32f, written once
 
 
 def test_the_answer_tells_what_to_run_and_what_more_would_give():
     choice = {
         "budget_ms": 20.0, "warp": "iterative:steps=3", "fill": "interpolate", "settings": {"steps": "3"}, "total_ms": 16.7, "flip": 0.08,
-        "psnr_db": 31.0, "next": {"warp": "multi", "fill": "none", "total_ms": 27.3, "flip": 0.06, "psnr_db": 30.5},
+        "psnr_db": 31.0, "sizes": [(1280, 800)], "cases": 2,
+        "next": {"warp": "multi", "fill": "none", "total_ms": 27.3, "flip": 0.06, "psnr_db": 30.5},
     }  # fmt: skip
     first, use, following = answer(choice)
-    assert "Within 20 ms" in first and "FLIP 0.0800" in first and "31.00 dB" in first and "16.70 ms" in first
+    assert (
+        "Within 20 ms" in first and "FLIP 0.0800" in first and "31.00 dB" in first and "16.70 ms (at 1280x800, means over 2 cases)" in first
+    )
     assert "--warp iterative:steps=3 --fill interpolate" in use
     assert "multi without a fill" in following and "25% less FLIP" in following
     assert "0.50 dB less PSNR" in following and "10.60 ms more" in following

@@ -69,6 +69,9 @@ def test_figures_are_means_over_the_cases_all_have():
 def test_of_several_sizes_the_largest_counts():
     rows = [row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, size=[1280, 800])]
     assert [rung.total_ms for rung in ladder(rows)] == [20.0]
+    more = [row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"), row("a", "none", 40.0, 0.2, size=[800, 1280])]
+    chosen = choose([*rows, *more], 100.0)
+    assert (chosen["total_ms"], chosen["sizes"], chosen["cases"]) == (30.0, [(800, 1280), (1280, 800)], 3)
 
 
 def test_rows_that_measured_nothing_are_left_out():
@@ -89,6 +92,8 @@ def test_the_choice_and_the_next_step_up():
         "total_ms": 8.0,
         "flip": 0.05,
         "psnr_db": 35.0,
+        "sizes": [(640, 400)],
+        "cases": 1,
         "next": {"warp": "mesh:cut=slope", "fill": "interpolate", "total_ms": 40.0, "flip": 0.02, "psnr_db": 38.0},
     }
     best = choose(ROWS, 1e6)

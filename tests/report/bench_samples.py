@@ -113,9 +113,11 @@ def a_bench(**changes: Any) -> dict[str, Any]:
         "schema": 1, "hmdwarp": "0.1.0", "command": "hmdwarp bench --budget 20 --out out/bench", "machine": MACHINE, "clock": "wall",
         "clocks": {"wall_ms": 4.18, "gpu_ms": None, "note": "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used."},
         "copy_gb_s": 9.7, "rows": some_rows(), "grid": a_grid(), "fused": some_fused(),
+        "grid_at": {"scene": "room", "size": [400, 400], "eye": "left"},
+        "fused_at": {"scene": "room", "trace": "look-around", "latency_ms": 200.0, "size": [1280, 800], "lens": "radial", "eye": "left"},
         "choice": {
             "budget_ms": 20.0, "warp": "backward", "fill": "interpolate", "settings": {"steps": 3}, "total_ms": 16.7,
-            "flip": 0.067, "psnr_db": 31.0,
+            "flip": 0.067, "psnr_db": 31.0, "sizes": [[1280, 800]], "cases": 2,
             "next": {"warp": "multi", "fill": "interpolate", "total_ms": 27.3, "flip": 0.052, "psnr_db": 32.1},
         },
         "seconds": 431.5, **changes,

@@ -119,6 +119,20 @@ def test_a_budget_that_nothing_beats_and_other_forms_of_settings():
     assert "Nothing measured is more accurate" in found and "settings steps=2, guard 1.5" in found and "PSNR – dB" in found
 
 
+def test_what_was_not_measured_in_every_case_says_where():
+    found = " ".join(Page(render_bench_page(a_bench(rows=[a_row()], grid=a_grid(("none", "mesh"))))).text.split())
+    assert "Measured once: scene room, 400x400, left eye." in found
+    assert "Measured once: scene room, look-around, 200 ms, 1280x800, lens radial, left eye." in found
+    assert "(at 1280x800, means over 2 cases)" in found
+
+
+def test_the_clients_own_depth_is_a_pass_with_one_name():
+    entry = {"name": "client_depth", "bytes": 4096, "bound_ms": 0.1, "median_ms": 2.0, "times_bound": 20.0}
+    found = Page(render_bench_page(a_bench(rows=[a_row(passes=[entry])], grid=[], fused=[]))).text
+    assert "client_depth 20.0 times" in render_bench_page(a_bench(rows=[a_row(passes=[entry])], grid=[], fused=[]))
+    assert "client_depth client_depth" not in found
+
+
 def test_notes_of_rows_are_told_once():
     rows = [a_row("mesh", notes=["odd", "rare"]), *(a_row(warp, notes=["odd"]) for warp in ("none", "forward", "backward"))]
     found = Page(render_bench_page(a_bench(rows=rows, grid=[]))).text
