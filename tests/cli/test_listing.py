@@ -141,7 +141,7 @@ def test_every_command_has_help(arguments, command):
             "--out",
         ):
             assert option in out
-        assert "backward, forward, none, planar, rotation" in " ".join(out.split())
+        assert ", ".join(warps.names()) in " ".join(out.split())
 
 
 def test_version(command):
