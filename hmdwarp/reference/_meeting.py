@@ -18,7 +18,7 @@ from .picture import LatePicture, ReferencePicture, sample_covered
 Mask = NDArray[np.bool_]
 MOST_STEP = 0.5  # pixels
 DEPTH_TOLERANCE, DEPTH_FLOOR = 0.03, 0.02
-SAME = 2.0**-16  # depths that differ by less are one: guesses often lead to the same point
+SAME, FARTHEST = 2.0**-16, 2.0**-20  # depths that differ by less, relative or in 1/m, are one: guesses often lead to the same point
 
 
 @attrs.frozen(eq=False)
@@ -51,13 +51,16 @@ class Rays:
         moved = self.shown.pose.position_m - self.view.pose.position_m
         return project(world_directions(self.shown, self.shown_size), moved, shown_depth, self.view, self.size)[1]
 
-    def shown_depth(self, place: Array, depth: Array) -> Array:
-        """The way back: points of the rendered view, brought into the world, seen from the shown eye; NaN behind it."""
+    def shown_depth(self, place: Array, depth: Array) -> tuple[Array, Mask]:
+        """The way back: points of the rendered view, brought into the world, seen from the shown eye; NaN behind it. And whether they lie
+        so close to its plane that rounding may put them on either side."""
         left, right, down, up = self.view.fov.tangents
         x = left + place[..., 0] / self.size[0] * (right - left)
         y = down + place[..., 1] / self.size[1] * (up - down)
         rays = np.stack([x, y, -np.ones_like(x)], axis=-1) @ self.view.pose.rotation.as_matrix().T
-        return project(rays, self.view.pose.position_m - self.shown.pose.position_m, depth, self.shown, self.shown_size)[1]
+        moved = self.view.pose.position_m - self.shown.pose.position_m
+        _, seen, w = project(rays, moved, depth, self.shown, self.shown_size)
+        return seen, np.abs(w) <= 64 * FLOAT32_UNIT * (1 + depth * np.linalg.norm(moved))
 
     def error(self, shown_depth: Array) -> Array:
         """(h, w): pixels by which the shader's place of a point may be off: it adds two more products and a quotient to the bound's."""
@@ -149,13 +152,13 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
         step = own + (slope * (p - centre)).sum(axis=-1) - r
         steepness = (slope * rays.along).sum(axis=-1)
         r_met = np.maximum(r + step / np.maximum(1 - steepness, 0.25), 0)
-        moved = np.abs(step / np.maximum(1 - steepness, 0.25)) * np.linalg.norm(rays.along, axis=-1)
+        moved = np.abs(r_met - r) * np.linalg.norm(rays.along, axis=-1)
         place = rays.start + r_met[..., None] * rays.along
         reach = np.linalg.norm(rays.along, axis=-1)
         depth_error = 4 * (np.abs(slope).sum(axis=-1) * error + 8 * FLOAT32_UNIT * (np.abs(own) + np.abs(r)))
         place_error = np.nan_to_num(error + reach * depth_error, nan=np.inf)
         inside = ((place >= 0) & (place < np.array(rays.size))).all(axis=-1)
-        shown_depth = rays.shown_depth(np.where(np.isfinite(place), place, 0), np.where(np.isfinite(r_met), r_met, 0))
+        shown_depth, on_the_plane = rays.shown_depth(np.where(np.isfinite(place), place, 0), np.where(np.isfinite(r_met), r_met, 0))
         met = usable & is_depth(own) & (moved <= MOST_STEP) & inside & np.isfinite(shown_depth)
         # Borders between texels decide which is met; their middles, to which side it slants, which matters if the step leads away.
         from_border, from_middle = (np.abs(q - np.round(q)).min(axis=-1) for q in (p, p - 0.5))
@@ -163,6 +166,7 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
             (from_border <= error)
             | ((from_middle <= error) & (moved > 2 * place_error))
             | close_call.any(axis=-1)
+            | on_the_plane
             | (np.abs(moved - MOST_STEP) <= 2 * place_error)
             | (_from_border(place, rays.size) <= place_error)
         )
@@ -190,13 +194,14 @@ def _from_border(place: Array, size: tuple[int, int]) -> Array:
 
 
 def is_nearer(depth: Array, other: Array) -> tuple[Mask, Mask]:
-    """Whether `depth` is nearer than `other` (-1: nothing) by more than SAME, and whether that is a close call."""
-    close = np.abs(depth * (1 - SAME) - other) <= SAME / 4 * np.maximum(depth, other)
-    return np.where(other < 0, depth >= 0, depth * (1 - SAME) > other), close & (depth > 0)
+    """Whether `depth` is nearer than `other` (-1: nothing) by more than rounding, and whether that is a close call."""
+    beyond = depth * (1 - SAME) - other - FARTHEST
+    close = np.abs(beyond) <= SAME / 4 * np.maximum(depth, other) + FARTHEST / 4
+    return np.where(other < 0, depth >= 0, beyond > 0), close & (depth >= 0) & (other >= 0)
 
 
 def nearest_of(candidates: list[Meetings]) -> Meetings:
-    """The nearest of several meetings of each ray; the first of those that are as near within SAME."""
+    """The nearest of several meetings of each ray; the first of those that are as near."""
     best = candidates[0]
     for other in candidates[1:]:
         nearer, close = is_nearer(other.depth, best.depth)

@@ -30,8 +30,8 @@ def environment(asked: Asked) -> ReferencePicture:
         # The quotient of two coordinates, each off by `error`, the larger at least 1 / sqrt(3) of the ray, times half a face; and the place
         # itself, counted from the corner of the picture, is rounded three times.
         bound = side * error / order[-1] + 3 * FLOAT32_UNIT * 3 * side
-        looked = sample_covered(picture, pixels, bound, asked.sampler_pixels)
         here = chosen == index
+        looked = sample_covered(picture, np.where(here[..., None], pixels, np.nan), bound, asked.sampler_pixels)
         out[here], tolerance[here] = looked.colour[here], looked.tolerance[here]
         undecided |= looked.undecided & here
     return ReferencePicture(out, tolerance, undecided)

@@ -9,7 +9,7 @@ from ._meeting import DEPTH_FLOOR, DEPTH_TOLERANCE, Mask, Meetings, Rays, is_dep
 from ._rays import FLOAT32_UNIT, Array, project, world_directions
 from .picture import Asked, LatePicture, ReferencePicture
 
-DOUBT, GAIN = 0.25, 1.5
+GAIN = 1.25
 # Depths and ratios are some ten float32 operations from exact.
 CLOSE = 64 * FLOAT32_UNIT
 
@@ -41,11 +41,11 @@ def _is_unmoved(asked: Asked) -> bool:
 
 
 def _confidence(rays: Rays, found: Meetings) -> Array:
-    """How densely the picture sampled the place: by how much nearer it is to its eye than to the shown one; less at edges."""
+    """How densely the picture sampled the place: by how much nearer it is to its eye than to the shown one."""
     moved = rays.shown.pose.position_m - rays.view.pose.position_m
     points = np.where(found.met, found.depth, 0)
     ratio = project(world_directions(rays.shown, rays.shown_size), moved, points, rays.view, rays.size)[2]
-    return np.where(found.connected, 1, DOUBT).prod(axis=-1) / np.where(found.met, ratio, 1)
+    return 1 / np.where(found.met, ratio, 1)
 
 
 def _is_better(depth: Array, sure: Array, depth_before: Array, sure_before: Array) -> tuple[Mask, Mask]:

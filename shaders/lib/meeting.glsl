@@ -56,8 +56,11 @@ Meeting meet(Ray ray, float seed) {
     Meeting found;
     found.connected = bvec2(of_one_surface(own, beside.x), of_one_surface(own, beside.y));
     vec2 slope = mix(vec2(0.0), (vec2(own) - beside) * 2.0 * side, found.connected);
-    float change = (own + dot(slope, p - centre) - r) / max(1.0 - dot(slope, ray.along), 0.25);
-    r = max(r + change, 0.0);
+    // r + (own + slope . (p - centre) - r) / (1 + bend), without the difference of two r that may be millions of times the result.
+    float bend = max(-dot(slope, ray.along), -0.75);
+    float step_to = max((own + dot(slope, p - centre) + r * bend) / (1.0 + bend), 0.0);
+    float change = step_to - r;
+    r = step_to;
     found.place = ray.start + r * ray.along;
     found.look = mix(centre, found.place, found.connected);
     float nearer = 1.0 - r * ray.parallax_z;
@@ -67,9 +70,10 @@ Meeting meet(Ray ray, float seed) {
     return found;
 }
 
-// Whether `depth` is nearer than another by more than rounding may make it: guesses often lead to the same point.
+// Whether `depth` is nearer than another by more than rounding may make it: guesses often lead to the same point. Beyond 1000 km
+// all is equally far.
 bool is_nearer(float depth, float other) {
-    return depth * (1.0 - 1.0 / 65536.0) > other;
+    return depth * (1.0 - 1.0 / 65536.0) > other + 1.0 / 1048576.0;
 }
 
 Meeting nearer_of(Meeting a, Meeting b) {

@@ -8,15 +8,7 @@ layout(r32f) readonly uniform image2D newest_inverse_depth;
 uniform mat3 newest_H; // shown -> rendered, of the newest picture
 uniform vec3 newest_e;
 uniform ivec2 newest_size;
-const float DOUBT = 0.25; // confidence in what is not connected with its neighbour on an axis
-const float GAIN = 1.5;   // by which an older picture must know better: else the newest stays
-
-// Pixels per area that the picture spent there on each axis, less where it is an edge.
-float confidence_of(Ray ray, Meeting found) {
-    float depth_ratio = ray.base_z + found.depth * ray.parallax_z;
-    vec2 sureness = mix(vec2(DOUBT), vec2(1.0), found.connected);
-    return sureness.x * sureness.y / depth_ratio;
-}
+const float GAIN = 1.25; // by which an older picture must have been nearer to the place: else the newest stays
 
 // Whether the newest picture looked through the place to something farther: then what an older one saw there is gone, or misjudged.
 bool is_contradicted(vec2 shown, float depth) {
@@ -27,7 +19,9 @@ bool is_contradicted(vec2 shown, float depth) {
 }
 
 bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after) {
-    float confidence = confidence_of(ray, found);
+    // How densely the picture sampled the place, on each axis and against the shown one. Edges need no doubt of their own: a meeting
+    // spans connected texels alone.
+    float confidence = 1.0 / (ray.base_z + found.depth * ray.parallax_z);
     after = vec4(found.depth, confidence, 0.0, 0.0);
     bool alike = abs(found.depth - before.r) <= depth_tolerance * (max(found.depth, before.r) + depth_floor);
     bool better = alike ? confidence > GAIN * before.g : found.depth > before.r;
