@@ -22,14 +22,25 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match.group(1)), int(match.group(2))
 
 
+def _as_float(value: float) -> float:
+    """Infinite for a whole number that is too large."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
 def number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False, most: float = math.inf):
     """A validator for attrs: the value, or each of a tuple, is finite and within the limits, or None. Errors: InputError."""
     wanted = f"{'above' if above else 'of at least'} {least:g}{unit}" + (f" and at most {most:g}{unit}" if math.isfinite(most) else "")
 
     def check(_: object, __: attrs.Attribute, value: float | tuple[float, ...] | None) -> None:
         for one in value if isinstance(value, tuple) else (value,):
-            if one is not None and not (math.isfinite(one) and one <= most and (one > least if above else one >= least)):
-                raise InputError(f"{name} {one:g}{unit}: wanted a number {wanted}")
+            if one is None:
+                continue
+            found = _as_float(one)
+            if not (math.isfinite(found) and found <= most and (found > least if above else found >= least)):
+                raise InputError(f"{name} {found:g}{unit}: wanted a number {wanted}")
 
     return check
 

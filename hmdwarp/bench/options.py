@@ -21,10 +21,10 @@ ROUNDS = 2
 
 
 def _several(what: str, key: Callable[[Any], Any] = lambda value: value) -> Callable[[Iterable[Any]], tuple[Any, ...]]:
-    """A converter to a tuple without repetitions. Errors: InputError where nothing is left."""
+    """A converter to a tuple without repetitions; a text alone is one value. Errors: InputError where nothing is left."""
 
     def convert(values: Iterable[Any]) -> tuple[Any, ...]:
-        found = tuple({key(value): value for value in values}.values())
+        found = tuple({key(value): value for value in ((values,) if isinstance(values, str) else values)}.values())
         if not found:
             raise InputError(f"a bench without any {what}: wanted one at least")
         return found
@@ -32,25 +32,36 @@ def _several(what: str, key: Callable[[Any], Any] = lambda value: value) -> Call
     return convert
 
 
+def _names(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((names,) if isinstance(names, str) else names))
+
+
+def _size(value: Any) -> Size:
+    """Errors: InputError."""
+    sides = tuple(value)
+    if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
+        raise InputError(f"size {value!r}: wanted (width, height) in pixels of one eye")
+    return sides
+
+
 @attrs.frozen
 class BenchOptions:
     """Every combination of warps x fills x latencies x scenes x recordings x sizes is run.
 
-    warps: names, with settings if wanted (`mesh:cut=slope`); empty for all that are registered. fills: likewise, empty for none and
-    interpolate. sizes: (w, h) of one eye. trace_options: how every recording is read. start_s, seconds: the part of each recording,
-    None for all of it. instants: how many refreshes of it are measured, evenly spread. rounds: how often each combination is timed at
-    each, after a run to warm up.
-    workers: measuring processes, None for one per core. grid, fused: whether the displacement grid and the warps that look through the
-    lens themselves are measured too. budget_ms: a time per eye to choose the most accurate combination for.
+    warps: names, with settings if wanted (`mesh:cut=slope`); empty for all that are registered. sizes: (w, h) of one eye.
+    trace_options: how every recording is read. start_s, seconds: the part of each recording, None for all of it. instants: how many
+    refreshes of it are measured, evenly spread. rounds: how often each combination is timed at each, after a run to warm up. workers:
+    measuring processes, None for one per core. grid, fused: whether the displacement grid and the warps that look through the lens
+    themselves are measured too. budget_ms: a time per eye to choose the most accurate combination for.
     Errors: InputError for a number that cannot be meant, and for an empty list.
     """
 
-    warps: tuple[str, ...] = attrs.field(default=(), converter=lambda names: tuple(dict.fromkeys(names)))
+    warps: tuple[str, ...] = attrs.field(default=(), converter=_names)
     fills: tuple[str, ...] = attrs.field(default=("none", "interpolate"), converter=_several("fill"))
     latencies_ms: tuple[float, ...] = attrs.field(default=(200.0,), converter=_several("latency"), validator=number("latency", " ms"))
     scenes: tuple[str, ...] = attrs.field(default=("room",), converter=_several("scene"))
     recordings: tuple[str, ...] = attrs.field(default=("look-around", "walk"), converter=_several("recording"))
-    sizes: tuple[Size, ...] = attrs.field(default=((1280, 800),), converter=_several("size", tuple))
+    sizes: tuple[Size, ...] = attrs.field(default=((1280, 800),), converter=_several("size", _size))
     trace_options: TraceOptions = attrs.field(factory=TraceOptions)
     lens: str = "none"
     headset: str = "rift-dk1"

@@ -51,6 +51,11 @@ def test_every_combination_of_everything():
     assert pairs == [(warp, fill) for warp in ("forward", "rotation") for fill in ("none", "interpolate")]
 
 
+def test_a_text_alone_is_one_name():
+    options = BenchOptions(warps="forward", fills="none", scenes="room", recordings="walk")
+    assert (options.warps, options.fills, options.scenes, options.recordings) == (("forward",), ("none",), ("room",), ("walk",))
+
+
 def test_all_registered_warps_by_default():
     assert warps_of(BenchOptions()) == warps.names()
 
@@ -69,6 +74,10 @@ def test_all_registered_warps_by_default():
         ({"rate_hz": 0}, "rate 0 Hz"),
         ({"rate_hz": 2000}, "rate 2000 Hz"),
         ({"workers": 100_000}, "at most 256"),
+        ({"rounds": 10**400}, "rounds inf"),
+        ({"sizes": [(0, 0)]}, "width, height"),
+        ({"sizes": [(10.5, 5)]}, "width, height"),
+        ({"sizes": ["10x5"]}, "width, height"),
     ],
 )
 def test_numbers_that_cannot_be_meant(changes, told):
