@@ -12,9 +12,9 @@ import attrs
 from .bench.cases import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .bench.casework import Casework, Measured, refreshes
 from .client.choice import best_within, ladder
+from .client.choices import every_warp
 from .client.fills import fills
 from .client.plan import needs_of
-from .client.warps import warps
 from .errors import PlanError
 from .headsets import Headset, load_headset
 from .ladder import Ladder, ladder_from_file
@@ -42,11 +42,11 @@ def ladder_for(options: RunOptions, say: Say = lambda text: None) -> Ladder:
 
 
 def candidates(options: RunOptions) -> list[Combination]:
-    """Every warp, as it is without settings, with every fill, but for those this run cannot have. Errors: as build_plan_for."""
+    """Every warp and variant with every fill, but for those this run cannot have. Errors: as build_plan_for."""
     headset, scene = load_headset(options.headset), load_scene(options.scene)
     found = []
     build_plan_for(options.with_pair("none", "none"), headset, scene)
-    for warp, fill in product(warps.names(), fills.names()):
+    for warp, fill in product(every_warp(), fills.names()):
         try:
             found.append(Combination(warp, fill, build_plan_for(options.with_pair(warp, fill), headset, scene)))
         except PlanError:

@@ -31,13 +31,15 @@ def test_the_page_runs_from_top_to_bottom(tmp_path):
             run(["sh", "-ec", text], tmp_path)
     assert (tmp_path / "out/walk/report.html").is_file()
     assert (tmp_path / "out/turn/replay.mp4").stat().st_size > 10_000
+    assert (tmp_path / "out/bench/bench.json").is_file()
+    assert (tmp_path / "out/auto/report.html").is_file()
     assert (tmp_path / "mine.csv").is_file()
     assert (tmp_path / "warped.png").is_file()
 
 
-def test_there_are_the_two_commands_and_five_examples():
+def test_there_are_the_two_commands_and_seven_examples():
     assert [c for c in COMMANDS if c.startswith("make ")] == ["make replay", "make test"]
-    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 5
+    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 7
 
 
 @pytest.mark.slow

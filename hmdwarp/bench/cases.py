@@ -7,10 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import attrs
 
-from ..client.choices import parse_warp
+from ..client.choices import every_warp, parse_warp
 from ..client.history import History
 from ..client.plan import Plan, build_plan
-from ..client.warps import warps
 from ..frame import Needs
 from ..link import ConstantLink
 from ..options import RunOptions
@@ -51,8 +50,8 @@ class Combination:
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """The warps asked for, or all, in the shortest text that means them, each once. Errors: as parse_warp."""
-    return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or warps.names())))
+    """The warps asked for, or all with their variants, in the shortest text that means them, each once. Errors: as parse_warp."""
+    return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
 
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:

@@ -51,6 +51,11 @@ def parse_warp(text: str) -> Choice:
         raise InputError(f"warp '{text}': {error}") from error
 
 
+def every_warp() -> list[str]:
+    """All registered warps, each followed by the variants that are worth a comparison."""
+    return [text for warp in warps for text in (warp.name, *(f"{warp.name}:{variant}" for variant in warp.variants))]
+
+
 def _converted(text: str, key: str, value: str, kind: Any) -> Any:
     if typing.get_origin(kind) is typing.Literal:
         words = typing.get_args(kind)

@@ -57,7 +57,9 @@ def test_a_text_alone_is_one_name():
 
 
 def test_all_registered_warps_by_default():
-    assert warps_of(BenchOptions()) == warps.names()
+    found = warps_of(BenchOptions())
+    assert [text for text in found if ":" not in text] == warps.names()
+    assert set(found) - set(warps.names()) == {f"{warp.name}:{variant}" for warp in warps for variant in warp.variants}
 
 
 @pytest.mark.parametrize(

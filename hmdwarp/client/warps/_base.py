@@ -38,10 +38,9 @@ class Warp(ABC):
     """Turns one eye's late picture into the shown view, coverage 0 where nothing is known.
 
     kind: "gather" (each shown pixel asks where it was drawn) or "scatter" (drawn pixels move). reads: what it needs, by the
-    names of client/plan.py. Settings: an attrs class of what may be set, each with a default (`mesh:cut=slope`). fuses, scans_out:
-    whether it can write the panel in one resample, and row by row. The object owns its programs and buffers for one pair of
-    sizes; it serves both eyes in turn. resamples: it looks into a picture with pixels of its own, so that an unmoved eye does not get
-    the late picture bit for bit; one that looks along such a picture does.
+    names of client/plan.py. Settings: an attrs class of what may be set, each with a default (`mesh:cut=slope`). variants: settings
+    that trade accuracy for time, and so are benchmarked beside the defaults. fuses, scans_out: whether it can write the panel in
+    one resample, and row by row. The object owns its programs and buffers for one pair of sizes; it serves both eyes in turn.
     """
 
     name: ClassVar[str]
@@ -52,6 +51,7 @@ class Warp(ABC):
     gets_wrong: ClassVar[str]
     source: ClassVar[str]
     Settings: ClassVar[type] = NoSettings
+    variants: ClassVar[tuple[str, ...]] = ()
     fuses: ClassVar[bool] = False
     scans_out: ClassVar[bool] = False
     resamples: ClassVar[bool] = False

@@ -53,6 +53,7 @@ class Iterative(GatherWarp):
     gets_wrong = "may miss the front one of several surfaces on a ray, or end in a hole there; silhouettes end half way between late pixels"
     source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
     Settings = IterativeSettings
+    variants = ("seed=rotation", "slanted=3")
     rows = 4
 
     def prepare(self) -> None:
