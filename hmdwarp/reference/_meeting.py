@@ -91,7 +91,7 @@ def is_depth(inverse_depth: Array) -> Mask:
 
 
 def guesses(picture: LatePicture, shown: View, shown_size: tuple[int, int]) -> tuple[list[Array], Mask]:
-    """Of what lands in each shown pixel and those around it the nearest, the farthest, and the nearest in the pixel itself: shown inverse
+    """Of what lands in each shown pixel and those around it the nearest, the nearest in the pixel itself, and the farthest: shown inverse
     depths, -1 for nothing. And where rounding may decide."""
     size = picture.inverse_depth.shape[1::-1]
     drawn = (picture.inverse_depth >= 0) & (picture.inverse_depth <= np.finfo(np.float32).max)
@@ -107,7 +107,7 @@ def guesses(picture: LatePicture, shown: View, shown_size: tuple[int, int]) -> t
     nearest = ndimage.maximum_filter(landed, size=3, mode="nearest")
     farthest = ndimage.minimum_filter(np.where(landed < 0, np.inf, landed), size=3, mode="nearest")
     unsure = _may_land(pixels[drawn & (w > 0)], error[drawn & (w > 0)], shown_size)
-    return [nearest, np.where(np.isinf(farthest), -1, farthest), landed], ndimage.maximum_filter(unsure, size=3)
+    return [nearest, landed, np.where(np.isinf(farthest), -1, farthest)], ndimage.maximum_filter(unsure, size=3)
 
 
 def _may_land(pixels: Array, error: Array, shown_size: tuple[int, int]) -> Mask:
@@ -200,15 +200,13 @@ def is_nearer(depth: Array, other: Array) -> tuple[Mask, Mask]:
     return np.where(other < 0, depth >= 0, beyond > 0), close & (depth >= 0) & (other >= 0)
 
 
-def nearest_of(candidates: list[Meetings]) -> Meetings:
-    """The nearest of several meetings of each ray; the first of those that are as near."""
+def first_of(candidates: list[Meetings]) -> Meetings:
+    """For each ray the first that meets something. Undecided where any before it is, or itself."""
     best = candidates[0]
     for other in candidates[1:]:
-        nearer, close = is_nearer(other.depth, best.depth)
-        undecided = best.undecided | other.undecided | (close & best.met & other.met)
-        best = Meetings(
-            *(np.where(nearer[(..., *[None] * (a.ndim - 2))], b, a) for a, b in zip(_values(best), _values(other), strict=True)), undecided
-        )
+        undecided = best.undecided | (~best.met & other.undecided)
+        pairs = zip(_values(best), _values(other), strict=True)
+        best = Meetings(*(np.where(best.met[(..., *[None] * (a.ndim - 2))], a, b) for a, b in pairs), undecided)
     return best
 
 
@@ -216,13 +214,20 @@ def _values(meetings: Meetings) -> list[Array]:
     return [getattr(meetings, field.name) for field in attrs.fields(Meetings) if field.name != "undecided"]
 
 
-def met_by(
-    picture: LatePicture, shown: View, shown_size: tuple[int, int], sampler_pixels: float
-) -> tuple[Rays, Meetings, ReferencePicture]:
-    """What the shown rays meet in one picture, and the colours there."""
+@attrs.frozen(eq=False)
+class Found:
+    """What the shown rays meet in one picture, from which nearest guess, and the colours there."""
+
+    rays: Rays
+    nearest_guess: Array
+    meetings: Meetings
+    looked: ReferencePicture
+
+
+def met_by(picture: LatePicture, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> Found:
     rays = Rays.between(shown, shown_size, picture.view, picture.inverse_depth.shape[1::-1])
     tried, unsure = guesses(picture, shown, shown_size)
-    found = nearest_of([meet(picture, rays, guess) for guess in tried])
+    found = first_of([meet(picture, rays, guess) for guess in tried])
     found = attrs.evolve(found, undecided=found.undecided | unsure)
     looked = sample_covered(picture.colour, np.where(found.met[..., None], found.look, np.nan), found.place_error, sampler_pixels)
-    return rays, found, attrs.evolve(looked, undecided=looked.undecided & found.met)
+    return Found(rays, tried[0], found, attrs.evolve(looked, undecided=looked.undecided & found.met))

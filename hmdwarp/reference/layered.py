@@ -15,12 +15,16 @@ def layered(asked: Asked) -> ReferencePicture:
     colour, tolerance, depth = np.zeros((*shape, 4)), np.zeros(shape), np.full(shape, -1.0)
     undecided = np.zeros(shape, bool)
     for number, layer in enumerate((front, *asked.layers[: asked.settings.layers - 1])):
-        rays, found, looked = met_by(layer, asked.shown, asked.shown_size, asked.sampler_pixels)
-        free, unsure = (np.ones(shape, bool), np.zeros(shape, bool)) if number == 0 else _uncovered(front, rays, found)
+        one = met_by(layer, asked.shown, asked.shown_size, asked.sampler_pixels)
+        found, looked = one.meetings, one.looked
+        free, unsure = (np.ones(shape, bool), np.zeros(shape, bool)) if number == 0 else _uncovered(front, one.rays, found)
         nearer, close = is_nearer(found.depth, depth)
-        shows = found.met & free & nearer & (looked.colour[..., 3] > 0)
+        # Where even the nearest guess lies behind what is there, no surface is looked for.
+        worth, close_guess = is_nearer(one.nearest_guess, depth)
+        shows = found.met & free & nearer & worth & (looked.colour[..., 3] > 0)
         # Whatever was uncertain of a layer counts where it might have shown.
-        undecided |= found.undecided | (found.met & (unsure | looked.undecided | close))
+        sought = worth | close_guess
+        undecided |= sought & (found.undecided | (found.met & (unsure | looked.undecided | close | close_guess)))
         colour[shows], tolerance[shows], depth[shows] = looked.colour[shows], looked.tolerance[shows], found.depth[shows]
     return ReferencePicture(colour, tolerance, undecided)
 

@@ -21,14 +21,17 @@ def multi(asked: Asked) -> ReferencePicture:
     colour, tolerance = np.zeros((*shape, 4)), np.zeros(shape)
     depth, confidence, undecided = np.full(shape, -1.0), np.full(shape, -1.0), np.zeros(shape, bool)
     for number, picture in enumerate((newest, *(() if _is_unmoved(asked) else asked.others))):
-        rays, found, looked = met_by(picture, asked.shown, asked.shown_size, asked.sampler_pixels)
-        sure = _confidence(rays, found)
+        one = met_by(picture, asked.shown, asked.shown_size, asked.sampler_pixels)
+        found, looked, sure = one.meetings, one.looked, _confidence(one.rays, one.meetings.depth)
         better, unsure = _is_better(found.depth, sure, depth, confidence)
+        # Where even the nearest guess would not be better than what is there, no surface is looked for.
+        worth, unsure_worth = _is_better(one.nearest_guess, _confidence(one.rays, one.nearest_guess), depth, confidence)
         if number > 0:
             gone, unsure_gone = _is_contradicted(asked, newest, found)
             better, unsure = better & ~gone, unsure | unsure_gone
-        shows = found.met & better & (looked.colour[..., 3] > 0)
-        undecided |= found.undecided | (found.met & (looked.undecided | unsure))
+        shows = found.met & better & worth & (looked.colour[..., 3] > 0)
+        sought = worth | unsure_worth
+        undecided |= sought & (found.undecided | (found.met & (looked.undecided | unsure | unsure_worth)))
         colour[shows], tolerance[shows] = looked.colour[shows], looked.tolerance[shows]
         depth[shows], confidence[shows] = found.depth[shows], sure[shows]
     return ReferencePicture(colour, tolerance, undecided)
@@ -40,12 +43,13 @@ def _is_unmoved(asked: Asked) -> bool:
     return back.moves_whole_pixels() and bool((low >= 0).all() and (low + asked.shown_size <= asked.size).all())
 
 
-def _confidence(rays: Rays, found: Meetings) -> Array:
-    """How densely the picture sampled the place: by how much nearer it is to its eye than to the shown one."""
+def _confidence(rays: Rays, depth: Array) -> Array:
+    """How densely the picture sampled a place on the ray: by how much nearer it is to its eye than to the shown one."""
     moved = rays.shown.pose.position_m - rays.view.pose.position_m
-    points = np.where(found.met, found.depth, 0)
+    points = np.maximum(depth, 0)
     ratio = project(world_directions(rays.shown, rays.shown_size), moved, points, rays.view, rays.size)[2]
-    return 1 / np.where(found.met, ratio, 1)
+    with np.errstate(divide="ignore"):
+        return 1 / np.where(depth >= 0, ratio, 1)
 
 
 def _is_better(depth: Array, sure: Array, depth_before: Array, sure_before: Array) -> tuple[Mask, Mask]:

@@ -9,7 +9,10 @@ layout(rgba16f) writeonly uniform image2D shown_colour;
 layout(BEST) uniform image2D best; // r: inverse depth of what the pixel shows, -1 for nothing
 uniform ivec2 shown_size;
 uniform bool is_first;
+uniform int guesses; // 3; a constant would be unrolled, and then llvmpipe makes all three steps everywhere
 
+// Whether a meeting may at all, by the nearest guess: most pixels need no second look.
+bool may_belong(Ray ray, float nearest, vec4 before);
 // Whether the meeting may stand before what the pixel shows (-1 for nothing); what to remember of it.
 bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after);
 
@@ -25,10 +28,17 @@ void composite(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
     vec2 shown = vec2(pixel) + 0.5;
     Ray ray = ray_of(base, e);
     uint nearest = max(max(below.x, here.x), above.x), farthest = min(min(below.y, here.y), above.y) + 1u;
-    Meeting found = nearer_of(nearer_of(meet(ray, seed_depth(nearest)), meet(ray, seed_depth(farthest))), meet(ray, seed_depth(here.z)));
+    vec4 before = is_first ? vec4(-1.0) : imageLoad(best, pixel), after = vec4(-1.0);
+    float guess = seed_depth(nearest);
+    bool pending = is_first || before.r < 0.0 || may_belong(ray, guess, before);
+    Meeting found = Meeting(-1.0, vec2(0.0), vec2(0.0), bvec2(false));
+    for (int tried = 0; tried < guesses && pending; ++tried) {
+        found = meet(ray, guess);
+        guess = seed_depth(tried == 0 ? here.z : farthest);
+        pending = found.depth < 0.0;
+    }
     vec4 sum = textureLod(late_colour, found.look * late_pixel, 0.0);
-    vec4 before = is_first ? vec4(-1.0) : imageLoad(best, pixel), after;
-    bool shows = belongs(shown, ray, found, before, after) && found.depth >= 0.0 && sum.a >= 0.5;
+    bool shows = found.depth >= 0.0 && sum.a >= 0.5 && belongs(shown, ray, found, before, after);
     if (shows || is_first) {
         imageStore(shown_colour, pixel, shows ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0));
         imageStore(best, pixel, shows ? after : vec4(-1.0));

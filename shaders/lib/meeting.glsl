@@ -5,7 +5,7 @@
 // r, one step to the plane of the texel there (Newton's) is exact as long as it stays on that plane.
 // Source: Bowles et al. 2012, Iterative Image Warping, section 3; the slanted texels are this project's.
 uniform sampler2D late_colour;
-uniform sampler2D late_depth;
+layout(r32f) readonly uniform image2D late_depth;
 uniform ivec2 late_size;
 uniform vec2 late_pixel;       // 1 / late_size
 uniform float depth_tolerance; // neighbours that differ by less than this times (their inverse depth + floor) are one surface
@@ -38,20 +38,22 @@ bool of_one_surface(float a, float b) {
     return is_depth(b) && abs(a - b) <= depth_tolerance * (min(a, b) + depth_floor);
 }
 
+float held(ivec2 texel) {
+    return imageLoad(late_depth, clamp(texel, ivec2(0), late_size - 1)).r;
+}
+
 // seed: an inverse depth in the shown view; negative: none.
 Meeting meet(Ray ray, float seed) {
     float r = seed / (ray.base_z + seed * ray.parallax_z);
     vec2 p = ray.start + r * ray.along;
-    // The four texels around p are gathered at the corner where they meet, so that no rounding chooses others.
-    vec2 corner = floor(clamp(p, vec2(0.0), vec2(late_size)) + 0.5);
-    vec4 four = textureGather(late_depth, corner * late_pixel);
-    bvec2 upper = greaterThanEqual(p, corner);
-    vec2 here = upper.y ? four.xy : four.wz; // left, right
-    vec2 next = upper.y ? four.wz : four.xy;
-    float own = upper.x ? here.y : here.x;
-    vec2 beside = vec2(upper.x ? here.x : here.y, upper.x ? next.y : next.x);
+    // The texel that p lies in, and the two beside it that p is nearest to.
+    ivec2 corner = ivec2(floor(clamp(p, vec2(0.0), vec2(late_size)) + 0.5));
+    bvec2 upper = greaterThanEqual(p, vec2(corner));
+    ivec2 texel = corner - ivec2(not(upper)), other = corner - ivec2(upper);
+    float own = held(texel);
+    vec2 beside = vec2(held(ivec2(other.x, texel.y)), held(ivec2(texel.x, other.y)));
     vec2 side = mix(vec2(-0.5), vec2(0.5), upper);
-    vec2 centre = corner + side;
+    vec2 centre = vec2(texel) + 0.5;
 
     Meeting found;
     found.connected = bvec2(of_one_surface(own, beside.x), of_one_surface(own, beside.y));
@@ -74,11 +76,4 @@ Meeting meet(Ray ray, float seed) {
 // all is equally far.
 bool is_nearer(float depth, float other) {
     return depth * (1.0 - 1.0 / 65536.0) > other + 1.0 / 1048576.0;
-}
-
-Meeting nearer_of(Meeting a, Meeting b) {
-    bool second = is_nearer(b.depth, a.depth) || a.depth < 0.0;
-    return Meeting(
-        second ? b.depth : a.depth, second ? b.place : a.place, second ? b.look : a.look, bvec2(second ? b.connected : a.connected)
-    );
 }

@@ -12,6 +12,10 @@ bool is_uncovered(Ray ray, vec2 place) {
     return !is_depth(depth) || inside(ray.start + depth * ray.along, late_size);
 }
 
+bool may_belong(Ray ray, float nearest, vec4 before) {
+    return is_nearer(nearest, before.r);
+}
+
 bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after) {
     after = vec4(found.depth);
     return (before.r < 0.0 || is_nearer(found.depth, before.r)) && (is_first || is_uncovered(ray, found.place));

@@ -18,14 +18,24 @@ bool is_contradicted(vec2 shown, float depth) {
     return q.z > 0.0 && inside(p, newest_size) && is_depth(held) && expected - held > depth_tolerance * (expected + depth_floor);
 }
 
+// How densely the picture sampled the place, on each axis and against the shown one. Edges need no doubt of their own: a meeting
+// spans connected texels alone.
+float confidence_of(Ray ray, float depth) {
+    return 1.0 / (ray.base_z + depth * ray.parallax_z);
+}
+
+bool is_better(float depth, float confidence, vec4 before) {
+    bool alike = abs(depth - before.r) <= depth_tolerance * (max(depth, before.r) + depth_floor);
+    return alike ? confidence > GAIN * before.g : depth > before.r;
+}
+
+bool may_belong(Ray ray, float nearest, vec4 before) {
+    return is_better(nearest, confidence_of(ray, nearest), before);
+}
+
 bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after) {
-    // How densely the picture sampled the place, on each axis and against the shown one. Edges need no doubt of their own: a meeting
-    // spans connected texels alone.
-    float confidence = 1.0 / (ray.base_z + found.depth * ray.parallax_z);
-    after = vec4(found.depth, confidence, 0.0, 0.0);
-    bool alike = abs(found.depth - before.r) <= depth_tolerance * (max(found.depth, before.r) + depth_floor);
-    bool better = alike ? confidence > GAIN * before.g : found.depth > before.r;
-    return is_first || ((before.r < 0.0 || better) && !is_contradicted(shown, found.depth));
+    after = vec4(found.depth, confidence_of(ray, found.depth), 0.0, 0.0);
+    return is_first || ((before.r < 0.0 || is_better(after.r, after.g, before)) && !is_contradicted(shown, found.depth));
 }
 
 void main() {

@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 # Neighbouring texels are one surface if their inverse depths differ by less than tolerance * (theirs + floor): see backward.py.
 DEPTH_TOLERANCE = 0.03
 DEPTH_FLOOR = 0.02
-_COLOUR, _DEPTH = 1, 2  # texture units; images: 0 the result, 1 what is best so far, 2 the depth that is
-# scattered, 3 and on the warp's own
+_COLOUR = 1  # texture unit
+_RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
+_GUESSES = 3
 
 
 @attrs.frozen(eq=False)
@@ -62,8 +63,8 @@ class CompositeWarp(Warp):
         return {}
 
     def run(self, given: Given, into: Canvas) -> None:
-        into.bind_for_writing(0)
-        self._best.bind_to_image(1, read=True, write=True)
+        into.bind_for_writing(_RESULT)
+        self._best.bind_to_image(_BEST, read=True, write=True)
         self._seeds.bind_to_storage_buffer(0)
         told = self.told(given)
         for index, picture in enumerate(self.pictures(given)):
@@ -73,8 +74,8 @@ class CompositeWarp(Warp):
     def _scatter(self, picture: Picture, shown: View) -> None:
         size = picture.colour.size
         forward = WarpMap.between(picture.view, size, shown, self.shown_size)
-        picture.inverse_depth.bind_to_image(2, read=True, write=False)
-        self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=2, late_size=size, shown_size=self.shown_size)
+        picture.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+        self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self.shown_size)
         self._empty.uniforms.set(quads=self._quads)
         self._dispatch(self._empty, (self._quads, 1))
         self._dispatch(self._seed, size)
@@ -85,11 +86,10 @@ class CompositeWarp(Warp):
         chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_late_colour
         picture.colour.filter = (chosen, chosen)
         picture.colour.use(_COLOUR)
-        picture.inverse_depth.use(_DEPTH)
         limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
         sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
-        units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "shown_colour": 0, "best": 1}
-        self._composite.uniforms.set(H=back.H, e=back.e, **units, **sizes, **limits, **told)
+        units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
+        self._composite.uniforms.set(H=back.H, e=back.e, guesses=_GUESSES, **units, **sizes, **limits, **told)
         self._dispatch(self._composite, self.shown_size)
 
     def _dispatch(self, program: Compute, size: tuple[int, int]) -> None:
