@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import Fov, InputError, Pose, View, warp_image
+from hmdwarp.client.plan import PICTURE
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
 from hmdwarp.errors import PlanError, UnknownNameError
@@ -19,7 +20,7 @@ from hmdwarp.gpu.context import Gpu
 from hmdwarp.image import checked
 
 # Those that need no more than a picture with depth.
-PICTURE_WARPS = [name for name in warps.names() if "client.inverse_depth" not in warps.get(name).reads]
+PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
 MOVING = [name for name in PICTURE_WARPS if name != "none"]
 SIZES = [(1, 1), (7, 5), (33, 17), (64, 48), (2, 129)]
 

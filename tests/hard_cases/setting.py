@@ -8,11 +8,8 @@ import attrs
 import numpy as np
 from worlds import World
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.plan import CLIENT_DEPTH
 from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.textures import allocate
 from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS
 
 SQUARE = Fov.from_tangents([-1, 1, -1, 1])
@@ -131,18 +128,3 @@ class Setting(World):
         low = known[:-1].min(axis=0) if len(known) > 1 else known[0]
         assert (covered >= low - slack).all()
         assert (covered <= known.max(axis=0) + slack).all()
-
-
-def fresh_texture(gpu, size: tuple[int, int], kind):
-    """An empty texture for cases that fill one by themselves."""
-    return allocate(gpu.gl, size, kind)
-
-
-def own_depth(name: str) -> bool:
-    """Whether the client draws its own depth for this warp."""
-    return CLIENT_DEPTH in warps.get(name).reads
-
-
-def settings_of(name: str):
-    """The warp's settings at their defaults."""
-    return parse_warp(name).settings
