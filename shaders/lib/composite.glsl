@@ -8,7 +8,13 @@
 layout(rgba16f) writeonly uniform image2D shown_colour;
 layout(BEST) uniform image2D best; // r: inverse depth of what the pixel shows, -1 for nothing
 uniform ivec2 shown_size;
-uniform bool is_first;
+const int PIECE = 8; // as many invocations as llvmpipe runs at a time
+layout(std430, binding = 1) buffer Pieces { uint piece_groups[3]; uint piece_count; uvec2 pieces[]; }; // x: which; y: stamp when it was listed
+#if PASS == 1
+const bool is_first = true;
+#else
+const bool is_first = false;
+#endif
 uniform int guesses; // 3; a constant would be unrolled, and then llvmpipe makes all three steps everywhere
 
 // Whether a meeting may at all, by the nearest guess: most pixels need no second look.
@@ -22,6 +28,42 @@ uvec3 three_keys(ivec2 middle) {
     int y = clamp(middle.y, 0, shown_size.y - 1) * shown_size.x;
     uint a = seed_of[y + max(middle.x - 1, 0)], b = seed_of[y + middle.x], c = seed_of[y + min(middle.x + 1, shown_size.x - 1)];
     return uvec3(max(max(a, b), c), min(min(a - 1u, b - 1u), c - 1u), b);
+}
+
+int pieces_in_a_row() {
+    return (shown_size.x + PIECE - 1) / PIECE;
+}
+
+#if PASS == 0
+uniform uint stamp; // another at each run
+
+ivec2 first_of_column() {
+    return first_pixel();
+}
+
+bool may_change(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
+    uint nearest = max(max(below.x, here.x), above.x);
+    vec4 before = imageLoad(best, pixel);
+    return nearest != 0u && (before.r < 0.0 || may_belong(ray_of(base, e), seed_depth(nearest), before));
+}
+
+void list_piece(ivec2 first) {
+    uint piece = uint(first.y / ROWS * pieces_in_a_row() + first.x / PIECE);
+    if (atomicExchange(pieces[piece].y, stamp) == stamp) return;
+    uint slot = atomicAdd(piece_count, 1u);
+    pieces[slot].x = piece;
+    atomicMax(piece_groups[0], slot * uint(PIECE) / uint(GROUP_X) + 1u);
+}
+#else
+// The lowest pixel of an invocation's column; one outside the picture where it has nothing to do.
+ivec2 first_of_column() {
+#if PASS == 1
+    return first_pixel();
+#else
+    uint index = gl_GlobalInvocationID.x / uint(PIECE), lane = gl_GlobalInvocationID.x % uint(PIECE);
+    int piece = int(pieces[index].x), wide = pieces_in_a_row();
+    return index < piece_count ? ivec2(piece % wide * PIECE + int(lane), piece / wide * ROWS) : shown_size;
+#endif
 }
 
 void composite(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
@@ -44,16 +86,27 @@ void composite(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
         imageStore(best, pixel, shows ? after : vec4(-1.0));
     }
 }
+#endif
 
 void composite_column(ivec2 first) {
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
     uvec3 below = three_keys(first - ivec2(0, 1)), here = three_keys(first);
+#if PASS == 0
+    bool wanted = false;
+#endif
     for (int row = 0; row < ROWS; ++row) {
         ivec2 pixel = first + ivec2(0, row);
         if (pixel.y >= shown_size.y) break;
         uvec3 above = three_keys(pixel + ivec2(0, 1));
+#if PASS == 0
+        wanted = wanted || may_change(pixel, base + H[1] * float(row), below, here, above);
+#else
         composite(pixel, base + H[1] * float(row), below, here, above);
+#endif
         below = here;
         here = above;
     }
+#if PASS == 0
+    if (wanted) list_piece(first);
+#endif
 }

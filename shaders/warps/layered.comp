@@ -22,7 +22,7 @@ bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after) {
 }
 
 void main() {
-    ivec2 first = first_pixel();
+    ivec2 first = first_of_column();
     if (first.x >= shown_size.x) return;
     composite_column(first);
 }

@@ -24,6 +24,7 @@ DEPTH_FLOOR = 0.02
 _COLOUR = 1  # texture unit
 _RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
 _GUESSES = 3
+_PIECE, _ROWS = 8, 4  # pixels of a piece, see lib/composite.glsl
 
 
 @attrs.frozen(eq=False)
@@ -49,9 +50,14 @@ class CompositeWarp(Warp):
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
         self._empty = self.gpu.shaders.compute("warps/layered_empty.comp")
         self._seed = self.gpu.shaders.compute("warps/layered_seed.comp")
-        self._composite = self.gpu.shaders.compute(f"warps/{self.name}.comp", ROWS=4)
+        self._choose, self._first, self._more = (
+            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=_ROWS) for k in range(3)
+        )
         self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
         self._seeds = self.gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
+        pieces = -(-self.shown_size[0] // _PIECE) * -(-self.shown_size[1] // _ROWS)
+        self._pieces = self.gpu.gl.buffer(bytes(16 + 8 * pieces))
+        self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
 
     @abstractmethod
@@ -66,10 +72,11 @@ class CompositeWarp(Warp):
         into.bind_for_writing(_RESULT)
         self._best.bind_to_image(_BEST, read=True, write=True)
         self._seeds.bind_to_storage_buffer(0)
+        self._pieces.bind_to_storage_buffer(1)
         told = self.told(given)
         for index, picture in enumerate(self.pictures(given)):
             self._scatter(picture, given.shown)
-            self._gather(picture, given.shown, is_first=index == 0, **told)
+            self._gather(picture, given.shown, told, is_first=index == 0)
 
     def _scatter(self, picture: Picture, shown: View) -> None:
         size = picture.colour.size
@@ -80,7 +87,7 @@ class CompositeWarp(Warp):
         self._dispatch(self._empty, (self._quads, 1))
         self._dispatch(self._seed, size)
 
-    def _gather(self, picture: Picture, shown: View, **told: object) -> None:
+    def _gather(self, picture: Picture, shown: View, told: dict[str, object], *, is_first: bool) -> None:
         size = picture.colour.size
         back = WarpMap.between(shown, self.shown_size, picture.view, size)
         chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_late_colour
@@ -89,8 +96,17 @@ class CompositeWarp(Warp):
         limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
         sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
         units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
-        self._composite.uniforms.set(H=back.H, e=back.e, guesses=_GUESSES, **units, **sizes, **limits, **told)
-        self._dispatch(self._composite, self.shown_size)
+        told = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **told}
+        if is_first:
+            self._first.uniforms.set(**told)
+            self._dispatch(self._first, self.shown_size)
+            return
+        self._stamp = self._stamp % 0xFFFFFFFF + 1
+        self._choose.uniforms.set(stamp=self._stamp, **told)
+        self._dispatch(self._choose, self.shown_size)
+        self._more.uniforms.set(**told)
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._more.program.run_indirect(self._pieces)
 
     def _dispatch(self, program: Compute, size: tuple[int, int]) -> None:
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
@@ -98,6 +114,7 @@ class CompositeWarp(Warp):
 
     def close(self) -> None:
         self._seeds.release()
+        self._pieces.release()
         self._best.release()
 
     @classmethod
