@@ -1,7 +1,7 @@
 """Runs what the figures in README.md and docs/ come from and writes them there: `make docs`, about half an hour, alone on the machine.
 
 `make docs OPTIONS=bench` (or hard-cases, picture, border, prediction, speed) renews a part. Every figure is printed by the program; nothing
-between the markers is edited by hand. `make docs OPTIONS=bench:FILE` takes a bench.json that is already there.
+between the markers is edited by hand. `make docs OPTIONS=bench:FILE,FILE` takes what two runs left, the first with the defaults.
 """
 
 from __future__ import annotations
@@ -79,17 +79,20 @@ def opening_picture(folder: Path) -> None:
     ordered.save(ROOT / "docs" / "opening.png", optimize=True)
 
 
-def bench(folder: Path, ready: str = "") -> None:
+def bench(folder: Path, *ready: str) -> None:
     """Every warp at 200, 400 and 800 ms: tables, the plot of README.md, and what became of the aims."""
     if not ready:
-        latencies = [part for ms in ("200", "400", "800") for part in ("--latency", ms)]
-        program("bench", *latencies, "--lens", "radial", "--quiet", "--out", str(folder / "bench"))
-    data = json.loads((Path(ready) if ready else folder / "bench" / "bench.json").read_text(encoding="utf-8"))
-    rows = data["rows"]
+        ready = (str(folder / "200" / "bench.json"), str(folder / "later" / "bench.json"))
+        program("bench", "--quiet", "--out", str(folder / "200"))
+        later = ("--latency", "400", "--latency", "800", "--instants", "3", "--rounds", "1", "--no-grid", "--no-fused")
+        program("bench", *later, "--quiet", "--out", str(folder / "later"))
+    data, *more = (json.loads(Path(name).read_text(encoding="utf-8")) for name in ready)
+    rows = [*data["rows"], *(row for other in more for row in other["rows"])]
     at_200 = [row for row in rows if row["latency_ms"] == 200]
     machine = f"{data['machine']['gl_renderer']}, {data['machine']['cpu_count']} cores"
     clock = "GPU timers" if data["clock"] == "gpu" else "wall clock after every pass"
-    told = (f"hmdwarp {data['hmdwarp']}", machine, data["machine"]["gl_version"], clock, f"{data['copy_gb_s']:.1f} GB/s copied")
+    minutes = f"the bench with its defaults took {data['seconds'] / 60:.1f} minutes"
+    told = (f"hmdwarp {data['hmdwarp']}", machine, data["machine"]["gl_version"], clock, f"{data['copy_gb_s']:.1f} GB/s copied", minutes)
     replace(RESULTS, "machine", "; ".join(told) + ".")
     for group in cases(rows):
         name = f"bench {group.rows[0]['trace']} {group.rows[0]['latency_ms']:g}"
@@ -207,7 +210,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         for part in sys.argv[1:] or PARTS:
             which, _, ready = part.partition(":")
-            PARTS[which](Path(name), *([ready] if ready else []))
+            PARTS[which](Path(name), *filter(None, ready.split(",")))
 
 
 if __name__ == "__main__":

@@ -14,12 +14,12 @@ from replays import contents, rows_of, run, small
 
 from hmdwarp.client.adaptive import AdaptiveCompensator
 from hmdwarp.client.choice import Rung
+from hmdwarp.client.choices import every_warp
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.fills import fills
 from hmdwarp.client.given import Given
 from hmdwarp.client.governor import Governor
 from hmdwarp.client.plan import build_plan
-from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frame import EyeImage, Layer, Needs
 from hmdwarp.ladder import ladder_from_file, read_rows
@@ -221,7 +221,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
     options = small(warp="auto", budget_ms=AMPLE_MS)
-    every = set(itertools.product(warps.names(), fills.names()))
+    every = set(itertools.product(every_warp(), fills.names()))
     assert {(c.warp, c.fill) for c in candidates(options)} == every
 
     def picky(one, *given):

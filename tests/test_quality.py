@@ -18,7 +18,11 @@ def values(result, name: str) -> list[float]:
     return [row[name] for row in result.rows if row[name] is not None]
 
 
-@pytest.mark.parametrize("warp", warps.names())
+# The others look at pictures of their own, which have other pixels.
+EXACT = [warp.name for warp in warps if not warp.resamples]
+
+
+@pytest.mark.parametrize("warp", EXACT)
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
 def test_without_latency_every_warp_is_perfect(warp, scene, tmp_path):
     """The frame is drawn for the very pose it is shown at, so the same triangles give the same bits and nothing is resampled."""
@@ -31,7 +35,7 @@ def test_without_latency_every_warp_is_perfect(warp, scene, tmp_path):
     assert set(values(result, "flicker")) == {0.0}
 
 
-@pytest.mark.parametrize("warp", warps.names())
+@pytest.mark.parametrize("warp", EXACT)
 def test_without_latency_a_guard_changes_only_the_last_bits(warp):
     """The guarded view's pixel centres are the unguarded one's; its projection differs in the last bits of float32, which moves
     a textured triangle by millionths of a pixel and, now and then, an edge across a pixel centre."""
