@@ -27,13 +27,13 @@ uint halves_seen(Quarter q) {
         before = before && homogeneous.z > 0.0;
     }
     vec2 least = min(min(place[0], place[1]), min(place[2], place[3])), most = max(max(place[0], place[1]), max(place[2], place[3]));
-    // Where the box holds one centre alone, the side of the diagonal it lies on is the half to draw.
+    // Where the box holds one centre alone, the side of the diagonal it lies on is the half to draw: each half is on its own side, or
+    // folded over, and then it faces away and is culled.
     vec2 centre = ceil(least - MARGIN - 0.5) + 0.5, diagonal = place[2] - place[1];
     bool one = all(lessThan(most + MARGIN, centre + 1.0));
     float side = diagonal.x * (centre.y - place[1].y) - diagonal.y * (centre.x - place[1].x);
-    float first = diagonal.x * (place[0].y - place[1].y) - diagonal.y * (place[0].x - place[1].x);
     bool near = !one || abs(side) <= MARGIN * length(diagonal);
-    uint halves = near ? 3u : (side > 0.0) == (first > 0.0) ? 1u : 2u;
+    uint halves = near ? 3u : side > 0.0 ? 1u : 2u;
     return q.own < 0.0 ? 0u : !before ? 3u : holds_a_centre(least, most) ? halves : 0u;
 }
 
