@@ -35,6 +35,8 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         vec2 cell = floor(here / side);
         vec2 border = (cell + vec2(lessThan(run, vec2(0.0)))) * side; // where the ray, going towards r = 0, leaves the cell
         vec2 out_at = (border - start) / run;
+        // A border that it has passed already is one that rounding put it on, where it all but runs along: the next one counts.
+        out_at -= mix(vec2(0.0), side / abs(run), greaterThanEqual(out_at, vec2(r)));
         float until = max(min(max(out_at.x, out_at.y), r), last);
         vec2 bounds = bounds_of[block_index(max(level, 1), ivec2(here / max(side, 4.0)))];
         bool passes = until - slack > bounds.y || r + slack < bounds.x;
