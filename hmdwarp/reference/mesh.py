@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from ..geometry import View
 from ._rays import FLOAT32_UNIT, Array, project
-from ._surface import Surface, known_depth, surface
+from ._surface import OVERLAP, Surface, known_depth, surface
 from .picture import Asked, ReferencePicture, sample_covered
 
 # The rasteriser moves corners to 1/256 of a pixel (GL asks for 1/16, all that exists has 1/256 and rounds), each axis by half of
@@ -20,6 +20,7 @@ from .picture import Asked, ReferencePicture, sample_covered
 EDGE_PIXELS = 1 / 256
 # The depth buffer keeps 19 bits of the significand, and what was interpolated in float32 is off by less than that again.
 DEPTH_RELATIVE, DEPTH_LEAST = 2.0**-17, 2.0**-19
+DEPTH_MOST = 2.0**11  # 1/m; what is nearer is as near to it
 LEAST_ALPHA = 0.5
 
 
@@ -40,14 +41,17 @@ def mesh_adaptive(asked: Asked) -> ReferencePicture:
 @attrs.frozen(eq=False)
 class _Hits:
     """Pairs of a triangle and a shown pixel whose ray hits it. pixel, triangle (n,): indices. place (n, 2): late pixels, where the
-    colour is. depth (n,): shown inverse depth. scale (n,): late pixels per shown one. doubtful (n,): rounding may unmake it."""
+    colour is. depth (n,): shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,): late pixels per
+    shown one. doubtful (n,): rounding may unmake it. sure (n,): the ray stays within it however the rasteriser moves its edges."""
 
     pixel: np.ndarray
     triangle: np.ndarray
     place: Array
     depth: Array
+    slope: Array
     scale: Array
     doubtful: np.ndarray
+    sure: np.ndarray
 
     def only(self, which: np.ndarray) -> _Hits:
         return _Hits(*(getattr(self, field.name)[which] for field in attrs.fields(_Hits)))
@@ -65,17 +69,21 @@ def _seen(asked: Asked, cut: str, tolerance: float = 0.0, overlap: float = 0.0) 
     limits = _steepest(late, size, asked.settings.steepest_deg)
     triangles = surface(asked.inverse_depth, limits, cut_by_slope=cut != "vertex")
 
-    def hits(offset: tuple[float, float]) -> _Hits:
-        found = _hits(asked, triangles, np.array(offset))
+    def hits(offset: tuple[float, float], grown: float = 0.0) -> _Hits:
+        found = _hits(asked, triangles, np.array(offset), grown)
         if cut != "slope":
             return _nearest_first(_coloured(asked.colour, _without_sheets(asked, triangles, found, limits, np.array(offset))))
         return _nearest_first(_coloured(asked.colour, found.coloured_by_owner(triangles)))
 
     edge = EDGE_PIXELS + tolerance
-    beside = [hits((x, y)) for x in (-edge, edge) for y in (-edge, edge)]
+    # Where merging moves nothing the rasteriser still does, and a crack may be narrower than what merging may move.
+    beside = [hits((x, y)) for far in sorted({EDGE_PIXELS, edge}) for x in (-far, far) for y in (-far, far)]
     centre = hits((0.0, 0.0))
     pieces = ~np.isnan(triangles.owner[centre.triangle, 0])
-    return _picture(asked, centre, beside, edge, centre.scale * tolerance + pieces * overlap)
+    picture = _picture(asked, centre, beside, edge, centre.scale * tolerance + pieces * overlap)
+    around = hits((0.0, 0.0), edge)
+    unsure = _grazed(asked, centre, around, edge) | _ajar(asked, centre, around, triangles)
+    return attrs.evolve(picture, undecided=picture.undecided | unsure.reshape(picture.undecided.shape))
 
 
 def _steepest(late: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
@@ -98,10 +106,10 @@ def _in_shown_pixels(asked: Asked, corners: Array) -> Array:
     return np.stack([u * asked.shown_size[0], v * asked.shown_size[1], w], axis=-1)
 
 
-def _hits(asked: Asked, triangles: Surface, offset: Array) -> _Hits:
-    """Rays through the shown pixels' centres moved by `offset` pixels."""
+def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0) -> _Hits:
+    """Rays through the shown pixels' centres moved by `offset` pixels; triangles with each edge `grown` pixels farther out."""
     corners = _in_shown_pixels(asked, triangles.corners)
-    which, pixels = _pairs(corners, asked.shown_size, offset)
+    which, pixels = _pairs(corners, asked.shown_size, offset, grown)
     ray = _rays(asked, pixels, offset)
     a, b, c = (corners[which, k] for k in range(3))
     lines = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)  # through the edges; opposite each corner
@@ -114,8 +122,11 @@ def _hits(asked: Asked, triangles: Surface, offset: Array) -> _Hits:
         slopes = np.einsum("nec,nek->nkc", lines[..., :2], values[..., :2]) - place[..., None] * lines[..., :2].sum(axis=1)[:, None, :]
         scale = np.abs(slopes / (volume * total)[:, None, None]).sum(axis=2).max(axis=1)
         depth = np.einsum("ne,ne->n", weights, values[..., 2])
-        kept = (volume > 0) & (weights >= 0).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
-    return _Hits(pixels, which, place, depth, scale, triangles.doubtful[which]).only(kept)
+        slope = np.abs(np.einsum("nec,ne->nc", lines[..., :2], values[..., 2]) / volume[:, None]).sum(axis=1)
+        a_pixel = np.abs(lines[..., :2]).sum(axis=2) / volume[:, None]  # what weights change by
+        kept = (volume > 0) & (total > 0) & (weights >= -grown * a_pixel).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
+        sure = (weights >= EDGE_PIXELS * a_pixel).all(axis=1)
+    return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which], sure).only(kept)
 
 
 def _rays(asked: Asked, pixels: np.ndarray, offset: Array) -> Array:
@@ -124,14 +135,14 @@ def _rays(asked: Asked, pixels: np.ndarray, offset: Array) -> Array:
     return np.stack([pixels % wide + 0.5 + offset[0], pixels // wide + 0.5 + offset[1], np.ones(len(pixels))], axis=-1)
 
 
-def _pairs(corners: Array, shown_size: tuple[int, int], offset: Array) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles and the pixels of the box around each; all pixels where a corner lies behind the eye."""
+def _pairs(corners: Array, shown_size: tuple[int, int], offset: Array, grown: float) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles and the pixels of the grown box around each; all pixels where a corner lies behind the eye."""
     wide, high = shown_size
     before = (corners[..., 2] > 0).all(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         places = corners[..., :2] / corners[..., 2:]
-    low = np.where(before[:, None], places.min(axis=1) - offset - 0.5, 0)
-    upper = np.where(before[:, None], places.max(axis=1) - offset - 0.5, np.array([wide, high]))
+    low = np.where(before[:, None], places.min(axis=1) - offset - 0.5 - grown, 0)
+    upper = np.where(before[:, None], places.max(axis=1) - offset - 0.5 + grown, np.array([wide, high]))
     first = np.ceil(np.clip(low, 0, [wide, high])).astype(int)
     last = np.floor(np.clip(upper, -1, [wide - 1, high - 1])).astype(int)
     some = (corners[..., 2] > 0).any(axis=1)
@@ -235,10 +246,50 @@ def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) ->
     from the nearest's place others are that lie on the same surface, where pieces of it overlap."""
     best = winner[hits.pixel]
     apart = np.abs(hits.place - hits.place[best]).max(axis=1)
-    elsewhere = apart > 2 * edge * (hits.scale + hits.scale[best]) + 1e-3
-    near = hits.depth >= hits.depth[best] * (1 - DEPTH_RELATIVE) - DEPTH_LEAST
+    elsewhere = _elsewhere(apart, hits.scale, hits.scale[best], edge)
+    near = _as_near(hits, hits, best, edge)
     marked = np.zeros(count, bool)
     marked[hits.pixel[near & (hits.doubtful | elsewhere)]] = True
     beneath = np.zeros(count)
     np.maximum.at(beneath, hits.pixel[near & ~elsewhere], apart[near & ~elsewhere])
     return marked, beneath
+
+
+def _elsewhere(apart: Array, scale: Array, other_scale: Array, edge: float) -> np.ndarray:
+    """Whether two places of the late picture are not one that was moved; a tolerance covers two pixels around, so one at the most."""
+    return apart > np.minimum(2 * edge * (scale + other_scale) + 1e-3, 1.0)
+
+
+def _as_near(hits: _Hits, others: _Hits, index: np.ndarray, edge: float) -> np.ndarray:
+    """Whether the depth buffer may find a hit as near as another, others[index]. A triangle that is moved takes its depth along, and is
+    off by what the depth changes by in as much."""
+    least = (others.depth - edge * others.slope)[index] * (1 - DEPTH_RELATIVE) - DEPTH_LEAST
+    return hits.depth + edge * hits.slope >= np.minimum(least, DEPTH_MOST)
+
+
+def _grazed(asked: Asked, hits: _Hits, around: _Hits, edge: float) -> np.ndarray:
+    """(h * w,): pixels that a triangle beside them may reach, though the four moved rays may miss it: slivers are thinner than the box
+    between them."""
+    count = asked.shown_size[0] * asked.shown_size[1]
+    winner = _winners(hits, count)
+    best = winner[around.pixel]
+    out = np.zeros(count, bool)
+    out[around.pixel[best < 0]] = True
+    both = around.only(best >= 0)
+    best = best[best >= 0]
+    apart = np.abs(both.place - hits.place[best]).max(axis=1)
+    elsewhere = _elsewhere(apart, both.scale, hits.scale[best], edge)
+    out[both.pixel[_as_near(both, hits, best, edge) & (elsewhere | both.doubtful)]] = True
+    return out
+
+
+def _ajar(asked: Asked, hits: _Hits, around: _Hits, triangles: Surface) -> np.ndarray:
+    """(h * w,): pixels at a seam that may stand open: pieces share no corners with what is beside them and reach over it by OVERLAP late
+    pixels, which closes the seam only where that is more than the rasteriser moves both."""
+    count = asked.shown_size[0] * asked.shown_size[1]
+    closed = np.zeros(count, bool)
+    closed[hits.pixel[hits.sure]] = True
+    open_ = ~np.isnan(triangles.owner[around.triangle, 0]) & (2 * EDGE_PIXELS * around.scale >= OVERLAP)
+    out = np.zeros(count, bool)
+    out[around.pixel[open_]] = True
+    return out & ~closed
