@@ -33,6 +33,11 @@ def _lines_of_case(trace: str, rows: list[dict]) -> list[str]:
         _line(trace, f"best within the time of `forward` + `interpolate`: PSNR + 3 dB ({_name(affordable)})", f"{gain:+.2f} dB", gain >= 3),
         _line(trace, f"the same: half its FLIP ({_name(affordable)})", f"{share:.2f} of it", share <= 0.5),
     ]
+    enough = [row for row in rows if _figures(row)[1] >= psnr + 3]
+    if gain < 3 and enough:
+        near = min(enough, key=lambda row: _figures(row)[0])
+        found = f"{_figures(near)[0] / ms:.2f}x the time, {_figures(near)[1] - psnr:+.2f} dB, {_figures(near)[2] / flip:.2f} of the FLIP"
+        lines.append(f"| {trace} | how near: the quickest with 3 dB more ({_name(near)}) | {found} | |")
     for other, wanted in ((none, 0.25), (rotation, 0.5)):
         share = _figures(best)[2] / _figures(other)[2]
         aim = f"best of all: {wanted:g} of the FLIP of {_name(other)} ({_name(best)})"
