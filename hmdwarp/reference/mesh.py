@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from scipy import ndimage
 
-from ..geometry import View
+from ..geometry import View, WarpMap
 from ._rays import FLOAT32_UNIT, Array, project
 from ._surface import OVERLAP, Surface, known_depth, surface
 from .picture import Asked, ReferencePicture, sample_covered
@@ -123,10 +123,22 @@ def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0) -
         scale = np.abs(slopes / (volume * total)[:, None, None]).sum(axis=2).max(axis=1)
         depth = np.einsum("ne,ne->n", weights, values[..., 2])
         slope = np.abs(np.einsum("nec,ne->nc", lines[..., :2], values[..., 2]) / volume[:, None]).sum(axis=1)
-        a_pixel = np.abs(lines[..., :2]).sum(axis=2) / volume[:, None]  # what weights change by
-        kept = (volume > 0) & (total > 0) & (weights >= -grown * a_pixel).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
+        a_pixel = np.abs(lines[..., :2]).sum(axis=2) / np.abs(volume)[:, None]  # what weights change by
+        turned = np.abs(volume) <= _volume_error(asked, values, corners[which], lines)  # it may face the eye, or not
+        faces = (volume > 0) | (turned & (grown > 0))
+        kept = faces & (total > 0) & (weights >= -grown * a_pixel).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
         sure = (weights >= EDGE_PIXELS * a_pixel).all(axis=1)
-    return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which], sure).only(kept)
+    return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which] | turned, sure).only(kept)
+
+
+def _volume_error(asked: Asked, points: Array, corners: Array, lines: Array) -> Array:
+    """(n,): what a triangle's volume may be off by, whose sign says which way it faces: each corner's error, of float32 as in
+    docs/hard-cases.md and of the rasteriser, times the area that the other two span."""
+    warp = WarpMap.between(asked.late, asked.size, asked.shown, asked.shown_size)
+    places = np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
+    error = 8 * FLOAT32_UNIT * (places @ np.abs(warp.H).T + points[..., 2:] * np.abs(warp.e))
+    error[..., :2] += EDGE_PIXELS * np.abs(corners[..., 2:])
+    return np.einsum("nek,nek->n", error, np.abs(lines))
 
 
 def _rays(asked: Asked, pixels: np.ndarray, offset: Array) -> Array:
