@@ -90,7 +90,7 @@ def first_guess(asked: Asked, surface: LateSurface) -> tuple[Array, Array, Bools
     r_error = (steep * (rays.start_error + np.abs(r) * rays.along_error) + rounding) / LEAST_RUN
     some = (keys > 0) & (r > 0)
     per_pixel = np.ix_(np.arange(h) // BLOCK, np.arange(w) // BLOCK)
-    unsure |= found.unsure & (keys > 0)
+    unsure |= (found.unsure | (np.abs(rays.lead) <= 1e-5)) & (keys > 0)
     return np.where(some, r, 0.0)[per_pixel], np.where(some, r_error, 0.0)[per_pixel], unsure[per_pixel]
 
 

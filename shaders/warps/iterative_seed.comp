@@ -68,7 +68,8 @@ void visit(ivec2 cell) {
     // Slanted towards its neighbours in the block, which more likely belong to its surface.
     vec2 place = vec2(texel) + mix(vec2(0.25), vec2(0.75), lessThan(texel & (BLOCK - 1), ivec2(BLOCK / 2)));
     float r = meets(surface_at(place), place, start, e.xy - start * e.z);
-    seed_of[slot] = key != 0u && r > 0.0 && r < 1e30 ? floatBitsToUint(r) : 0u;
+    // A ray that goes behind the late eye has no line in its picture, though the division finds one.
+    seed_of[slot] = key != 0u && base.z > 0.0 && r > 0.0 && r < 1e30 ? floatBitsToUint(r) : 0u;
 }
 #endif
 
