@@ -114,20 +114,21 @@ def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0) -
     a, b, c = (corners[which, k] for k in range(3))
     lines = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)  # through the edges; opposite each corner
     volume = np.einsum("nk,nk->n", a, lines[:, 0])
+    values = triangles.corners[which]
+    turned = np.abs(volume) <= _volume_error(asked, values, corners[which], lines)  # it may face the eye, or not
+    faces = (volume > 0) | (turned & (grown > 0))
+    spans = np.einsum("nek,nk->ne", lines, ray)  # weights times volume: their signs hold whichever way it turns
+    total = spans.sum(axis=1)
+    a_pixel = np.abs(lines[..., :2]).sum(axis=2)  # what spans change by
     with np.errstate(divide="ignore", invalid="ignore"):
-        weights = np.einsum("nek,nk->ne", lines, ray) / volume[:, None]
-        total = weights.sum(axis=1)
-        values = triangles.corners[which]
-        place = np.einsum("ne,nek->nk", weights, values[..., :2]) / total[:, None]
+        place = np.einsum("ne,nek->nk", spans, values[..., :2]) / total[:, None]
         slopes = np.einsum("nec,nek->nkc", lines[..., :2], values[..., :2]) - place[..., None] * lines[..., :2].sum(axis=1)[:, None, :]
-        scale = np.abs(slopes / (volume * total)[:, None, None]).sum(axis=2).max(axis=1)
-        depth = np.einsum("ne,ne->n", weights, values[..., 2])
+        scale = np.abs(slopes / total[:, None, None]).sum(axis=2).max(axis=1)
+        depth = np.einsum("ne,ne->n", spans, values[..., 2]) / np.abs(volume)
         slope = np.abs(np.einsum("nec,ne->nc", lines[..., :2], values[..., 2]) / volume[:, None]).sum(axis=1)
-        a_pixel = np.abs(lines[..., :2]).sum(axis=2) / np.abs(volume)[:, None]  # what weights change by
-        turned = np.abs(volume) <= _volume_error(asked, values, corners[which], lines)  # it may face the eye, or not
-        faces = (volume > 0) | (turned & (grown > 0))
-        kept = faces & (total > 0) & (weights >= -grown * a_pixel).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
-        sure = (weights >= EDGE_PIXELS * a_pixel).all(axis=1)
+        kept = faces & (total > 0) & (spans >= -grown * a_pixel).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
+        kept &= ~np.isnan(depth) & ~np.isnan(slope)
+        sure = (spans >= EDGE_PIXELS * a_pixel).all(axis=1)
     return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which] | turned, sure).only(kept)
 
 

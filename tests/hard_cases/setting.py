@@ -23,8 +23,8 @@ def reads_depth(name: str) -> bool:
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
-    """Whether what it shows comes from the late picture: `environment` has pictures of its own."""
-    return "late.colour" in warps.get(name).reads
+    """Whether what it shows comes from the late picture: `environment` has pictures of its own. With settings or without."""
+    return "late.colour" in warps.get(name.partition(":")[0]).reads
 
 
 def brings_more_pictures(name: str) -> bool:
