@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 if TYPE_CHECKING:
+    from .client.warps import Warp
     from .headsets import Headset
     from .poses import PoseTrack
 
@@ -21,10 +22,22 @@ def entries(kind: str) -> list[dict[str, str]]:
 def _warps() -> list[dict[str, str]]:
     from .client.warps import warps
 
-    return [
-        {"name": w.name, "summary": w.summary, "kind": w.kind, "exact_when": w.exact_when, "gets_wrong": w.gets_wrong, "source": w.source}
-        for w in warps
-    ]
+    return [_warp_row(warp) for warp in warps]
+
+
+def _warp_row(warp: type[Warp]) -> dict[str, str]:
+    return {
+        "name": warp.name,
+        "summary": warp.summary,
+        "kind": warp.kind,
+        "reads": ", ".join(warp.reads),
+        "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
+        "fused_with_the_lens": "yes" if warp.fuses else "no",
+        "follows_scanout": "yes" if warp.scans_out else "no",
+        "exact_when": warp.exact_when,
+        "gets_wrong": warp.gets_wrong,
+        "source": warp.source,
+    }
 
 
 def _fills() -> list[dict[str, str]]:
