@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import typing
 
 import attrs
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import reference
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.choices import every_warp, parse_warp
 from hmdwarp.client.given import Given
 from hmdwarp.client.plan import CLIENT_DEPTH
-from hmdwarp.client.warps import Warp
+from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frame import EyeImage, Layer
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
@@ -27,6 +28,16 @@ def twin_of(name: str):
     twins = {module: vars(module)[name] for module in modules if name in vars(module) and vars(module)[name].__module__ == module.__name__}
     assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in hmdwarp/reference, found {len(twins)}"
     return next(iter(twins.values()))
+
+
+def every_choice() -> list[str]:
+    """Each warp with its defaults, with every other word that one of its settings may be, and its variants."""
+    specs = every_warp()
+    for warp in warps:
+        for field in attrs.fields(warp.Settings):
+            words = typing.get_args(typing.get_type_hints(warp.Settings)[field.name])
+            specs += [f"{warp.name}:{field.name}={word}" for word in words if word != field.default]
+    return list(dict.fromkeys(specs))
 
 
 def read(texture) -> np.ndarray:

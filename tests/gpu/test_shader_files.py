@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import typing
 from contextlib import suppress
 
-import attrs
 import pytest
+from worlds import every_choice
 
 from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.fills import fills
@@ -72,17 +71,6 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         return gpu.shaders.used
     finally:
         gpu.shaders = before
-
-
-def every_choice() -> list[str]:
-    """Each warp with its defaults, and with every other word that one of its settings may be."""
-    specs = []
-    for warp in warps:
-        specs.append(warp.name)
-        for field in attrs.fields(warp.Settings):
-            words = typing.get_args(typing.get_type_hints(warp.Settings)[field.name])
-            specs += [f"{warp.name}:{field.name}={word}" for word in words if word != field.default]
-    return specs
 
 
 def _compile_all(gpu: Gpu, spec: str, looks: list[LensPass]) -> None:
