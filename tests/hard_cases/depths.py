@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import hmdwarp
+from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.plan import PICTURE
-from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Pose, View, inverse_depth_from_clip
 from hmdwarp.geometry.depth import metres_from_inverse_depth
 
@@ -19,7 +19,7 @@ STEP = Pose((0.05, -0.02, 0.03))
 
 def takes_a_picture(name: str) -> bool:
     """Whether the warp works on somebody's own RGB-D frame."""
-    return set(warps.get(name).reads) <= set(PICTURE)
+    return set(parse_warp(name).warp.reads) <= set(PICTURE)
 
 
 @hard_case(takes_a_picture)

@@ -288,9 +288,9 @@ def unnormalised_quaternion(gpu, name):
 
 
 def _entry(name: str):
-    from hmdwarp.client.warps import warps
+    from hmdwarp.client.choices import parse_warp
 
-    return warps.get(name)
+    return parse_warp(name).warp
 
 
 assert SQUARE.tangents[1] == np.tan(np.pi / 4)  # the cases above count on 90 degrees

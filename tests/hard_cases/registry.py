@@ -6,9 +6,12 @@ import re
 from collections.abc import Callable
 
 import attrs
+from worlds import every_choice
 
 from hmdwarp.client.warps import warps
 
+# The 64-bit path of forward wants what few drivers have.
+CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
 PARTS = ("What", "Why", "Wants")
 
 
@@ -28,7 +31,8 @@ CASES: list[HardCase] = []
 
 
 def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
-    """File the decorated function(gpu, name) as a case for every registered warp that `applies`; None: function() needs no warp.
+    """File the decorated function(gpu, name) as a case for every warp, with each word of its settings, that `applies`; None: function()
+    needs no warp.
 
     Errors: ValueError for a docstring without its three parts, and for a name that is taken.
     """
@@ -37,7 +41,7 @@ def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
         told = dict(re.findall(r"^\s*(\w+): (.+?)$", run.__doc__ or "", re.MULTILINE))
         if list(told) != list(PARTS) or run.__name__ in {case.name for case in CASES}:
             raise ValueError(f"hard case '{run.__name__}' must be the only one of that name and say {', '.join(PARTS)} in its docstring")
-        names = () if applies is None else tuple(name for name in warps.names() if applies(name))
+        names = () if applies is None else tuple(spec for spec in CHOICES if applies(spec))
         CASES.append(HardCase(run.__name__, told["What"], told["Why"], told["Wants"], run, names))
         return run
 
@@ -49,9 +53,10 @@ def markdown() -> str:
     lines = ["| case | what | why it is hard | what must come out | warps |", "| --- | --- | --- | --- | --- |"]
     everywhere = set(warps.names())
     for case in CASES:
-        missing = sorted(everywhere - set(case.warps))
+        run_for = {spec.partition(":")[0] for spec in case.warps}
+        missing = sorted(everywhere - run_for)
         told = "-" if not case.warps else "all" if not missing else f"all but {', '.join(f'`{name}`' for name in missing)}"
-        few = ", ".join(f"`{name}`" for name in case.warps)
-        told = few if case.warps and len(case.warps) < len(missing) else told
+        few = ", ".join(f"`{name}`" for name in sorted(run_for))
+        told = few if run_for and len(run_for) < len(missing) else told
         lines.append(f"| {case.name.replace('_', ' ')} | {case.what} | {case.why} | {case.wants} | {told} |")
     return "\n".join(lines)

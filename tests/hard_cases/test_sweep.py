@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import hmdwarp.gpu.shaders
-from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.shaders import Compute
 from hmdwarp.resources import folder
 
+from .registry import CHOICES
 from .setting import Setting
 
 COUNT = 1_000_000
@@ -123,7 +123,7 @@ def random_world(gpu, seed: int, step: tuple, turn: float, nearest: float, sides
     return Setting(gpu, depth, shown, late=late)
 
 
-@pytest.mark.parametrize("name", warps.names())
+@pytest.mark.parametrize("name", CHOICES)
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 2**32 - 1),
