@@ -9,19 +9,17 @@ import sys
 from contextlib import suppress
 from typing import NoReturn
 
+from ._signals import Ended, end_cleanly
+
 INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
 NOTHING_LEFT = "nothing unfinished was left behind"
-
-
-class _Ended(BaseException):
-    """SIGTERM or SIGHUP, as an exception, so that everything on the way out cleans up as it does after Ctrl-C."""
 
 
 def main() -> None:
     """Run the command line and leave with its exit status; every error of ours is one line on stderr."""
     from ..errors import HmdwarpError
 
-    _end_cleanly_by_signals()
+    end_cleanly()
     _print_what_the_terminal_can()
     try:
         from ._app import app
@@ -33,7 +31,7 @@ def main() -> None:
         _leave(str(error), error.exit_status)
     except KeyboardInterrupt:
         _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
-    except _Ended as error:
+    except Ended as error:
         number = error.args[0]
         _leave(f"ended by {signal.Signals(number).name}; {NOTHING_LEFT}", 128 + number)
     except BrokenPipeError:
@@ -48,17 +46,6 @@ def main() -> None:
         if status == INTERRUPTED:  # how newer typers hand on Ctrl-C
             _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
         sys.exit(status if isinstance(status, int) else 0)
-
-
-def _end_cleanly_by_signals() -> None:
-    def end(number: int, _: object) -> None:
-        signal.signal(number, signal.SIG_IGN)  # cleaning up is under way
-        raise _Ended(number)
-
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP, and is obeyed
-            signal.signal(number, end)
 
 
 def _print_what_the_terminal_can() -> None:

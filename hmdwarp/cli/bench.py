@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from . import _options as o
+from ._signals import end_if_asked
 
 _REPEAT = "For several, repeat it, or put commas between."
 _SETTINGS = "For several, repeat it; settings follow a colon, as in mesh:cut=slope."
@@ -120,7 +121,7 @@ def _run(options, quiet: bool) -> None:
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
     if quiet:
-        result = run(options)
+        result = run(options, end_if_asked)
     else:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -130,7 +131,12 @@ def _run(options, quiet: bool) -> None:
         screen = console(stderr=True)
         with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
             task = bar.add_task("instants", total=None)
-            result = run(options, lambda done, total: bar.update(task, completed=done, total=total))
+
+            def show(done: int, total: int) -> None:
+                end_if_asked()
+                bar.update(task, completed=done, total=total)
+
+            result = run(options, show)
         _tell(result)
     if result.refused:  # after the results are written and told: they are good, the budget was not
         raise InputError(result.refused)

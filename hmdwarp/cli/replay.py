@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from . import _options as o
+from ._signals import end_if_asked
 
 
 def replay(
@@ -90,7 +91,7 @@ def _run(options, quiet: bool) -> None:
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
     if quiet:
-        run(options)
+        run(options, end_if_asked)
         return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -101,7 +102,12 @@ def _run(options, quiet: bool) -> None:
     screen = console(stderr=True)
     with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
         task = bar.add_task("refreshes", total=None)
-        result = run(options, lambda done, total: bar.update(task, completed=done, total=total), screen.print)
+
+        def show(done: int, total: int) -> None:
+            end_if_asked()
+            bar.update(task, completed=done, total=total)
+
+        result = run(options, show, screen.print)
     console().print(summary_table(result.summary, result.against))
     for note in result.summary["notes"]:
         typer.echo(f"note: {note}")

@@ -102,3 +102,26 @@ def test_the_next_run_is_not_disturbed_by_what_a_killed_one_left(replaying, comm
     quick = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--quiet"]
     command("replay", "still", *quick, "--out", out).done()
     assert {"summary.json", "frames.csv", "report.html"} <= {p.name for p in out.iterdir()}
+
+
+def test_a_signal_whose_exception_was_lost_ends_the_next_step(tmp_path):
+    """Python drops what a handler raises while a destructor runs; the run must end all the same."""
+    code = """
+import os, signal
+from hmdwarp.cli import _signals
+class Thing:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        for _ in range(100): pass
+_signals.end_cleanly()
+_signals.end_if_asked()
+Thing()
+try:
+    _signals.end_if_asked()
+except _signals.Ended as error:
+    print("ended by", error.args[0])
+_signals.end_if_asked()
+"""
+    done = subprocess.run([PROGRAM[0], "-c", code], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(ROOT)})
+    assert done.stdout == f"ended by {int(signal.SIGTERM)}\n"
+    assert "Exception ignored" in done.stderr
