@@ -105,12 +105,13 @@ def _weights(options: RunOptions, headset: Headset, plans: list[Plan]) -> list[t
     late_size = guarded_size(options.guard, headset, shown_size)
     rate_hz = options.rate_hz or headset.refresh_hz
     needs = needs_of(plans)
-    layers = dict.fromkeys(name for plan in plans for name in plan.layers)
+    layers = dict.fromkeys(name for plan in plans for name in plan.layers if name != "late.others")  # those are other frames
     pixel_bytes = sum(BYTES_PER_PIXEL.get(name, 0) for name in layers) + LAYER_BYTES * needs.layers
     frame_bytes = 2 * (late_size[0] * late_size[1] * pixel_bytes + cube_bytes(headset, shown_size, needs))
+    at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"
     return [
         ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),
-        ("The link", f"holds at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"),
+        ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
 
 

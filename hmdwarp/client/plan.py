@@ -11,7 +11,7 @@ from operator import or_
 
 import attrs
 
-from ..errors import PlanError
+from ..errors import InputError, PlanError
 from ..frame import Needs
 from ..scenes.effects import SceneEffect
 from .choices import Choice, parse_warp
@@ -84,8 +84,16 @@ class Plan:
 
 
 def needs_of(plans: Iterable[Plan]) -> Needs:
-    """What frames must carry so that each of the plans can run."""
-    return reduce(or_, (plan.needs for plan in plans), Needs())
+    """What frames must carry so that each of the plans can run.
+
+    Errors: InputError for plans that want their older frames unequally far apart: one run keeps one kind.
+    """
+    wanted = [plan.needs for plan in plans]
+    spacings = {needs.past_spacing_ns for needs in wanted if needs.past}
+    if len(spacings) > 1:
+        told = " and ".join(f"{ns / 1e6:g} ms" for ns in sorted(spacings))
+        raise InputError(f"older frames {told} apart in one run: give all warps that use older frames the same spacing")
+    return reduce(or_, wanted, Needs())
 
 
 def build_plan(

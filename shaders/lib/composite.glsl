@@ -61,7 +61,7 @@ ivec2 first_of_column() {
     return first_pixel();
 #else
     uint index = gl_GlobalInvocationID.x / uint(PIECE), lane = gl_GlobalInvocationID.x % uint(PIECE);
-    int piece = int(pieces[index].x), wide = pieces_in_a_row();
+    int piece = int(pieces[min(index, max(piece_count, 1u) - 1u)].x), wide = pieces_in_a_row();
     return index < piece_count ? ivec2(piece % wide * PIECE + int(lane), piece / wide * ROWS) : shown_size;
 #endif
 }

@@ -18,11 +18,14 @@ layout(location = 0) out float inverse_depth;
 #endif
 
 void main() {
+#ifdef COLOUR
+    vec3 texel = texture(surface, uv).rgb; // before a discard: after it the neighbours' uv, and so the mip level, would be undefined
+#endif
 #ifdef PEEL
     if (!behind(gl_FragCoord.w)) discard;
 #endif
 #ifdef COLOUR
-    colour = vec4(texture(surface, uv).rgb * light, 1.0);
+    colour = vec4(texel * light, 1.0);
 #endif
     inverse_depth = gl_FragCoord.w;
 }

@@ -2,7 +2,7 @@
 // Errors are kept as inverse depth, which does not depend on where the point is; what is allowed depends on the motion.
 #include "lib/warp_map.glsl"
 const float INFINITE = 1e30; // an error that is never allowed
-uniform float tolerance;     // shown pixels; 0 never merges
+uniform float tolerance;     // shown pixels; 0 merges what is exactly flat
 uniform float reach;         // shown pixels by which 1/m moves a point at equal depths, the most in the picture
 uniform int coarsest;        // cells on a side of the largest cell
 
@@ -20,6 +20,8 @@ float allowed_error(ivec2 pixel, int side, float r00, float r10, float r01, floa
     vec3 w = vec3(H[0].z, H[1].z, H[2].z);
     float first = dot(w, vec3(vec2(pixel) + 0.5, 1.0));
     vec2 across = w.xy * float(side);
-    float least = min(min(first + e.z * r00, first + across.x + e.z * r10), min(first + across.y + e.z * r01, first + across.x + across.y + e.z * r11));
-    return tolerance * max(least, 0.0) / max(reach, 1e-30);
+    float lower = min(first + e.z * r00, first + across.x + e.z * r10);
+    float least = min(lower, min(first + across.y + e.z * r01, first + across.x + across.y + e.z * r11));
+    // Without motion any error is allowed but the infinite one.
+    return min(tolerance * max(least, 0.0) / max(reach, 1e-30), 0.5 * INFINITE);
 }

@@ -47,6 +47,7 @@ void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
     vec3 q = base + e * here;
     if (!known(here) || !(q.z > 0.0)) return;
     vec2 p = q.xy / q.z;
+    if (!all(lessThan(abs(p), vec2(1e9)))) return; // NaN would make the bounds below all of the picture
     vec2 moves = abs(e.xy - p * e.z) / q.z;
     float parallax = max(moves.x, moves.y), receding = e.z / q.z;
     vec2 step = vec2(slope(late_at(drawn - ivec2(1, 0)), here, late_at(drawn + ivec2(1, 0)), parallax, receding),

@@ -130,3 +130,10 @@ def test_the_same_lists_each_time(gpu, seed):
 def test_settings_have_the_defaults_that_results_are_given_for():
     settings = parse_warp("mesh_adaptive").settings
     assert attrs.asdict(settings) == {"tolerance": 0.05, "block": 16, "steepest_deg": 85.0}
+
+
+@pytest.mark.parametrize("tolerance", ["2", "1000"])
+def test_a_generous_tolerance_never_merges_across_what_must_not_be_merged(gpu, tolerance):
+    """Without motion every finite error is allowed; holes and silhouettes have an infinite one."""
+    world = World(gpu, 3, (67, 53), moved=False)
+    assert np.array_equal(world.warp(gpu, f"mesh_adaptive:tolerance={tolerance}"), world.colour)

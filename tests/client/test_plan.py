@@ -16,9 +16,9 @@ from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.fills import fills
 from hmdwarp.client.given import Given
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import CLIENT_DEPTH, LATE, PANEL, SHOWN, Plan, build_plan
+from hmdwarp.client.plan import CLIENT_DEPTH, LATE, PANEL, SHOWN, Plan, build_plan, needs_of
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import PlanError, UnknownNameError
+from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.headsets import load_headset
 from hmdwarp.scenes.effects import SceneEffect
@@ -107,6 +107,13 @@ def test_backward_without_geometry_is_refused(fill, lens):
     assert message == (
         "warp backward reads client.inverse_depth, which no pass before it writes; it needs the scene's geometry on the client"
     )
+
+
+def test_one_run_keeps_older_frames_one_way():
+    plans = [plan_of(f"multi:spacing={ms}", "none", "none", True) for ms in (300, 50)]
+    assert needs_of([plans[0], plans[0], plan_of("forward", "none", "none", True)]) == plans[0].needs
+    with pytest.raises(InputError, match="50 ms and 300 ms apart"):
+        needs_of(plans)
 
 
 def test_what_is_impossible_is_only_that():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import attrs
 import moderngl
 
+from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu.textures import allocate
 from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
@@ -25,6 +26,7 @@ _COLOUR = 1  # texture unit
 _RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
 _GUESSES = 3
 _PIECE, _ROWS = 8, 4  # pixels of a piece, see lib/composite.glsl
+_GROUP = 64  # invocations of a work group, see lib/rows.glsl
 
 
 @attrs.frozen(eq=False)
@@ -56,6 +58,7 @@ class CompositeWarp(Warp):
         self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
         self._seeds = self.gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
         pieces = -(-self.shown_size[0] // _PIECE) * -(-self.shown_size[1] // _ROWS)
+        _check_groups(self.gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0], pieces, self.name, self.shown_size)
         self._pieces = self.gpu.gl.buffer(bytes(16 + 8 * pieces))
         self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
@@ -124,3 +127,10 @@ class CompositeWarp(Warp):
         best = cls.best[0] * DEPTH_BYTES
         each = late_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
         return pictures * each + shown_pixels * 2 * COLOUR_BYTES
+
+
+def _check_groups(most: int, pieces: int, name: str, size: tuple[int, int]) -> None:
+    """Errors: InputError where the indirect dispatch over all pieces would go beyond the GL limit, and be dropped without a word."""
+    if -(-pieces * _PIECE // _GROUP) > most:
+        found = f"a shown picture of {size[0]}x{size[1]}: '{name}' would need more than this GPU's {most} work groups"
+        raise InputError(f"{found}; use a smaller one")

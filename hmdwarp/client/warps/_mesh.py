@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import moderngl
 import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
 from ...gpu.textures import COLOUR, Canvas, allocate
 from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..given import Given
 
+VERTEX_BLOCKS, BINDINGS = 2, 10  # what the drawing reads in its vertex shaders, and all that is bound
 MOST_SIDE = 2**14 - 2  # cells are named by 14 bits a side, and there is one more than pixels
 QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
 GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
@@ -37,6 +38,7 @@ class MeshWarp(Warp):
     adaptive: ClassVar[bool]
 
     def prepare(self) -> None:
+        _check_machine(self.name, self.gpu.gl.info)
         _check_side(self.name, self.late_size)
         self._compile()
         self._allocate()
@@ -189,6 +191,14 @@ def overlap(tolerance: float) -> float:
 
 def _set_declared(uniforms: Any, named: dict[str, Any]) -> None:
     uniforms.set(**{name: value for name, value in named.items() if uniforms.declares(name)})
+
+
+def _check_machine(name: str, info: dict[str, Any]) -> None:
+    """Errors: MachineError where vertex shaders cannot read buffers: GL 4.3 alone does not promise it."""
+    blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
+    if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
+        found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
+        raise MachineError(f"{found}: '{name}' wants {VERTEX_BLOCKS} and {BINDINGS}; use warp 'splat' or 'search'")
 
 
 def _check_side(name: str, size: tuple[int, int]) -> None:
