@@ -69,8 +69,8 @@ def _seen(asked: Asked, cut: str, tolerance: float = 0.0, overlap: float = 0.0) 
     limits = _steepest(late, size, asked.settings.steepest_deg)
     triangles = surface(asked.inverse_depth, limits, cut_by_slope=cut != "vertex")
 
-    def hits(offset: tuple[float, float], grown: float = 0.0) -> _Hits:
-        found = _hits(asked, triangles, np.array(offset), grown)
+    def hits(offset: tuple[float, float], grown: float = 0.0, reach: float = 0.0) -> _Hits:
+        found = _hits(asked, triangles, np.array(offset), grown, reach)
         if cut != "slope":
             return _nearest_first(_coloured(asked.colour, _without_sheets(asked, triangles, found, limits, np.array(offset))))
         return _nearest_first(_coloured(asked.colour, found.coloured_by_owner(triangles)))
@@ -81,7 +81,7 @@ def _seen(asked: Asked, cut: str, tolerance: float = 0.0, overlap: float = 0.0) 
     centre = hits((0.0, 0.0))
     pieces = ~np.isnan(triangles.owner[centre.triangle, 0])
     picture = _picture(asked, centre, beside, edge, centre.scale * tolerance + pieces * overlap)
-    around = hits((0.0, 0.0), edge)
+    around = hits((0.0, 0.0), edge, overlap)
     unsure = _grazed(asked, centre, around, edge) | _ajar(asked, centre, around, triangles)
     return attrs.evolve(picture, undecided=picture.undecided | unsure.reshape(picture.undecided.shape))
 
@@ -106,10 +106,12 @@ def _in_shown_pixels(asked: Asked, corners: Array) -> Array:
     return np.stack([u * asked.shown_size[0], v * asked.shown_size[1], w], axis=-1)
 
 
-def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0) -> _Hits:
-    """Rays through the shown pixels' centres moved by `offset` pixels; triangles with each edge `grown` pixels farther out."""
+def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0, reach: float = 0.0) -> _Hits:
+    """Rays through the shown pixels' centres moved by `offset` pixels; triangles with each edge `grown` pixels farther out, and whole
+    cells as if each were part of a large one, which reaches `reach` late pixels over its border."""
     corners = _in_shown_pixels(asked, triangles.corners)
-    which, pixels = _pairs(corners, asked.shown_size, offset, grown)
+    whole = np.isnan(triangles.owner[:, 0])
+    which, pixels = _pairs(corners, asked.shown_size, offset, grown, reach * whole)
     ray = _rays(asked, pixels, offset)
     a, b, c = (corners[which, k] for k in range(3))
     lines = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)  # through the edges; opposite each corner
@@ -126,8 +128,10 @@ def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0) -
         scale = np.abs(slopes / total[:, None, None]).sum(axis=2).max(axis=1)
         depth = np.einsum("ne,ne->n", spans, values[..., 2]) / np.abs(volume)
         slope = np.abs(np.einsum("nec,ne->nc", lines[..., :2], values[..., 2]) / volume[:, None]).sum(axis=1)
-        kept = faces & (total > 0) & (spans >= -grown * a_pixel).all(axis=1) & np.isfinite(place).all(axis=1) & np.isfinite(scale)
-        kept &= ~np.isnan(depth) & ~np.isnan(slope)
+        beyond = np.maximum(values[..., :2].min(axis=1) - place, place - values[..., :2].max(axis=1)).max(axis=1)
+        reached = whole[which] & (reach > 0) & (beyond <= reach + grown * scale)
+        kept = faces & (total > 0) & ((spans >= -grown * a_pixel).all(axis=1) | reached)
+        kept &= np.isfinite(place).all(axis=1) & np.isfinite(scale) & ~np.isnan(depth) & ~np.isnan(slope)
         sure = (spans >= EDGE_PIXELS * a_pixel).all(axis=1)
     return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which] | turned, sure).only(kept)
 
@@ -148,12 +152,14 @@ def _rays(asked: Asked, pixels: np.ndarray, offset: Array) -> Array:
     return np.stack([pixels % wide + 0.5 + offset[0], pixels // wide + 0.5 + offset[1], np.ones(len(pixels))], axis=-1)
 
 
-def _pairs(corners: Array, shown_size: tuple[int, int], offset: Array, grown: float) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles and the pixels of the grown box around each; all pixels where a corner lies behind the eye."""
+def _pairs(corners: Array, shown_size: tuple[int, int], offset: Array, grown: float, reach: Array) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles and the pixels of the box around each, grown by pixels and by twice (perspective) `reach` (n,) times itself; all pixels
+    where a corner lies behind the eye."""
     wide, high = shown_size
     before = (corners[..., 2] > 0).all(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         places = corners[..., :2] / corners[..., 2:]
+        grown = grown + 2 * reach[:, None] * (places.max(axis=1) - places.min(axis=1))
     low = np.where(before[:, None], places.min(axis=1) - offset - 0.5 - grown, 0)
     upper = np.where(before[:, None], places.max(axis=1) - offset - 0.5 + grown, np.array([wide, high]))
     first = np.ceil(np.clip(low, 0, [wide, high])).astype(int)

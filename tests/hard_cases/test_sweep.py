@@ -140,8 +140,8 @@ def test_every_warp_on_random_extreme_worlds(gpu, name, seed, step, turn, neares
 
 
 # Worlds that a warp or its twin once failed on, as above: surfaces nearer than the depth buffer knows (31), slivers (239) and folded
-# pieces (the last), seams at a seventeenth of the size (174), a triangle edge on (692), a row between quarters (55), and seeds behind
-# the late eye (500216).
+# pieces (the last), seams at a seventeenth of the size (174), a triangle edge on (692), a row between quarters (55), seeds behind
+# the late eye (500216), and a large cell beside what is turned away (900612).
 FAILED_ONCE = [
     (16, (1.0, 0.0, 0.0), 0.001, 2.0, (28, 11, 36, 40), (23, 17)),
     (31, (0.0, 0.0, 0.0), 0.001, 1000.0, (76, 43, 60, 61), (8, 31)),
@@ -150,6 +150,7 @@ FAILED_ONCE = [
     (239, (1.0, 0.001, 1e-09), 0.0, 2.0, (58, 66, 15, 55), (23, 17)),
     (692, (1e-09, 0.0, 0.001), 0.05, 1000.0, (38, 10, 21, 15), (8, 31)),
     (500216, (0.0, 0.001, 1e-09), 1.0, 0.3, (70, 30, 50, 39), (8, 31)),
+    (900612, (1e-09, 0.05, 1.0), 0.001, 0.3, (27, 24, 21, 67), (23, 17)),
     (1404217271, (1.0, 0.0, 0.0), 0.05, 2.0, (69, 19, 48, 84), (23, 17)),
 ]
 
