@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 import shutil
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import typer
+
+from ._signals import end_if_asked
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -24,6 +28,24 @@ def console(*, stderr: bool = False) -> Console:
             raise BrokenPipeError
 
     return Terminal(stderr=stderr, highlight=False)
+
+
+@contextmanager
+def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None], Console]]:
+    """(progress(done, total), where else to print) of a long run, with a bar where a person looks on."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
+    screen = console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal) as bar:
+        task = bar.add_task(what, total=None)
+
+        def progress(done: int, total: int) -> None:
+            end_if_asked()
+            bar.update(task, completed=done, total=total)
+
+        yield progress, screen
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

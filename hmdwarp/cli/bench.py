@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import shlex
 import sys
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Annotated
 import typer
 
 from . import _options as o
-from ._signals import end_if_asked
 
 _REPEAT = "For several, repeat it, or put commas between."
 _SETTINGS = "For several, repeat it; settings follow a colon, as in mesh:cut=slope."
@@ -118,25 +116,11 @@ def _size(text: str) -> tuple[int, int]:
 def _run(options, quiet: bool) -> None:
     from ..bench import bench as run
     from ..errors import InputError
+    from ._show import steps
 
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
-    if quiet:
-        result = run(options, end_if_asked)
-    else:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-        from ._show import console
-
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        screen = console(stderr=True)
-        with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
-            task = bar.add_task("instants", total=None)
-
-            def show(done: int, total: int) -> None:
-                end_if_asked()
-                bar.update(task, completed=done, total=total)
-
-            result = run(options, show)
+    with steps("instants", quiet=quiet) as (progress, _):
+        result = run(options, progress)
+    if not quiet:
         _tell(result)
     if result.refused:  # after the results are written and told: they are good, the budget was not
         raise InputError(result.refused)

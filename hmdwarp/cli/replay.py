@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import shlex
 import sys
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Annotated
 import typer
 
 from . import _options as o
-from ._signals import end_if_asked
 
 
 def replay(
@@ -88,26 +86,13 @@ def replay(
 
 def _run(options, quiet: bool) -> None:
     from ..replay import replay as run
-
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
-    if quiet:
-        run(options, end_if_asked)
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
     from ..report.tables import summary_table
-    from ._show import console
+    from ._show import console, steps
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    screen = console(stderr=True)
-    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
-        task = bar.add_task("refreshes", total=None)
-
-        def show(done: int, total: int) -> None:
-            end_if_asked()
-            bar.update(task, completed=done, total=total)
-
-        result = run(options, show, screen.print)
+    with steps("refreshes", quiet=quiet) as (progress, screen):
+        result = run(options, progress, *([] if quiet else [screen.print]))
+    if quiet:
+        return
     console().print(summary_table(result.summary, result.against))
     for note in result.summary["notes"]:
         typer.echo(f"note: {note}")
