@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import types
 import typing
 from typing import Any, get_type_hints
 
@@ -61,8 +60,6 @@ def _converted(text: str, key: str, value: str, kind: Any) -> Any:
         words = typing.get_args(kind)
         if value not in words:
             raise InputError(f"warp '{text}': {key} is '{value}': wanted {' or '.join(map(str, words))}")
-        return value
-    if typing.get_origin(kind) in (typing.Union, types.UnionType):
         return value
     try:
         number = kind(value)

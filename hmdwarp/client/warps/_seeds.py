@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import moderngl
 
 from ...errors import InputError
-from ...geometry import View, WarpMap
+from ...geometry import WarpMap
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -33,9 +33,7 @@ class Seeds:
 
     def find(self, given: Given, surface: dict[str, object]) -> None:
         """Leaves the guesses bound for the gather. surface: the uniforms of lib/late_surface.glsl; the late depth is bound."""
-        shown = given.shown
-        if given.shown_last is not None:
-            shown = View(shown.pose.towards(given.shown_last.pose, 0.5), shown.fov)
+        shown = given.middle
         forward = WarpMap.between(given.late.view, self._late_size, shown, self._shown_size)
         back = WarpMap.between(shown, self._shown_size, given.late.view, self._late_size)
         self._seeds.bind_to_storage_buffer(0)
