@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from .geometry import View
+from .geometry import RigidState, View
 from .scenes.effects import SceneEffect
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ class Needs:
 
     layers: surfaces behind the visible one, by peeling. cube: whether the surroundings of each eye are drawn too. past: how many
     older frames the client keeps, at least past_spacing_ns apart. other_eye: whether the other eye's picture is used as well.
+    ids: which body each pixel belongs to, and how the bodies move. velocity: how what deforms moves. reflections, curved_reflections,
+    transparency, overlay: these as layers of their own; what is not asked for is drawn into the picture. wide: a second, wide view.
     """
 
     layers: int = 0
@@ -28,25 +31,49 @@ class Needs:
     past: int = 0
     past_spacing_ns: int = 0
     other_eye: bool = False
+    ids: bool = False
+    velocity: bool = False
+    reflections: bool = False
+    curved_reflections: bool = False
+    transparency: bool = False
+    overlay: bool = False
+    wide: bool = False
 
     def __or__(self, other: Needs) -> Needs:
         """Enough for both."""
+        both = {field.name: max(getattr(self, field.name), getattr(other, field.name)) for field in attrs.fields(Needs)}
         spacings = [needs.past_spacing_ns for needs in (self, other) if needs.past]
-        return Needs(
-            max(self.layers, other.layers),
-            self.cube or other.cube,
-            max(self.past, other.past),
-            min(spacings, default=0),
-            self.other_eye or other.other_eye,
-        )
+        return Needs(**(both | {"past_spacing_ns": min(spacings, default=0)}))
 
 
 @attrs.frozen(eq=False)
 class Layer:
-    """A surface behind the visible one, of the same view and size: `colour` rgba16f and `inverse_depth` r32f; holes as in EyeImage."""
+    """Another surface of the same view and size: `colour` rgba16f and `inverse_depth` r32f; holes as in EyeImage."""
 
     colour: moderngl.Texture
     inverse_depth: moderngl.Texture
+
+
+@attrs.frozen(eq=False)
+class Reflection:
+    """What mirrors show, apart from the mirrors themselves.
+
+    seen: the mirrored world; inverse_depth is that of the virtual image behind the mirror, so 1 / the depth of the whole reflected
+    path. Drawn wherever a mirror is, also behind what stands before it; holes elsewhere. surface: rgba16f, of what the picture itself
+    shows: reflectivity (r; 0 where nothing mirrors) and the disturbed normal's x and y in the mirror's tangent plane (g, b), coverage.
+    """
+
+    seen: Layer
+    surface: moderngl.Texture
+
+
+@attrs.frozen(eq=False)
+class Transparent:
+    """What one sees through. veil: its own light, premultiplied, with its inverse depth; coverage 1 wherever something see-through is.
+    passing: rgba16f, the share of the light behind that passes, by colour; coverage as the veil's."""
+
+    veil: Layer
+    passing: moderngl.Texture
 
 
 @attrs.frozen(eq=False)
@@ -54,8 +81,11 @@ class EyeImage:
     """One eye's picture: `colour` rgba16f linear with coverage in alpha, `inverse_depth` r32f in 1/m, and its view.
 
     Rows run bottom to top, as GL has them. Where nothing was drawn colour is (0, 0, 0, 0) and inverse_depth is
-    -1 (no depth), so that a hole is neither averaged into its neighbours nor scattered. layers: what lies behind, nearest first,
-    where it was asked for. cube: colour of everything around the eye, rgba16f, the six faces of geometry.cube in one texture.
+    -1 (no depth), so that a hole is neither averaged into its neighbours nor scattered. Where it was asked for (see Needs): layers: what
+    lies behind, nearest first; cube: colour of everything around the eye, rgba16f, the six faces of geometry.cube in one texture; ids:
+    r16ui, 0 for what stands still, else 1 + index into `bodies`; velocity: rgba16f, in m/s along the eye's axes (rgb) of what deforms
+    (coverage); overlay: rgba16f, premultiplied, what is fixed to the head, for the shown field of view and size; wide: a second picture
+    of the same eye and instant. drawn_ns: when it was drawn.
     """
 
     view: View
@@ -63,11 +93,36 @@ class EyeImage:
     inverse_depth: moderngl.Texture
     layers: tuple[Layer, ...] = ()
     cube: moderngl.Texture | None = None
+    ids: moderngl.Texture | None = None
+    bodies: tuple[RigidState, ...] = ()
+    velocity: moderngl.Texture | None = None
+    reflection: Reflection | None = None
+    transparent: Transparent | None = None
+    overlay: moderngl.Texture | None = None
+    wide: EyeImage | None = None
+    drawn_ns: int = 0
 
     @property
     def size(self) -> tuple[int, int]:
         """(w, h) in pixels."""
         return self.colour.size
+
+    def textures(self) -> Iterator[moderngl.Texture]:
+        """Every texture it carries, those of its layers and of the wide view included."""
+        return _textures(self)
+
+
+def _textures(part: Any) -> Iterator[moderngl.Texture]:
+    """Those of an EyeImage, or of any part of one: a new kind of layer needs no entry here."""
+    if attrs.has(type(part)):
+        for field in attrs.fields(type(part)):
+            if field.name not in ("view", "bodies"):
+                yield from _textures(getattr(part, field.name))
+    elif isinstance(part, tuple):
+        for one in part:
+            yield from _textures(one)
+    elif part is not None and not isinstance(part, int):
+        yield part
 
 
 @attrs.frozen(eq=False)

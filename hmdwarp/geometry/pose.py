@@ -12,7 +12,9 @@ from ..errors import InputError
 Vector = NDArray[np.float64]
 
 
-def _frozen_vector(length: int):
+def frozen_vector(length: int):
+    """A converter for attrs: `length` finite numbers as a float64 array that nobody writes to. Errors: InputError."""
+
     def convert(value: ArrayLike) -> Vector:
         try:
             array = np.array(value, dtype=np.float64)
@@ -27,7 +29,7 @@ def _frozen_vector(length: int):
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
-    given = _frozen_vector(4)(value)
+    given = frozen_vector(4)(value)
     largest = float(np.abs(given).max())
     if largest == 0:
         raise InputError(f"a quaternion of length 0 is no rotation: {value!r}")
@@ -51,7 +53,7 @@ class Pose:
     Errors: InputError for values that are not finite and for a zero quaternion.
     """
 
-    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=_frozen_vector(3))
+    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
     orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion)
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 from ..geometry import Pose
 from ..registry import Registry
+from ._content import Body, Deformation, Material
 from .effects import SceneEffect
 
 Array = NDArray
@@ -58,7 +60,9 @@ class Mesh:
 
     positions: (n, 3) metres, relative to the scene's origin. normals: (n, 3) unit. uv: (n, 2), origin bottom left, +v up.
     light: (n, 3) baked linear light times colour, 0 or more. triangles: (m, 3) indices, counter-clockwise seen from the front.
-    texture: index into the scene's textures, -1 for none (white). double_sided: drawn from behind too.
+    texture: index into the scene's textures, -1 for none (white). double_sided: drawn from behind too. material: what the surface does
+    besides. body: 0 for what stands still, else 1 + index into the scene's bodies; positions and normals are in that body's frame then.
+    deformation: how the vertices move by themselves, None where they do not; `positions` are those at rest then.
     Errors: SceneError for arrays of the wrong shape, values that are not finite, and indices beyond the vertices.
     """
 
@@ -70,6 +74,9 @@ class Mesh:
     triangles: Array = attrs.field(converter=_frozen(np.uint32, 3))
     texture: int = -1
     double_sided: bool = False
+    material: Material = Material()
+    body: int = 0
+    deformation: Deformation | None = None
 
     def __attrs_post_init__(self) -> None:
         count = len(self.positions)
@@ -82,6 +89,11 @@ class Mesh:
                 raise SceneError(f"mesh '{self.name}': {field} of vertex {int(np.argmax(bad))} are not finite numbers")
         if self.triangles.size and int(self.triangles.max()) >= count:
             raise SceneError(f"mesh '{self.name}': a triangle uses vertex {int(self.triangles.max())}, but there are only {count}")
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether it hides what is behind it and stands in the world."""
+        return not (self.material.see_through or self.material.head_locked)
 
 
 @attrs.frozen
@@ -101,14 +113,15 @@ class Background:
         return cls(colour, colour, colour)
 
 
-@attrs.frozen(eq=False)
+@attrs.define(eq=False, frozen=True, slots=False)
 class Scene:
-    """Everything the server needs to draw, and where a viewer may stand.
+    """Everything the server needs to draw, and where a viewer may stand. What it calls for (`effects`) follows from its meshes.
 
     origin_m: float64 (3,) in the world; every mesh is relative to it, so a scene 1e6 m away keeps its float32 digits.
     viewpoint: world_from_head of a viewer at rest. walk_bounds_m: (2, 3) world box, lowest and highest corner, a head may
     move in without passing through things. notes: what was wrong but survivable in a foreign file, one line each.
-    Errors: SceneError for a mesh with an unknown texture.
+    bodies: what moves as a whole; a mesh belongs to one by its number.
+    Errors: SceneError for a mesh with an unknown texture or body.
     """
 
     name: str
@@ -116,7 +129,7 @@ class Scene:
     meshes: tuple[Mesh, ...] = attrs.field(converter=tuple)
     textures: tuple[Texture, ...] = attrs.field(default=(), converter=tuple)
     background: Background = Background()
-    effects: SceneEffect = SceneEffect.NONE
+    bodies: tuple[Body, ...] = attrs.field(default=(), converter=tuple)
     origin_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=_frozen_vector)
     viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))
     walk_bounds_m: Array = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=lambda v: np.array(v, np.float64))
@@ -126,6 +139,17 @@ class Scene:
         for mesh in self.meshes:
             if not -1 <= mesh.texture < len(self.textures):
                 raise SceneError(f"mesh '{mesh.name}' wants texture {mesh.texture}, the scene has {len(self.textures)}")
+            if not -1 <= mesh.material.normal_map < len(self.textures):
+                raise SceneError(f"mesh '{mesh.name}' wants normal map {mesh.material.normal_map}, the scene has {len(self.textures)} textures")
+            if not 0 <= mesh.body <= len(self.bodies):
+                raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
+
+    @cached_property
+    def effects(self) -> SceneEffect:
+        """What its content calls for."""
+        from ._declared import effects_of
+
+        return effects_of(self)
 
     @property
     def triangle_count(self) -> int:

@@ -11,40 +11,62 @@ from ..errors import InputError
 from ..frame import EyeImage, Frame, Needs
 from ..geometry import View
 from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR
 from ..scenes import Scene
 from .cube import checked_cube_size, draw_cube
+from .parts import Drawing, Easel, Part, parts
 from .passes import ScenePasses
 from .peel import peel
 from .targets import Framebuffers, Target, TargetPool
-from .upload import SceneBuffers
+from .upload import SceneBuffers, SceneTextures
+
+Size = tuple[int, int]
 
 
 class Server:
-    """One scene on the GPU, uploaded once, drawn for any view.
+    """One scene on the GPU, uploaded once, drawn for any view and instant.
 
     Rows of what it draws run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not missing.
+    What the scene has not, and nobody needs, is never compiled or allocated.
     """
 
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         self.gpu, self.scene = gpu, scene
-        self._buffers = SceneBuffers(gpu, scene)
+        self._textures = SceneTextures(gpu, scene)
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in scene.meshes if mesh.is_surface], self._textures)
         self._framebuffers = Framebuffers(gpu.gl)
-        self._pools: dict[tuple[tuple[int, int], bool], TargetPool] = {}
+        self._pools: dict[tuple, TargetPool] = {}
         self._colour = ScenePasses(gpu, scene, self._buffers, colour=True)
         self._depth: ScenePasses | None = None
         self._behind: ScenePasses | None = None
+        self._parts: dict[str, Part] = {}
+        self._easel = Easel(gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire)
 
-    def draw(self, view: View, size: tuple[int, int], into: Target | None = None) -> EyeImage:
-        """Colour and inverse depth of `view` in (w, h) pixels, into `into` or a target of the server's own pool.
+    def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """The whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth, into `into` or a target of the server's own.
 
         Errors: InputError for a size of 0 or beyond the GL limit, or another than the target's.
         """
-        target = into if into is not None else self.pool(size).acquire()
+        return self._draw(view, size, Drawing(view, size, time_ns), into)
+
+    def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
+        target = into if into is not None else self.acquire(size)
         _check_same_size(target.size, size)
         self._colour.draw(view, self._framebuffers.over(target.colour, target.inverse_depth))
-        return EyeImage(view, target.colour, target.inverse_depth)
+        eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
+        for part in self._parts_for(drawing.needs):
+            eye = part.add(eye, drawing)
+        return eye
 
-    def draw_depth(self, view: View, size: tuple[int, int], into: moderngl.Texture) -> moderngl.Texture:
+    def _parts_for(self, needs: Needs) -> list[Part]:
+        """Those that the scene has, or that are asked for as layers; made when first needed."""
+        chosen = sorted((part for part in parts if part.in_scene(self.scene) or part.wanted(needs)), key=lambda part: part.order)
+        for part in chosen:
+            if part.name not in self._parts:
+                self._parts[part.name] = part(self._easel)
+        return [self._parts[part.name] for part in chosen]
+
+    def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Inverse depth alone, into an r32f texture: what a client that has the geometry knows by itself."""
         _check_same_size(into.size, size)
         if self._depth is None:
@@ -52,9 +74,7 @@ class Server:
         self._depth.draw(view, self._framebuffers.over(into))
         return into
 
-    def draw_frame(
-        self, views: Sequence[View], drawn_ns: int, size: tuple[int, int], guard: float = 1.0, needs: Needs | None = None
-    ) -> Frame:
+    def draw_frame(self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None) -> Frame:
         """All eyes into pooled targets, each with its field of view enlarged by `guard` (see Fov.guarded), with what `needs` asks for.
 
         The frame's views are the enlarged ones. Give the frame back with recycle(). Errors: InputError for a guard below 1, and for a
@@ -63,10 +83,11 @@ class Server:
         eyes, needs = [], needs if needs is not None else Needs()
         for view in views:
             fov, grown = view.fov.guarded(guard, size)
-            eyes.append(self._with_needs(self.draw(View(view.pose, fov), grown), needs))
+            eye = self._draw(View(view.pose, fov), grown, Drawing(view, size, drawn_ns, needs))
+            eyes.append(self._with_surroundings(eye, needs))
         return Frame(tuple(eyes), drawn_ns, self.scene.effects)
 
-    def _with_needs(self, eye: EyeImage, needs: Needs) -> EyeImage:
+    def _with_surroundings(self, eye: EyeImage, needs: Needs) -> EyeImage:
         if needs.layers:
             if self._behind is None:
                 self._behind = ScenePasses(self.gpu, self.scene, self._buffers, colour=True, peel=True)
@@ -81,26 +102,34 @@ class Server:
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; whoever still looks at them will see a later frame."""
         for eye in frame.eyes:
-            for picture in (eye, *eye.layers):
-                self.pool(eye.size).release(picture.colour)
-            if eye.cube is not None:
-                self.cube_pool(eye.cube.size).release(eye.cube)
+            self.pool(eye.size).release(eye.colour)
+            for texture in eye.textures():
+                for pool in self._pools.values():
+                    if pool.lent(texture):
+                        pool.release(texture)
 
-    def pool(self, size: tuple[int, int]) -> TargetPool:
+    def acquire(self, size: Size, kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
+        """A target from the pool of its kind; recycle() takes it back with the frame it is part of."""
+        return self._pool(size, kind, depth=depth).acquire()
+
+    def pool(self, size: Size) -> TargetPool:
         """The server's targets of that size."""
-        return self._pool(size, depth=True)
+        return self._pool(size, COLOUR, depth=True)
 
-    def cube_pool(self, size: tuple[int, int]) -> TargetPool:
+    def cube_pool(self, size: Size) -> TargetPool:
         """Targets of that size for cubes, which have no inverse depth."""
-        return self._pool(size, depth=False)
+        return self._pool(size, COLOUR, depth=False)
 
-    def _pool(self, size: tuple[int, int], *, depth: bool) -> TargetPool:
-        if (size, depth) not in self._pools:
-            self._pools[size, depth] = TargetPool(self.gpu, size, depth=depth)
-        return self._pools[size, depth]
+    def _pool(self, size: Size, kind: tuple[int, str], *, depth: bool) -> TargetPool:
+        key = (size, kind, depth)
+        if key not in self._pools:
+            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth)
+        return self._pools[key]
 
     def close(self) -> None:
         """Free everything the server holds, its targets included."""
+        for part in self._parts.values():
+            part.close()
         for passes in (self._colour, self._depth, self._behind):
             if passes is not None:
                 passes.close()
@@ -108,8 +137,9 @@ class Server:
         for pool in self._pools.values():
             pool.close()
         self._buffers.close()
+        self._textures.close()
 
 
-def _check_same_size(found: tuple[int, int], wanted: tuple[int, int]) -> None:
+def _check_same_size(found: Size, wanted: Size) -> None:
     if tuple(found) != tuple(wanted):
         raise InputError(f"target is {found[0]}x{found[1]} pixels, the picture {wanted[0]}x{wanted[1]}: they must be the same")

@@ -11,7 +11,8 @@ from ..gpu.textures import COLOUR, SCALAR, allocate
 
 @attrs.frozen(eq=False)
 class Target:
-    """What one eye is drawn into: `colour` rgba16f and `inverse_depth` r32f of the same size, None where colour is all that is kept."""
+    """What one eye is drawn into: `colour` (rgba16f unless another kind was asked for) and `inverse_depth` r32f of the same size, None
+    where colour is all that is kept."""
 
     colour: moderngl.Texture
     inverse_depth: moderngl.Texture | None
@@ -23,13 +24,13 @@ class Target:
 
 
 class TargetPool:
-    """Targets of one size, with or without inverse depth; `live` counts those that are out, `made` all that were ever allocated.
+    """Targets of one size and kind, with or without inverse depth; `live` counts those that are out, `made` all that were ever allocated.
 
     Errors: InputError for a size of 0 or beyond the GL limit.
     """
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int], *, depth: bool = True) -> None:
-        self._gl, self.size, self._with_depth = gpu.gl, size, depth
+    def __init__(self, gpu: Gpu, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> None:
+        self._gl, self.size, self._kind, self._with_depth = gpu.gl, size, kind, depth
         self._free: list[Target] = []
         self._out: dict[moderngl.Texture, Target] = {}
 
@@ -50,7 +51,11 @@ class TargetPool:
         return target
 
     def _make(self) -> Target:
-        return Target(allocate(self._gl, self.size, COLOUR), allocate(self._gl, self.size, SCALAR) if self._with_depth else None)
+        return Target(allocate(self._gl, self.size, self._kind), allocate(self._gl, self.size, SCALAR) if self._with_depth else None)
+
+    def lent(self, colour: moderngl.Texture) -> bool:
+        """Whether a target with that colour texture is out."""
+        return colour in self._out
 
     def release(self, colour: moderngl.Texture | Target) -> None:
         """Take a target back, named by itself or by its colour texture. Errors: ValueError if it is not out."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import attrs
 import moderngl
 import numpy as np
@@ -73,22 +75,36 @@ def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
     return made
 
 
-class SceneBuffers:
-    """The scene on the GPU: one vertex buffer, one index buffer, its textures, and the chunks to draw."""
+class SceneTextures:
+    """A scene's textures on the GPU, by their index; -1 is white."""
 
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
-        self.textures = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+        self._made = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+
+    def __getitem__(self, index: int) -> moderngl.Texture:
+        return self._made[index]
+
+    def close(self) -> None:
+        """Free them."""
+        for texture in self._made:
+            texture.release()
+
+
+class SceneBuffers:
+    """Some meshes of a scene on the GPU: one vertex buffer, one index buffer, and the chunks to draw."""
+
+    def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.batches: list[Batch] = []
-        indices = self._cut(scene)
-        self._vertices = gpu.gl.buffer(_vertex_bytes(scene) or b"\0" * 32)
+        indices = self._cut(meshes, textures)
+        self._vertices = gpu.gl.buffer(_vertex_bytes(meshes) or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
 
-    def _cut(self, scene: Scene) -> list[NDArray]:
+    def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; returns the chunks' indices."""
-        starts = np.cumsum([0, *(len(mesh.positions) for mesh in scene.meshes)])
+        starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         groups: dict[tuple[bool, int], list[tuple[Mesh, int]]] = {}
-        for mesh, start in zip(scene.meshes, starts, strict=False):
+        for mesh, start in zip(meshes, starts, strict=False):
             groups.setdefault((mesh.double_sided, mesh.texture), []).append((mesh, int(start)))
         indices, batch_of, boxes = [], [], []
         for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
@@ -98,7 +114,7 @@ class SceneBuffers:
                     boxes.append((corners.min(axis=0), corners.max(axis=0)))
                     indices.append(chunk.ravel() + np.uint32(start))
                     batch_of.append(len(self.batches))
-            self.batches.append(Batch(self.textures[texture], double_sided))
+            self.batches.append(Batch(textures[texture], double_sided))
         count = np.array([len(part) for part in indices], np.int64)
         low, high = np.array(boxes).reshape(-1, 2, 3).transpose(1, 0, 2)
         self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), (low + high) / 2, (high - low) / 2)
@@ -111,13 +127,11 @@ class SceneBuffers:
         return gl.vertex_array(program, [(self._vertices, layout, *names)], self._indices, index_element_size=4)
 
     def close(self) -> None:
-        """Free the buffers and textures."""
-        for texture in self.textures:
-            texture.release()
+        """Free the buffers."""
         self._vertices.release()
         self._indices.release()
 
 
-def _vertex_bytes(scene: Scene) -> bytes:
-    rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in scene.meshes]
+def _vertex_bytes(meshes: Sequence[Mesh]) -> bytes:
+    rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in meshes]
     return np.concatenate(rows).astype(np.float32).tobytes() if rows else b""

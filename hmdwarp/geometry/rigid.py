@@ -1,0 +1,31 @@
+"""How a rigid body stands and moves at one instant, and where that takes it."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from .pose import Pose, frozen_vector
+
+
+@attrs.frozen(eq=False)
+class RigidState:
+    """world_from_body at one instant, and its motion in world axes.
+
+    velocity_m_s of the body's origin; angular_velocity_rad_s: about that origin, its direction the axis (right-handed);
+    acceleration_m_s2: of the origin, gravity for what is thrown.
+    """
+
+    pose: Pose
+    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+
+    def after(self, age_ns: int) -> Pose:
+        """world_from_body `age_ns` later, if acceleration and angular velocity stay as they are."""
+        seconds = age_ns * 1e-9
+        position = self.pose.position_m + seconds * (self.velocity_m_s + 0.5 * seconds * self.acceleration_m_s2)
+        turned = Rotation.from_rotvec(self.angular_velocity_rad_s * seconds) * self.pose.rotation
+        return Pose(position, turned.as_quat())

@@ -1,0 +1,8 @@
+"""What a scene may have besides plain surfaces, one file each: drawn into the picture, or sent as a layer of its own."""
+
+from ...registry import Registry
+from ._base import Drawing, Easel, Part
+
+parts: Registry[type[Part]] = Registry("part", __name__)
+
+__all__ = ["Drawing", "Easel", "Part", "parts"]
