@@ -1,0 +1,10 @@
+"""How long the network takes for a frame: one file per model."""
+
+from __future__ import annotations
+
+from ...registry import Registry
+from ._base import LONGEST_MS, DelayModel, milliseconds
+
+DELAYS: Registry[type[DelayModel]] = Registry("delay model", __name__)
+
+__all__ = ["DELAYS", "LONGEST_MS", "DelayModel", "milliseconds"]

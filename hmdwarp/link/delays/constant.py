@@ -1,0 +1,35 @@
+"""Every frame takes the same time."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+
+from ...errors import InputError
+from . import DELAYS, DelayModel
+
+
+@DELAYS.register
+@attrs.frozen
+class ConstantDelay(DelayModel):
+    """The latency and nothing else."""
+
+    name = "constant"
+
+    @classmethod
+    def parse(cls, argument: str) -> ConstantDelay:
+        if argument:
+            raise InputError(f"jitter 'constant:{argument}': a constant delay takes no number; its length is the latency")
+        return cls()
+
+    def longest_ns(self, latency_ns: int) -> int:
+        return latency_ns
+
+    def typical_ns(self, latency_ns: int) -> int:
+        return latency_ns
+
+    def samples(self, latency_ns: int, rng: np.random.Generator) -> Iterator[int]:
+        return itertools.repeat(latency_ns)

@@ -1,0 +1,54 @@
+"""Delays spread around the latency like a bell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from statistics import NormalDist
+
+import attrs
+import numpy as np
+
+from . import DELAYS, DelayModel, milliseconds
+
+_REACH = 6.0  # standard deviations: one frame in 1e9 would lie beyond, and memory must have a bound
+
+
+@DELAYS.register
+@attrs.frozen
+class NormalJitter(DelayModel):
+    """A normal distribution around the latency with this standard deviation, truncated at 0 and at 6 deviations above the latency.
+
+    Truncated, not clipped: no delay is more likely for it. Where the latency is less than some deviations the mean is larger than it.
+    """
+
+    name = "normal"
+    deviation_ms: float
+
+    @classmethod
+    def parse(cls, argument: str) -> NormalJitter:
+        return cls(milliseconds("jitter normal", argument))
+
+    @property
+    def _deviation_ns(self) -> float:
+        return self.deviation_ms * 1e6
+
+    def longest_ns(self, latency_ns: int) -> int:
+        return latency_ns + math.ceil(_REACH * self._deviation_ns)
+
+    def typical_ns(self, latency_ns: int) -> int:
+        if not self._deviation_ns:
+            return latency_ns
+        unit = NormalDist()
+        low = -min(latency_ns / self._deviation_ns, _REACH)
+        share = unit.cdf(_REACH) - unit.cdf(low)
+        return latency_ns + round(self._deviation_ns * (unit.pdf(low) - unit.pdf(_REACH)) / share)
+
+    def samples(self, latency_ns: int, rng: np.random.Generator) -> Iterator[int]:
+        unit, deviation = NormalDist(), self._deviation_ns
+        low = unit.cdf(-min(latency_ns / deviation, _REACH)) if deviation else 0.5
+        high, least = unit.cdf(_REACH), 2.0**-60  # inv_cdf takes what lies between 0 and 1 only
+        longest = self.longest_ns(latency_ns)
+        while True:
+            share = max(low + (high - low) * rng.random(), least)
+            yield min(max(0, latency_ns + round(deviation * unit.inv_cdf(share))), longest)

@@ -1,0 +1,93 @@
+"""Delays that were measured on a real network."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from ...errors import InputError
+from . import DELAYS, LONGEST_MS, DelayModel
+
+_MOST_LINES = 10_000_000  # 80 MB; a day of frames at 90 Hz is 7.8 million
+
+
+@DELAYS.register
+@attrs.frozen
+class DelayTrace(DelayModel):
+    """The delays of a file one after the other, a frame each, and from the start again when they end. The latency plays no part.
+
+    delays_ms: what the file holds. path: where they come from, for messages.
+    """
+
+    name = "trace"
+    delays_ms: tuple[float, ...] = attrs.field(repr=lambda delays: f"<{len(delays)} delays>")
+    path: Path
+
+    @classmethod
+    def parse(cls, argument: str) -> DelayTrace:
+        """argument: the file; see `read_delays`."""
+        if not argument:
+            raise InputError("jitter 'trace': wanted a file of delays after it (--delay-trace FILE)")
+        return cls(tuple(read_delays(Path(argument))), Path(argument))
+
+    def longest_ns(self, latency_ns: int) -> int:
+        return round(max(self.delays_ms) * 1e6)
+
+    def typical_ns(self, latency_ns: int) -> int:
+        return round(math.fsum(self.delays_ms) / len(self.delays_ms) * 1e6)
+
+    def samples(self, latency_ns: int, rng: np.random.Generator) -> Iterator[int]:
+        return (round(delay * 1e6) for delay in itertools.cycle(self.delays_ms))
+
+
+def read_delays(path: Path) -> list[float]:
+    """The delays in ms of a text file with one number a line; # starts a comment, and the first line may be a heading.
+
+    Errors: InputError naming file, line and value.
+    """
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            delays = list(_numbers(path, file))
+    except OSError as error:
+        raise InputError(f"{path}: the delay trace cannot be read ({error.strerror or error})") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file; wanted one delay in milliseconds a line") from error
+    if not delays:
+        raise InputError(f"{path}: holds no delay; wanted one number of milliseconds a line")
+    return delays
+
+
+def _numbers(path: Path, lines: Iterator[str]) -> Iterator[float]:
+    may_be_heading, found = True, 0
+    for number, line in enumerate(lines, start=1):
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        heading, may_be_heading = may_be_heading and _is_heading(text), False
+        if heading:
+            continue
+        found += 1
+        if found > _MOST_LINES:
+            raise InputError(f"{path}: line {number}: wanted at most {_MOST_LINES} delays")
+        yield _delay(path, number, text)
+
+
+def _is_heading(text: str) -> bool:
+    """A word, and not a number that went wrong."""
+    return text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
+
+
+def _delay(path: Path, number: int, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value <= LONGEST_MS:
+        shown = text if len(text) <= 40 else text[:37] + "..."
+        raise InputError(f"{path}: line {number}: '{shown}': wanted one delay in milliseconds, from 0 to {LONGEST_MS:g}")
+    return value

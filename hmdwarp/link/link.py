@@ -1,0 +1,154 @@
+"""The link: frames enter when they are drawn, and the newest that has arrived comes out."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Iterator
+from typing import Generic, TypeVar
+
+import attrs
+
+from .bandwidth import Bandwidth, Bottleneck
+from .tally import Passage, Tally
+
+Payload = TypeVar("Payload")
+
+
+class Link(Generic[Payload]):
+    """Hands out the newest frame, by the order of sending, that has arrived by now.
+
+    Never early, never passes over a due frame, never goes back, and holds no more than the frames under way and the one that is shown.
+    On the network a later frame may overtake; on the screen none does. When nothing arrives, the last one stays.
+
+    delays: of each frame in ns, 0 or more. losses: whether each is lost; None for none. Both are asked once a frame, whatever becomes
+    of it, so that the same seed makes the same network for frames of any size. bandwidth: None for no limit.
+    receive: what decodes. It is given each frame that arrives, in the order of sending, since a decoder needs those before it: then a
+    frame waits for them, and a lost one counts as missing at the instant it would have come. False says that it is undecodable.
+    discard: gets each frame that the client had in hand and can no longer be shown. wasted: gets those it never had: dropped and lost
+    ones at once, undecodable ones, those under way at the end; None for the same as discard. A frame goes to one of them, once.
+    Errors: ValueError for times that run backwards, a negative delay or size: faults of the caller.
+    """
+
+    def __init__(
+        self,
+        delays: Iterator[int],
+        losses: Iterator[bool] | None = None,
+        bandwidth: Bandwidth | None = None,
+        *,
+        discard: Callable[[Payload], None] = lambda frame: None,
+        wasted: Callable[[Payload], None] | None = None,
+        receive: Callable[[Payload], bool] | None = None,
+    ) -> None:
+        self._delays, self._losses = delays, losses
+        self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
+        self._discard, self._wasted, self._receive = discard, wasted or discard, receive
+        self._heard_ns: int | None = None  # when the sender first hears of a loss that no key frame has made good
+        self._under_way: list[tuple[int, int, Passage, Payload]] = []  # a heap: ready_ns, then number, which differs
+        self._shown: tuple[Passage, Payload] | None = None
+        self._tally = Tally()
+        self._drawn = 0
+        self._last_ready_ns = 0
+        self._last_sent_ns: int | None = None
+        self._last_asked_ns: int | None = None
+
+    def __len__(self) -> int:
+        """Frames held, under way or shown."""
+        return len(self._under_way) + (self._shown is not None)
+
+    @property
+    def tally(self) -> Tally:
+        """What became of the frames so far; it stays after `close`."""
+        return self._tally
+
+    @property
+    def passage(self) -> Passage | None:
+        """How the frame that is shown came through; None before the first."""
+        return self._shown[0] if self._shown is not None else None
+
+    def send(self, frame: Payload, now_ns: int, size_bytes: int = 0, key: bool = True) -> None:
+        """A frame leaves the server. size_bytes: as coded. key: whether it can be decoded without those before it."""
+        if self._last_sent_ns is not None and now_ns < self._last_sent_ns:
+            raise ValueError(f"sent at {now_ns} ns after one sent at {self._last_sent_ns} ns")
+        delay_ns, is_lost = next(self._delays), self._losses is not None and next(self._losses)
+        if delay_ns < 0 or size_bytes < 0:
+            raise ValueError(f"a frame of {size_bytes} bytes with a delay of {delay_ns} ns")
+        queue_ns, transfer_ns, taken = self._bottleneck.enter(now_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
+        self._last_sent_ns = now_ns
+        passage = self._in_order(Passage(self._drawn, now_ns, size_bytes, queue_ns, transfer_ns, delay_ns))
+        self._drawn += 1
+        if key:
+            self._heard_ns = None
+        if taken and not is_lost:
+            self._count("under_way")
+            heapq.heappush(self._under_way, (passage.ready_ns, passage.number, passage, frame))
+            return
+        self._count("lost" if taken else "dropped")
+        heard_ns = passage.ready_ns + delay_ns
+        self._heard_ns = heard_ns if self._heard_ns is None else min(self._heard_ns, heard_ns)
+        self._wasted(frame)
+
+    def newest(self, now_ns: int) -> Payload | None:
+        """The newest frame that has arrived by now, the same one again until a newer has, None before the first."""
+        if self._last_asked_ns is not None and now_ns < self._last_asked_ns:
+            raise ValueError(f"asked at {now_ns} ns after {self._last_asked_ns} ns")
+        self._last_asked_ns = now_ns
+        if arrived := self._arrived(now_ns):
+            self._take(arrived)
+        return self._shown[1] if self._shown is not None else None
+
+    def needs_key(self, now_ns: int) -> bool:
+        """Whether the sender has heard by now of a frame that went missing, and has sent no key frame after that one.
+
+        It hears of it as long after the frame went missing as that frame would have travelled.
+        """
+        return self._heard_ns is not None and self._heard_ns <= now_ns
+
+    def close(self) -> None:
+        """Give every frame still held to `wasted` or `discard`; the tally keeps those under way."""
+        under_way, self._under_way = [frame for *_, frame in sorted(self._under_way, key=lambda one: one[:2])], []
+        shown, self._shown = self._shown, None
+        for frame in under_way:
+            self._wasted(frame)
+        if shown is not None:
+            self._discard(shown[1])
+
+    def _in_order(self, passage: Passage) -> Passage:
+        """With the wait for those before it, where a decoder needs them."""
+        if self._receive is None:
+            return passage
+        hold_ns = max(0, self._last_ready_ns - passage.ready_ns) if passage.number else 0
+        passage = attrs.evolve(passage, hold_ns=hold_ns)
+        self._last_ready_ns = passage.ready_ns
+        return passage
+
+    def _arrived(self, now_ns: int) -> list[tuple[Passage, Payload]]:
+        """What has come since the last time and can be decoded, in the order of sending."""
+        arrived = []
+        while self._under_way and self._under_way[0][0] <= now_ns:
+            _, _, passage, frame = heapq.heappop(self._under_way)
+            if self._receive is None or self._receive(frame):
+                arrived.append((passage, frame))
+            else:
+                self._arrive("undecodable")
+                self._wasted(frame)
+        return sorted(arrived, key=lambda one: one[0].number)
+
+    def _take(self, arrived: list[tuple[Passage, Payload]]) -> None:
+        """Show the newest, be it the one that is shown; the others go, oldest first."""
+        shown = self._shown
+        newer = shown is None or arrived[-1][0].number > shown[0].number
+        if newer:
+            self._shown = arrived.pop()
+            self._arrive("shown")
+        for passage, _ in arrived:
+            self._arrive("late" if shown is not None and passage.number < shown[0].number else "superseded")
+        leaving = [*arrived, shown] if newer and shown is not None else arrived
+        for _, frame in sorted(leaving, key=lambda one: one[0].number):
+            self._discard(frame)
+
+    def _arrive(self, what: str) -> None:
+        self._tally = attrs.evolve(self._tally, under_way=self._tally.under_way - 1)
+        self._count(what)
+
+    def _count(self, what: str) -> None:
+        self._tally = attrs.evolve(self._tally, **{what: getattr(self._tally, what) + 1})

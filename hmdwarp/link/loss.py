@@ -1,0 +1,43 @@
+"""Frames that never arrive, in bursts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+
+from ..errors import InputError
+
+
+@attrs.frozen
+class GilbertElliott:
+    """A network that is in a good state or a bad one; each frame is lost with the probability of the state, then the state may change.
+
+    p: probability of good to bad after a frame; r: of bad to good, so a bad state lasts 1/r frames in the mean. good, bad: share
+    lost in each state. It starts in the good one; in the long run (r good + p bad) / (p + r) of all frames are lost.
+    r = 1 - p with bad = 1 loses each frame with probability p, whatever became of the last. Errors: InputError.
+    Source: Gilbert 1960, Capacity of a burst-noise channel; Elliott 1963, Estimates of error rates for codes on burst-noise channels.
+    """
+
+    p: float
+    r: float
+    good: float = 0.0
+    bad: float = 1.0
+
+    def __attrs_post_init__(self) -> None:
+        for name, value in attrs.asdict(self).items():
+            if not 0 <= value <= 1:  # NaN too
+                raise InputError(f"loss {name}={value:g}: wanted a probability from 0 to 1")
+
+    @property
+    def mean(self) -> float:
+        """Share of frames lost in the long run."""
+        return (self.r * self.good + self.p * self.bad) / (self.p + self.r) if self.p else self.good
+
+    def samples(self, rng: np.random.Generator) -> Iterator[bool]:
+        """Whether each frame is lost, without end."""
+        is_bad = False
+        while True:
+            yield bool(rng.random() < (self.bad if is_bad else self.good))
+            is_bad = bool(rng.random() < self.p) if not is_bad else not rng.random() < self.r

@@ -1,0 +1,141 @@
+"""What a run is told about its network, from the texts of the command line to a link."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Self
+
+import attrs
+import numpy as np
+
+from ..errors import InputError
+from .bandwidth import QUEUE_MS, Bandwidth
+from .delays import DELAYS, DelayModel
+from .delays.constant import ConstantDelay
+from .link import Link
+from .loss import GilbertElliott
+
+_MOST_SEED = 2**63
+
+
+@attrs.frozen
+class LinkOptions:
+    """A network: how long frames take, which are lost, how much fits through. Without anything said, the latency alone.
+
+    seed: of jitter and loss; the same one gives the same network, whatever is sent through it.
+    """
+
+    delay: DelayModel = attrs.field(factory=ConstantDelay)
+    loss: GilbertElliott | None = None
+    bandwidth: Bandwidth | None = None
+    seed: int = 0
+
+    def __attrs_post_init__(self) -> None:
+        if not 0 <= self.seed < _MOST_SEED:
+            raise InputError(f"seed {self.seed}: wanted a whole number, 0 or more")
+
+    @classmethod
+    def parse(cls, *, jitter: str = "", delay_trace: Path | None = None, loss: str = "", bandwidth: str = "", seed: int = 0) -> Self:
+        """From the texts of the options, "" or None where not given.
+
+        jitter: NAME:MS with a name of DELAYS, such as uniform:20, normal:15. delay_trace: a file of delays, see `delays.trace`.
+        loss: p=0.02,r=0.3 (and good=, bad=), see `GilbertElliott`; a number alone: that share of frames, each by itself; none.
+        bandwidth: Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
+        Errors: InputError.
+        """
+        if delay_trace is not None and jitter:
+            raise InputError(f"jitter '{jitter}' beside a delay trace: the trace says every delay; leave one of them out")
+        delay = DELAYS.get("trace").parse(str(delay_trace)) if delay_trace is not None else parse_jitter(jitter)
+        return cls(delay, parse_loss(loss), parse_bandwidth(bandwidth), seed)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether every frame takes the latency, and all arrive."""
+        return attrs.evolve(self, seed=0) == LinkOptions()
+
+    def longest_ns(self, latency_ns: int) -> int:
+        """From sending to arrival no frame takes longer, but for the transfer of its own bytes and of those it waits for."""
+        return self.delay.longest_ns(latency_ns) + (self.bandwidth.queue_ns if self.bandwidth is not None else 0)
+
+    def typical_ns(self, latency_ns: int) -> int:
+        """The mean delay, without queue and transfer."""
+        return self.delay.typical_ns(latency_ns)
+
+    def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
+        """A bound on the frames under way, whatever their size, where one is sent each refresh.
+
+        Those that wait came within the last queue_ms, one more is being transferred, and the delay of the others began within the
+        longest delay; one is about to enter.
+        """
+        waiting = math.ceil(self.bandwidth.queue_ns * 1e-9 * rate_hz) + 2 if self.bandwidth is not None else 0
+        return waiting + math.ceil(self.delay.longest_ns(latency_ns) * 1e-9 * rate_hz) + 2
+
+    def check(self, latency_ns: int) -> None:
+        """Errors: InputError for a network that cannot be with this latency."""
+        self.delay.check(latency_ns)
+
+    def link(
+        self,
+        latency_ns: int,
+        discard: Callable[[Any], None] = lambda frame: None,
+        wasted: Callable[[Any], None] | None = None,
+        receive: Callable[[Any], bool] | None = None,
+    ) -> Link:
+        """A new link through this network; see `Link` for the callbacks. Errors: as `check`."""
+        self.check(latency_ns)
+        for_delays, for_losses = (np.random.default_rng([self.seed, which]) for which in range(2))
+        delays = self.delay.samples(latency_ns, for_delays)
+        losses = self.loss.samples(for_losses) if self.loss is not None else None
+        return Link(delays, losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)
+
+
+def parse_jitter(text: str) -> DelayModel:
+    """'uniform:20' to its model; '' to a constant delay. Errors: InputError."""
+    name, _, argument = text.strip().partition(":")
+    return DELAYS.get(name.strip() or "constant").parse(argument.strip())
+
+
+def parse_loss(text: str) -> GilbertElliott | None:
+    """'p=0.02,r=0.3,good=0,bad=1', '0.02', 'none' or ''. Errors: InputError."""
+    text = text.strip()
+    if text in ("", "none"):
+        return None
+    wanted = "wanted p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
+    if "=" not in text:
+        share = _number(text, f"loss '{text}'", wanted)
+        if not 0 <= share <= 1:
+            raise InputError(f"loss '{text}': wanted a share of the frames, from 0 to 1")
+        return GilbertElliott(share, 1 - share)
+    given = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
+    if not {"p", "r"} <= given.keys():
+        raise InputError(f"loss '{text}': {wanted}")
+    return GilbertElliott(**given)
+
+
+def parse_bandwidth(text: str) -> Bandwidth | None:
+    """'50', '50,queue=100' or '' for no limit. Errors: InputError."""
+    if not text.strip():
+        return None
+    rate, *more = text.split(",")
+    wanted = "wanted Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
+    given = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
+    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), given.get("queue", QUEUE_MS))
+
+
+def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:
+    out: dict[str, float] = {}
+    for part in parts:
+        name, _, value = (bit.strip() for bit in part.partition("="))
+        if name not in names or name in out:
+            raise InputError(f"{found}: {wanted}")
+        out[name] = _number(value, found, wanted)
+    return out
+
+
+def _number(text: str, found: str, wanted: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{found}: {wanted}") from None

@@ -1,0 +1,135 @@
+"""From the texts of the command line to a network, and what is said about texts that cannot be meant."""
+
+from __future__ import annotations
+
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, Passage, ResponseTime, medians
+from hmdwarp.link.delays.constant import ConstantDelay
+from hmdwarp.link.delays.normal import NormalJitter
+from hmdwarp.link.delays.uniform import UniformJitter
+
+MS = 1_000_000
+
+
+def test_nothing_said_is_the_latency_alone():
+    options = LinkOptions.parse()
+    assert options == LinkOptions() == LinkOptions.parse(jitter="constant", loss="none")
+    assert options.is_plain
+    assert options.longest_ns(7) == options.typical_ns(7) == 7
+
+
+def test_each_text_says_what_it_should(tmp_path):
+    trace = tmp_path / "delays.csv"
+    trace.write_text("5\n7\n")
+    assert LinkOptions.parse(jitter="uniform:20").delay == UniformJitter(20)
+    assert LinkOptions.parse(jitter=" normal : 1.5 ").delay == NormalJitter(1.5)
+    assert LinkOptions.parse(jitter="").delay == ConstantDelay()
+    assert LinkOptions.parse(delay_trace=trace).delay.delays_ms == (5, 7)
+    assert LinkOptions.parse(loss="p=0.02,r=0.3").loss == GilbertElliott(0.02, 0.3)
+    assert LinkOptions.parse(loss="r=0.3, bad=0.9, p=0.02, good=0.1").loss == GilbertElliott(0.02, 0.3, 0.1, 0.9)
+    assert LinkOptions.parse(loss="0.25").loss == GilbertElliott(0.25, 0.75)
+    assert LinkOptions.parse(bandwidth="50").bandwidth == Bandwidth(50, 250)
+    assert LinkOptions.parse(bandwidth="2.5,queue=100").bandwidth == Bandwidth(2.5, 100)
+    assert not any(
+        LinkOptions.parse(**{name: text}).is_plain for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
+    )
+    assert LinkOptions.parse(seed=5).is_plain
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"jitter": "unifrom:20"}, "did you mean 'uniform'"),
+        ({"jitter": "uniform"}, "jitter uniform '': wanted milliseconds"),
+        ({"jitter": "uniform:-1"}, "jitter uniform '-1'"),
+        ({"jitter": "normal:nan"}, "jitter normal 'nan'"),
+        ({"jitter": "normal:1e9"}, "from 0 to 60000"),
+        ({"jitter": "constant:5"}, "takes no number"),
+        ({"jitter": "trace"}, "wanted a file"),
+        ({"loss": "p=0.1"}, "wanted p=0.02,r=0.3"),
+        ({"loss": "p=0.1,r=1.5"}, "loss r=1.5: wanted a probability from 0 to 1"),
+        ({"loss": "p=nan,r=1"}, "loss p=nan"),
+        ({"loss": "p=-0.1,r=1"}, "loss p=-0.1"),
+        ({"loss": "p=0.1,r=0.2,p=0.3"}, "wanted p="),
+        ({"loss": "p=0.1,r=0.2,q=0.3"}, "wanted p="),
+        ({"loss": "p=0.1;r=0.2"}, "wanted p="),
+        ({"loss": "some"}, "wanted p="),
+        ({"loss": "1.1"}, "from 0 to 1"),
+        ({"loss": "nan"}, "from 0 to 1"),
+        ({"bandwidth": "0"}, "bandwidth 0 Mbit/s: wanted 0.001"),
+        ({"bandwidth": "-5"}, "bandwidth -5"),
+        ({"bandwidth": "nan"}, "bandwidth nan"),
+        ({"bandwidth": "inf"}, "leave it out"),
+        ({"bandwidth": "50Mbit"}, "wanted Mbit/s"),
+        ({"bandwidth": "50,queue=-1"}, "queue -1 ms"),
+        ({"bandwidth": "50,queue=nan"}, "queue nan ms"),
+        ({"bandwidth": "50,100"}, "queue=100"),
+        ({"seed": -1}, "seed -1"),
+    ],
+)  # fmt: skip
+def test_texts_that_cannot_be_meant(given, message):
+    with pytest.raises(InputError, match="wanted|did you mean|takes no number") as caught:
+        LinkOptions.parse(**given)
+    assert message in str(caught.value)
+
+
+def test_a_trace_and_a_jitter_contradict_each_other(tmp_path):
+    (tmp_path / "delays.csv").write_text("5\n")
+    with pytest.raises(InputError, match="leave one of them out"):
+        LinkOptions.parse(jitter="normal:5", delay_trace=tmp_path / "delays.csv")
+
+
+@given(st.text(alphabet="0123456789.,:=-+eEprnafqu \t", max_size=20), st.sampled_from(["jitter", "loss", "bandwidth"]))
+def test_any_text_is_understood_or_refused_with_a_sentence(text, which):
+    try:
+        LinkOptions.parse(**{which: text})
+    except InputError as error:
+        assert str(error)
+
+
+def test_a_jitter_wider_than_the_latency_is_refused_when_the_latency_is_known():
+    with pytest.raises(InputError, match="before they were sent"):
+        LinkOptions.parse(jitter="uniform:20").link(10 * MS)
+
+
+def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
+    """What becomes of each frame without a limit of bandwidth does not depend on its size, nor on whether the losses were drawn."""
+
+    def delays(options: LinkOptions, size: int) -> dict[int, int]:
+        link, out = options.link(100 * MS), {}
+        for number in range(200):
+            link.send(number, number * 11 * MS, size)
+            if link.newest(number * 11 * MS) is not None:
+                out[link.passage.number] = link.passage.delay_ns
+        return out
+
+    options = LinkOptions.parse(jitter="normal:30", loss="p=0.05,r=0.3")
+    assert delays(options, 0) == delays(options, 10**6)
+    assert delays(options, 0) != delays(attrs.evolve(options, seed=1), 0)
+    lossless = delays(attrs.evolve(options, loss=None), 0)
+    both = delays(options, 0).keys() & lossless.keys()
+    assert len(both) > 50
+    assert all(delays(options, 0)[number] == lossless[number] for number in both)
+
+
+def test_a_response_time_is_the_sum_of_its_parts():
+    passage = Passage(3, 100, 5000, queue_ns=2 * MS, transfer_ns=3 * MS, delay_ns=40 * MS, hold_ns=5 * MS)
+    time = ResponseTime.of(passage, render_ms=6, encode_ms=4, decode_ms=2, warp_ms=1.5)
+    assert time.parts() == {
+        "render_ms": 6, "encode_ms": 4, "queue_ms": 7, "transfer_ms": 3, "round_trip_ms": 40, "decode_ms": 2, "warp_ms": 1.5,
+    }  # fmt: skip
+    assert time.total_ms == 63.5
+    # All that the link adds is in it.
+    assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx((passage.ready_ns - passage.sent_ns) / 1e6)
+
+
+def test_medians_are_of_each_part_and_of_the_totals():
+    times = [ResponseTime(render_ms=a, warp_ms=b) for a, b in [(1, 9), (2, 2), (9, 1)]]
+    found = medians(times)
+    assert (found["render_ms"], found["warp_ms"], found["total_ms"]) == (2, 2, 10)
+    assert medians([]) is None
