@@ -9,13 +9,17 @@ from typing import TYPE_CHECKING
 import attrs
 
 if TYPE_CHECKING:
+    from .client.fills import Fill
     from .client.warps import Warp
     from .headsets import Headset
     from .poses import PoseTrack
 
 
 def entries(kind: str) -> list[dict[str, str]]:
-    """Rows of one kind, each with at least `name` and `summary`. kind: warps, fills, lenses, scenes, headsets, formats, recordings."""
+    """Rows of one kind, each with at least `name` and `summary`.
+
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings.
+    """
     return _MAKERS[kind]()
 
 
@@ -43,7 +47,24 @@ def _warp_row(warp: type[Warp]) -> dict[str, str]:
 def _fills() -> list[dict[str, str]]:
     from .client.fills import fills
 
-    return [{"name": f.name, "summary": f.summary, "source": f.source} for f in fills]
+    return [_fill_row(fill) for fill in fills]
+
+
+def _fill_row(fill: type[Fill]) -> dict[str, str]:
+    return {
+        "name": fill.name,
+        "summary": fill.summary,
+        "reads": ", ".join(fill.reads),
+        "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(fill.Settings)) or "none",
+        "leaves_no_hole": "yes" if fill.complete else "no",
+        "source": fill.source,
+    }
+
+
+def _effects() -> list[dict[str, str]]:
+    from .client.effects import effects
+
+    return [{"name": e.name, "summary": e.summary, "pass": e.made_by.name, "without": e.without, "source": e.source} for e in effects]
 
 
 def _lenses() -> list[dict[str, str]]:
@@ -54,8 +75,9 @@ def _lenses() -> list[dict[str, str]]:
 
 def _scenes() -> list[dict[str, str]]:
     from .scenes import scenes
+    from .scenes.effects import effect_names
 
-    return [{"name": s.name, "summary": s.summary, "effects": " ".join(e.name for e in s.effects) or "none"} for s in scenes]
+    return [{"name": s.name, "summary": s.summary, "effects": ", ".join(effect_names(s.effects)) or "none"} for s in scenes]
 
 
 def _headsets() -> list[dict[str, str]]:
@@ -104,6 +126,7 @@ def _recording_row(track: PoseTrack) -> dict[str, str]:
 _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "warps": _warps,
     "fills": _fills,
+    "effects": _effects,
     "lenses": _lenses,
     "scenes": _scenes,
     "headsets": _headsets,

@@ -79,7 +79,10 @@ class Loop:
         last: tuple = (None, None)
         if asked.scanout_ns:
             last = self._headset.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
-        return tuple(Given(frame.eyes[eye], first[eye], eye, self._others(frame, eye, needs), last[eye]) for eye in range(len(first)))
+        return tuple(
+            Given(frame.eyes[eye], first[eye], eye, self._others(frame, eye, needs), last[eye], shown_ns=shown_ns)
+            for eye in range(len(first))
+        )
 
     def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
         beside = (frame.eyes[1 - eye],) if needs.other_eye else ()

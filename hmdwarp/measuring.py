@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .client.compensator import Compensator, EyeResult
-from .client.plan import build_plan
 from .colour import picture_from_linear
 from .frame import EyeImage
 from .gpu.textures import download
 from .loop import Refresh
 from .metrics.job import Compared, QualityJob
 from .metrics.pool import QualityPool
-from .rig import Rig, build_plan_for
+from .rig import Rig, build_plan_for, plan_against
 from .truth import MOST_BANDS, draw_truth
 
 # The two things measured at a refresh: the asked-for warp and the one it is compared with.
@@ -53,7 +52,7 @@ class Probe:
         options = self._rig.options
         if options.against in ("", options.warp):
             return None
-        return self._rig.compensator(build_plan(self._rig.scene.effects, options.against, "none", "none", client_geometry=True))
+        return self._rig.compensator(plan_against(options))
 
     def wants(self, number: int) -> bool:
         """Whether refresh `number` is measured, or is the neighbour of a measured one."""
@@ -68,9 +67,21 @@ class Probe:
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
             self._take(number, eye, MAIN, late, self._before_lens(refresh, eye), picture, depth)
             if self._against is not None:
-                other = self._against.run(self._rig.loop.given(refresh, self._against.plan.needs)[eye])
-                self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
-                self._take(number, eye, AGAINST, late, other, picture, depth)
+                self._look_against(number, eye, refresh, picture, depth)
+
+    def _look_against(self, number: int, eye: int, refresh: Refresh, truth: NDArray[np.uint8], depth: NDArray[np.float32] | None) -> None:
+        """The compared warp knows no effects: its late picture has everything drawn in, nothing as a layer."""
+        given, server = self._rig.loop.given(refresh, self._against.plan.needs)[eye], self._rig.server
+        whole = None
+        if self._rig.plan.effects:
+            whole = server.draw(given.late.view, given.late.size, time_ns=given.late.drawn_ns)
+            given = attrs.evolve(given, late=attrs.evolve(given.late, colour=whole.colour, inverse_depth=whole.inverse_depth))
+            self._rig.gpu.timer.collect()
+        other = self._against.run(given)
+        self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
+        self._take(number, eye, AGAINST, given.late, other, truth, depth)
+        if whole is not None:
+            server.pool(whole.size).release(whole.colour)
 
     def _before_lens(self, refresh: Refresh, eye: int) -> EyeResult:
         if self._unfused is None:

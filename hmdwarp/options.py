@@ -49,6 +49,8 @@ def number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False
 class RunOptions:
     """One run: the same names and defaults as the command line's.
 
+    effects: as scenes.effects.asked_effects: "auto" for what the scene calls for, else what is forced or forbidden.
+
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
@@ -65,6 +67,7 @@ class RunOptions:
     latency_ms: float = attrs.field(default=200.0, validator=number("latency", " ms"))
     warp: str = "forward"
     fill: str = "interpolate"
+    effects: str = "auto"
     lens: str = "radial"
     headset: str = "rift-dk1"
     size: tuple[int, int] | None = None

@@ -18,6 +18,7 @@ from .report.pictures import comparison_panels, labelled_strip
 from .report.schema import FRAME_COLUMNS, SCHEMA
 from .rig import Rig
 from .runlog import Row, RunLog
+from .scenes.effects import effect_names
 from .version import __version__
 
 EYES = ("left", "right")
@@ -63,7 +64,7 @@ def summary_of(rig: Rig, warp: str, fill: str, lens: str, rows: list[Row]) -> di
         "hmdwarp": __version__,
         "trace": rig.track.name or rig.trace.path.stem,
         "scene": rig.scene.name,
-        "effects": [effect.name for effect in rig.scene.effects],
+        "effects": effect_names(rig.plan.effects),
         "latency_ms": options.latency_ms,
         "warp": warp,
         "fill": fill,

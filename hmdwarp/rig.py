@@ -15,7 +15,8 @@ from .client.choice import Rung
 from .client.compensator import Compensator
 from .client.governor import Governor
 from .client.history import History
-from .client.plan import BYTES_PER_PIXEL, CUBE_BYTES, LAYER_BYTES, Plan, build_plan, needs_of
+from .client.plan import Plan, build_plan, needs_of
+from .client.weight import EyeSizes, eye_bytes
 from .errors import InputError, MachineError
 from .frame import Needs
 from .geometry.cube import cube_size
@@ -29,6 +30,7 @@ from .poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSourc
 from .poses.predict import PREDICTORS, predict
 from .registry import unknown_name
 from .scenes import Scene, load_scene
+from .scenes.effects import SceneEffect, asked_effects
 from .server import Server
 
 
@@ -183,7 +185,7 @@ class Rig:
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset, size: tuple[int, int], guard: float, server: Server) -> Compensator:
     late_size = guarded_size(guard, headset, size)
-    return Compensator(gpu, plan, headset, late_size, size, server.draw_depth)
+    return Compensator(gpu, plan, headset, late_size, size, server)
 
 
 def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung, ...] = ()) -> Rig:
@@ -202,7 +204,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     guarded_size(options.guard, headset, size)
     scene = load_scene(options.scene)
     plans = plans_for(options, headset, scene, rungs)
-    needs = needs_of(plans) | _needs_of_against(options, scene) | (also or Needs())
+    needs = needs_of(plans) | _needs_of_against(options) | (also or Needs())
     track, notes = placed(trace.track, scene)
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
@@ -234,8 +236,13 @@ def _adaptive(options: RunOptions, rungs: tuple[Rung, ...], compensators: list[C
     return AdaptiveCompensator(Governor(rungs, options.budget_ms), dict(zip(rungs, compensators, strict=True)))
 
 
-def _needs_of_against(options: RunOptions, scene: Scene) -> Needs:
-    return build_plan(scene.effects, options.against, "none", "none", client_geometry=True).needs if options.against else Needs()
+def _needs_of_against(options: RunOptions) -> Needs:
+    return plan_against(options).needs if options.against else Needs()
+
+
+def plan_against(options: RunOptions) -> Plan:
+    """Of the warp that is compared with: nothing but the warp, without fill, effects and lens."""
+    return build_plan(SceneEffect.NONE, options.against, "none", "none", client_geometry=True)
 
 
 def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple[int, int]:
@@ -246,22 +253,22 @@ def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple
         raise InputError(f"guard {guard:g} on headset '{headset.name}': {error}; use a smaller guard") from error
 
 
-def cube_bytes(headset: Headset, size: tuple[int, int], needs: Needs) -> int:
-    """Of the cube around one eye; 0 where none is needed. size: of the shown view, as a guard band makes it no larger."""
-    wide, high = cube_size(headset.fov(0), size)
-    return CUBE_BYTES * wide * high if needs.cube else 0
+def eye_sizes(options: RunOptions, headset: Headset) -> EyeSizes:
+    """What one eye's pictures measure in a run. Errors: as guarded_size."""
+    size = options.size or headset.eye_size_px
+    return EyeSizes(guarded_size(options.guard, headset, size), size, cube_size(headset.fov(0), size))
 
 
 def check_room(gpu: Gpu, options: RunOptions, headset: Headset, needs: Needs) -> None:
     """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
-    size = options.size or headset.eye_size_px
-    check_size(gpu.gl, size)
-    late_size, cube = guarded_size(options.guard, headset, size), cube_bytes(headset, size, needs)
+    check_size(gpu.gl, options.size or headset.eye_size_px)
+    sizes = eye_sizes(options, headset)
+    late_size = sizes.late
     if max(late_size) > gpu.max_texture_size:
         found = f"guard {options.guard:g} makes frames of {late_size[0]}x{late_size[1]} pixels"
         raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
     frames = frames_held(options, options.rate_hz or headset.refresh_hz, needs)
-    needed = frames * 2 * (late_size[0] * late_size[1] * (sum(BYTES_PER_PIXEL.values()) + LAYER_BYTES * needs.layers) + cube)
+    needed = frames * 2 * sum(eye_bytes(needs, sizes).values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
             f"latency {options.latency_ms:g} ms keeps {frames} frames of 2x{late_size[0]}x{late_size[1]} pixels, {needed / 1e9:.1f} GB, "
@@ -285,12 +292,10 @@ def plans_for(options: RunOptions, headset: Headset, scene: Scene | None, rungs:
 
 def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -> Plan:
     """The plan of a run. Without a scene yet, only the names are checked. Errors: as build_plan; a lens the headset has not."""
-    from .scenes.effects import SceneEffect
-
     if options.lens != "none" and headset.lens is None:
         raise InputError(f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none")
-    effects = scene.effects if scene is not None else SceneEffect.NONE
+    effects = asked_effects(options.effects, scene.effects if scene is not None else SceneEffect.NONE)
     if options.against:
-        build_plan(effects, options.against, "none", "none", client_geometry=True)
+        plan_against(options)
     fused, scanout = options.fused, options.scanout_ms > 0 and options.follow_scanout
     return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout)

@@ -48,7 +48,7 @@ class RunLog:
                     "linear_speed_m_s": moving,
                     **stage_columns(stages),
                     "warp": str(refresh.plan.choice),
-                    "fill": refresh.plan.fill.name,
+                    "fill": refresh.plan.fill,
                 }
             )
 

@@ -12,8 +12,7 @@ import attrs
 from .bench.cases import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .bench.casework import Casework, Measured, refreshes
 from .client.choice import best_within, ladder
-from .client.choices import every_warp
-from .client.fills import fills
+from .client.choices import every_fill, every_warp
 from .client.plan import needs_of
 from .errors import PlanError
 from .headsets import Headset, load_headset
@@ -46,7 +45,7 @@ def candidates(options: RunOptions) -> list[Combination]:
     headset, scene = load_headset(options.headset), load_scene(options.scene)
     found = []
     build_plan_for(options.with_pair("none", "none"), headset, scene)
-    for warp, fill in product(every_warp(), fills.names()):
+    for warp, fill in product(every_warp(), every_fill()):
         try:
             found.append(Combination(warp, fill, build_plan_for(options.with_pair(warp, fill), headset, scene)))
         except PlanError:
@@ -59,7 +58,7 @@ def tried(options: RunOptions, say: Say) -> Ladder:
     headset = load_headset(options.headset)
     combinations = candidates(options)
     say(f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench FILE saves that")
-    took = dict(_first_times(options, headset, [c for c in combinations if not c.plan.fill.is_pass]))
+    took = dict(_first_times(options, headset, [c for c in combinations if not c.plan.fills]))
     within = [warp for warp, ms in took.items() if ms <= REACH * options.budget_ms] or [min(took, key=took.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
     rungs = ladder(_rows(options, headset, kept))

@@ -34,14 +34,15 @@ class Truth:
 def draw_truth(server: Server, given: Given, size: tuple[int, int], *, depth: bool = True) -> Truth:
     """The scene as the eye should see it at this refresh, (w, h) pixels before the lens."""
     if given.shown_last is None:
-        return _drawn(server, given.shown, size, depth)
-    drawn = [_drawn(server, view, (size[0], rows), depth) for view, rows in bands_of(given.shown, given.shown_last, size)]
+        return _drawn(server, given.shown, given.shown_ns, size, depth)
+    bands = bands_of(given.shown, given.shown_last, size)
+    drawn = [_drawn(server, view, given.shown_ns, (size[0], rows), depth) for view, rows in bands]
     inverse = np.concatenate([band.inverse_depth for band in drawn]) if depth else None
     return Truth(np.concatenate([band.colour for band in drawn]), inverse)
 
 
-def _drawn(server: Server, view: View, size: tuple[int, int], depth: bool) -> Truth:
-    image = server.draw(view, size)
+def _drawn(server: Server, view: View, time_ns: int, size: tuple[int, int], depth: bool) -> Truth:
+    image = server.draw(view, size, time_ns=time_ns)
     try:
         return Truth(download(image.colour), download(image.inverse_depth) if depth else None)
     finally:

@@ -28,12 +28,12 @@ def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, in
 def panel_of(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None) -> np.ndarray:
     """(h, w, 4) the panel that the fused warp makes, bottom row first."""
     choice = parse_warp(spec)
-    world.bring(gpu, choice.warp)
+    world.bring(gpu, choice.entry)
     lens = lenses.get("radial")(gpu, headset, size)
-    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
     canvas = Canvas(gpu.gl, size)
     canvas.texture.write(np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
-    warp.run(attrs.evolve(world.given(choice.warp), eye=eye, shown_last=last), canvas)
+    warp.run(attrs.evolve(world.given(choice.entry), eye=eye, shown_last=last), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     warp.close()
@@ -44,10 +44,10 @@ def panel_of(gpu, world: World, spec: str, headset: Headset, eye: int, size: tup
 def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int]) -> np.ndarray:
     """(h, w, 4) the same by the warp and then the lens."""
     choice = parse_warp(spec)
-    world.bring(gpu, choice.warp)
-    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings)
+    world.bring(gpu, choice.entry)
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings)
     shown, panel = Canvas(gpu.gl, world.shown_size), Canvas(gpu.gl, size)
-    warp.run(world.given(choice.warp), shown)
+    warp.run(world.given(choice.entry), shown)
     gpu.gl.memory_barrier()
     lenses.get("radial")(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
     gpu.gl.memory_barrier()

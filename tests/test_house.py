@@ -29,7 +29,7 @@ FLOORS = [
     {"scenes"},
     {"frame"},
     {"server", "reference"},
-    {"link"},
+    {"link", "codec"},
     {"client"},
     {"metrics"},
     {"report"},
@@ -53,6 +53,7 @@ APART = {
     "server": {"poses", "headsets"},
     "frame": {"gpu", "poses"},
     "link": {"gpu", "server", "reference", "headsets"},
+    "codec": {"gpu", "server", "reference", "headsets", "scenes", "poses", "frame", "geometry"},
     "reference": {"gpu"},
     "client": {"server", "link", "reference", "poses"},
     "metrics": {"client", "server", "link"},
@@ -279,7 +280,9 @@ def tracked_texts() -> list[tuple[str, str]]:
 
 FORBIDDEN = {
     "a path of somebody's machine": re.compile(r"(?<![\w./~-])/(?:home|root|work|Users|mnt|tmp)/\w"),
-    "the address of a package index": re.compile(r"https?://\S*(?:py[p]i|python[h]osted|/simple\b)|--(?:extra-)?index-url|--find-(?:links)"),
+    "the address of a package index": re.compile(
+        r"https?://\S*(?:py[p]i|python[h]osted|/simple\b)|--(?:extra-)?index-url|--find-(?:links)"
+    ),
 }
 
 

@@ -158,15 +158,15 @@ class World:
         pose = self.late_view.pose
         return View(Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.late_view.fov)
 
-    def given(self, entry: type[Warp]) -> Given:
-        own = self.client_texture if CLIENT_DEPTH in entry.reads else None
+    def given(self, entry: type[Warp] | None) -> Given:
+        own = self.client_texture if entry is not None and CLIENT_DEPTH in entry.reads else None
         return Given(self.late, self.shown_view, others=self.other_images, client_inverse_depth=own)
 
     def warp(self, gpu, spec: str) -> np.ndarray:
         choice = parse_warp(spec)
-        self.bring(gpu, choice.warp)
-        warp = choice.warp(gpu, self.size, self.shown_size, choice.settings)
-        canvas, given = Canvas(gpu.gl, self.shown_size), self.given(choice.warp)
+        self.bring(gpu, choice.entry)
+        warp = choice.entry(gpu, self.size, self.shown_size, choice.settings)
+        canvas, given = Canvas(gpu.gl, self.shown_size), self.given(choice.entry)
         warp.run(given, canvas)
         gpu.gl.memory_barrier()
         out = read(canvas.texture)
@@ -195,4 +195,4 @@ class World:
     def reference(self, spec: str):
         """What the twin makes of it; after warp(), which brings what the warp reads."""
         choice = parse_warp(spec)
-        return twin_of(choice.warp.name)(self.asked(choice.settings))
+        return twin_of(choice.entry.name)(self.asked(choice.settings))

@@ -82,7 +82,8 @@ def batches(combinations: Sequence[Combination], late_size: Size, shown_size: Si
 
 
 def _bytes(combination: Combination, late_size: Size, shown_size: Size) -> int:
-    canvases = 1 + combination.plan.fill.is_pass + combination.plan.lens.is_pass
+    plan = combination.plan
+    canvases = 1 + len(plan.fills) + len(plan.effect_passes) + plan.lens.is_pass
     return 2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * late_size[0] * late_size[1]
 
 

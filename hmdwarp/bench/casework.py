@@ -102,12 +102,12 @@ class Casework:
     def _given(self, compensator: Compensator, refresh: Refresh) -> tuple[Given, ...]:
         return self._rig.loop.given(refresh, compensator.plan.needs)
 
-    def _truth(self, view: View) -> Truth:
-        drawn = self._rig.server.draw(view, self._rig.size, self._target)
+    def _truth(self, view: View, time_ns: int) -> Truth:
+        drawn = self._rig.server.draw(view, self._rig.size, self._target, time_ns)
         return Truth(picture_from_linear(download(drawn.colour)), download(drawn.inverse_depth))
 
     def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
-        truth = self._truth(refresh.given[eye].shown)
+        truth = self._truth(refresh.given[eye].shown, refresh.shown_ns)
         shown = []
         for compensator in self._compensators:
             result = compensator.run(self._given(compensator, refresh)[eye])
@@ -138,12 +138,12 @@ class Casework:
             stages = self._rig.gpu.timer.collect()
             if timed:
                 measured.times.append({"frame": refresh.shown_ns, "eye": given.eye, **stage_columns(stages)})
-                for name, milliseconds in stages:
-                    measured.stages[name].append(milliseconds)
+                for name in dict.fromkeys(name for name, _ in stages):
+                    measured.stages[name].append(sum(milliseconds for other, milliseconds in stages if other == name))
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Hand in the pictures, and compare the eyes' holes, which no fill changes."""
-        truths = [self._truth(given.shown) for given in refresh.given]
+        truths = [self._truth(given.shown, given.shown_ns) for given in refresh.given]
         shared = SharedSurface(*(given.shown for given in refresh.given), *(truth.inverse_depth for truth in truths))
         late, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray]] = {}

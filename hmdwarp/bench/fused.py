@@ -69,7 +69,7 @@ class PanelTruth:
 
     def __call__(self, given: Given) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
         """sRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
-        self._rig.server.draw(given.shown, self._size, self._target)
+        self._rig.server.draw(given.shown, self._size, self._target, given.shown_ns)
         self._lens.run(self._shown, given.shown.fov, given.eye, self._panel)
         self._rig.gpu.gl.memory_barrier()
         large = download(self._panel.texture).astype(np.float32)

@@ -81,7 +81,7 @@ def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Calla
         target = targets.acquire()
         for number in range(len(moves)):
             refresh = loop.show(number + 1)
-            truth = rig.server.draw(refresh.given[0].shown, rig.size, target)
+            truth = rig.server.draw(refresh.given[0].shown, rig.size, target, refresh.shown_ns)
             picture = picture_from_linear(download(truth.colour))
             for combination, compensator in zip(warps, compensators, strict=True):
                 result = compensator.run(loop.given(refresh, combination.plan.needs)[0])

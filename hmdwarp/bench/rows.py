@@ -16,7 +16,7 @@ from ..rig import Rig, guarded_size
 from .casework import Measured
 from .traffic import passes_of
 
-PASSES = ("client_depth", "warp", "fill", "lens")
+PASSES = ("client_depth", "warp", "fill", "effects", "lens")
 _PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
 _PLAIN = ("trace", "scene", "latency_ms", "warp", "fill", "lens", "headset", "frames", "rate_hz", "guard", "predict", "clock")

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..client.plan import BYTES_PER_PIXEL, Plan
+from ..client.plan import Plan
+from ..client.weight import DEPTH
 
 
 def passes_of(
@@ -18,10 +19,12 @@ def passes_of(
     stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so no pass can be quicker unless its
     pictures stay in the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it writes counts.
     """
-    moved = {"client_depth": BYTES_PER_PIXEL["late.inverse_depth"] * shown_pixels} if plan.draws_client_depth else {}
+    moved = {"client_depth": DEPTH * shown_pixels} if plan.draws_client_depth else {}
     moved["warp"] = plan.warp.bytes_moved(late_pixels, shown_pixels, plan.choice.settings)
-    if plan.fill.is_pass:
-        moved["fill"] = plan.fill.bytes_moved(shown_pixels)
+    if plan.fills:
+        moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
+    if plan.effect_passes:
+        moved["effects"] = sum(one.made_by.bytes_moved(late_pixels, shown_pixels) for one in plan.effect_passes)
     if plan.lens.is_pass and not plan.fused:
         moved["lens"] = plan.lens.bytes_moved(shown_pixels)
     return [_pass(name, count, stages[name], bytes_per_s) for name, count in moved.items() if stages.get(name)]

@@ -20,7 +20,14 @@ Latency = Annotated[float, typer.Option("--latency", help="Milliseconds from dra
 Warp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}.")]
 ChosenWarp = Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}; or auto, which chooses warp and fill.")]
 ChosenFill = Annotated[
-    str | None, typer.Option("--fill", help=f"{names_in('client/fills')}. [default: interpolate; auto's own]", show_default=False)
+    str | None,
+    typer.Option("--fill", help=f"{names_in('client/fills')}, or several with +. [default: interpolate; auto's own]", show_default=False),
+]
+Effects = Annotated[
+    str,
+    typer.Option(
+        "--effects", help=f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids."
+    ),
 ]
 Budget = Annotated[float | None, typer.Option("--budget", help="Milliseconds for one eye that --warp auto keeps to.", show_default=False)]
 Bench = Annotated[

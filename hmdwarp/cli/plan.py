@@ -21,6 +21,7 @@ def plan(
     budget: o.Budget = None,
     bench: o.Bench = None,
     fill: o.ChosenFill = None,
+    effects: o.Effects = "auto",
     lens: o.Lens = None,
     headset: o.Headset = "rift-dk1",
     size: o.Size = None,
@@ -44,6 +45,7 @@ def plan(
         latency_ms=latency,
         warp=warp,
         fill=o.fill_for(warp, fill, fused),
+        effects=effects,
         lens=o.lens_for(lens, headset),
         headset=headset,
         size=None if size is None else parse_size(size),
@@ -78,7 +80,7 @@ def _auto(options: RunOptions) -> None:
     from ._show import in_columns, paragraph
 
     if options.bench is None:
-        names = [f"{c.warp} + {c.fill}" if c.plan.fill.is_pass else c.warp for c in candidates(options)]
+        names = [f"{c.warp} + {c.fill}" if c.plan.fills else c.warp for c in candidates(options)]
         paragraph(f"Warp auto would first try these {len(names)} at {INSTANTS} instants of the run: {', '.join(names)}.")
         paragraph(f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time.")
         return
@@ -98,19 +100,17 @@ def _auto(options: RunOptions) -> None:
 
 def _weights(options: RunOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
     """What frames weigh that carry what all the plans read, and how many there are."""
-    from ..client.plan import BYTES_PER_PIXEL, LAYER_BYTES, needs_of
-    from ..rig import cube_bytes, frames_held, guarded_size
+    from ..client.plan import needs_of
+    from ..client.weight import eye_bytes
+    from ..rig import eye_sizes, frames_held
 
-    shown_size = options.size or headset.eye_size_px
-    late_size = guarded_size(options.guard, headset, shown_size)
     rate_hz = options.rate_hz or headset.refresh_hz
-    needs = needs_of(plans)
-    layers = dict.fromkeys(name for plan in plans for name in plan.layers if name != "late.others")  # those are other frames
-    pixel_bytes = sum(BYTES_PER_PIXEL.get(name, 0) for name in layers) + LAYER_BYTES * needs.layers
-    frame_bytes = 2 * (late_size[0] * late_size[1] * pixel_bytes + cube_bytes(headset, shown_size, needs))
+    needs, sizes = needs_of(plans), eye_sizes(options, headset)
+    parts = eye_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
+    told = ", ".join(f"{name} {2 * count / 1e6:.1f} MB" for name, count in parts.items())
     at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"
     return [
-        ("A frame", f"2 eyes x {late_size[0]}x{late_size[1]} px of {', '.join(layers)}: {frame_bytes / 1e6:.1f} MB uncompressed"),
+        ("A frame", f"2 eyes x {sizes.late[0]}x{sizes.late[1]} px, {2 * sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}"),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
 

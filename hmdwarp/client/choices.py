@@ -1,4 +1,4 @@
-"""`mesh` or `mesh:cut=slope`: which warp is asked for, and with which settings."""
+"""`mesh` or `mesh:cut=slope`, `memory+model:share=0.1`: which warp and which fills are asked for, and with which settings."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Any, get_type_hints
 import attrs
 
 from ..errors import InputError
+from ..registry import Registry
+from .fills import Fill, fills
 from .warps import Warp, warps
 
 _WANTED = {int: "a whole number", float: "a number"}
@@ -16,55 +18,89 @@ _WANTED = {int: "a whole number", float: "a number"}
 
 @attrs.frozen
 class Choice:
-    """A warp and its settings. str() is the shortest text that means it: settings at their defaults are left out."""
+    """A warp or fill and its settings. str() is the shortest text that means it: settings at their defaults are left out."""
 
-    warp: type[Warp]
+    entry: type[Warp] | type[Fill]
     settings: Any
 
     def __str__(self) -> str:
-        default = self.warp.Settings()
+        default = self.entry.Settings()
         told = [
             f"{field.name}={getattr(self.settings, field.name)}"
-            for field in attrs.fields(self.warp.Settings)
+            for field in attrs.fields(self.entry.Settings)
             if getattr(self.settings, field.name) != getattr(default, field.name)
         ]
-        return f"{self.warp.name}:{','.join(told)}" if told else self.warp.name
+        return f"{self.entry.name}:{','.join(told)}" if told else self.entry.name
 
 
 def parse_warp(text: str) -> Choice:
     """'name' or 'name:key=value,key=value'. Errors: UnknownNameError for the name; InputError for a setting it has not, or a bad value."""
+    return _parsed(warps, text)
+
+
+def parse_fills(text: str) -> tuple[Choice, ...]:
+    """'memory+pyramid': the fills one after the other, each like a warp; none for 'none'.
+
+    Errors: as parse_warp; InputError for 'none' in a chain, and for the same fill twice.
+    """
+    chain = tuple(_parsed(fills, part.strip()) for part in text.split("+"))
+    if len(chain) > 1 and not all(choice.entry.is_pass for choice in chain):
+        raise InputError(f"fill '{text}': 'none' in a chain means nothing; leave it out")
+    names = [choice.entry.name for choice in chain]
+    if len(set(names)) < len(names):
+        raise InputError(f"fill '{text}': the same fill twice; each takes all it can at its first turn")
+    return tuple(choice for choice in chain if choice.entry.is_pass)
+
+
+def fill_text(chain: tuple[Choice, ...]) -> str:
+    """The shortest text that means the chain."""
+    return "+".join(map(str, chain)) or "none"
+
+
+def every_warp() -> list[str]:
+    """All registered warps, each followed by the variants that are worth a comparison."""
+    return _every(warps)
+
+
+def every_fill() -> list[str]:
+    """All registered fills, each followed by the variants that are worth a comparison."""
+    return _every(fills)
+
+
+def _every(registry: Registry) -> list[str]:
+    return [text for entry in registry for text in (entry.name, *(f"{entry.name}:{variant}" for variant in entry.variants))]
+
+
+def _parsed(registry: Registry, text: str) -> Choice:
     name, _, rest = text.partition(":")
-    warp = warps.get(name)
-    fields = {field.name: field for field in attrs.fields(warp.Settings)}
-    kinds = get_type_hints(warp.Settings)
+    entry, told = registry.get(name), f"{registry.kind} '{text}'"
+    fields = {field.name: field for field in attrs.fields(entry.Settings)}
+    kinds = get_type_hints(entry.Settings)
     values = {}
     for part in filter(None, (piece.strip() for piece in rest.split(","))):
         key, equals, value = (piece.strip() for piece in part.partition("="))
         if key not in fields or not equals:
             known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
-            raise InputError(f"warp '{text}': '{part}' is no setting of '{warp.name}'; its settings and their defaults: {known}")
-        values[key] = _converted(text, key, value, kinds[key])
+            raise InputError(f"{told}: '{part}' is no setting of '{entry.name}'; its settings and their defaults: {known}")
+        if key in values:
+            raise InputError(f"{told}: {key} is given twice; give it once")
+        values[key] = _converted(told, key, value, kinds[key])
     try:
-        return Choice(warp, warp.Settings(**values))
+        return Choice(entry, entry.Settings(**values))
     except (ValueError, TypeError) as error:
-        raise InputError(f"warp '{text}': {error}") from error
+        raise InputError(f"{told}: {error}") from error
 
 
-def every_warp() -> list[str]:
-    """All registered warps, each followed by the variants that are worth a comparison."""
-    return [text for warp in warps for text in (warp.name, *(f"{warp.name}:{variant}" for variant in warp.variants))]
-
-
-def _converted(text: str, key: str, value: str, kind: Any) -> Any:
+def _converted(told: str, key: str, value: str, kind: Any) -> Any:
     if typing.get_origin(kind) is typing.Literal:
         words = typing.get_args(kind)
         if value not in words:
-            raise InputError(f"warp '{text}': {key} is '{value}': wanted {' or '.join(map(str, words))}")
+            raise InputError(f"{told}: {key} is '{value}': wanted {' or '.join(map(str, words))}")
         return value
     try:
         number = kind(value)
     except ValueError as error:
-        raise InputError(f"warp '{text}': {key} is '{value}': wanted {_WANTED.get(kind, kind.__name__)}") from error
+        raise InputError(f"{told}: {key} is '{value}': wanted {_WANTED.get(kind, kind.__name__)}") from error
     if kind is float and not math.isfinite(number):
-        raise InputError(f"warp '{text}': {key} is '{value}': wanted a finite number")
+        raise InputError(f"{told}: {key} is '{value}': wanted a finite number")
     return number

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import attrs
 import moderngl
@@ -11,32 +12,55 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
+from .carry import Carry, ShownDepth, pictures_read
+from .effects import LatePass, ShownPass, Tools
+from .fills import Fill
+from .geometry import ClientGeometry
 from .given import Given
-from .plan import Plan
+from .picture import ShownPicture
+from .plan import SHOWN_DEPTH, Plan
 from .warps import Output
 
 Stages = Sequence[tuple[str, float]]
-DrawDepth = Callable[[View, tuple[int, int], moderngl.Texture], object]
 
 
 @attrs.frozen(eq=False)
 class EyeResult:
     """One eye after the plan. view: what is shown, half way through the scan-out if the display has one. `warped` holds the coverage
     before the fill, `shown` what the eye sees before the lens, `panel` what goes to the display; a warp that is fused with the lens
-    makes the panel alone, the others are None then. The textures belong to the compensator and are written again at the next frame
-    of that eye."""
+    makes the panel alone, the others are None then. filled: after each fill of the chain, by its name. The textures belong to the
+    compensator and are written again at the next frame of that eye."""
 
     view: View
     warped: Canvas | None
     shown: Canvas | None
     panel: Canvas
+    filled: tuple[tuple[str, Canvas], ...] = ()
+
+
+@attrs.frozen(eq=False)
+class _Canvases:
+    """One eye's pictures: after the warp, after each fill, after each effect, on the panel; the depths of the first two."""
+
+    warped: ShownPicture | None
+    filled: tuple[ShownPicture, ...]
+    effects: tuple[Canvas, ...]
+    panel: Canvas
+
+    def depths(self) -> set[moderngl.Texture]:
+        pictures = (*self.filled, self.warped) if self.warped is not None else ()
+        return {picture.inverse_depth for picture in pictures if picture.inverse_depth is not None}
+
+    def canvases(self) -> set[Canvas]:
+        pictures = (*self.filled, self.warped) if self.warped is not None else ()
+        return {*(picture.colour for picture in pictures), *self.effects, self.panel}
 
 
 class Compensator:
     """The passes of one plan for one pair of sizes, compiled and allocated at the start; run() only sets and dispatches.
 
-    headset: whose lens is applied; None if the plan has no lens. draw_depth(view, size, into): draws the client's own depth;
-    wanted only if the plan has that pass.
+    headset: whose lens is applied; None if the plan has no lens. geometry: what the client can draw by itself; wanted only if the plan
+    has a pass that does.
     """
 
     def __init__(
@@ -46,59 +70,96 @@ class Compensator:
         headset: Headset | None,
         late_size: tuple[int, int],
         shown_size: tuple[int, int],
-        draw_depth: DrawDepth | None = None,
+        geometry: ClientGeometry | None = None,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
-        self._draw_depth = draw_depth
+        self._geometry = geometry
         self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
         lens = plan.lens(gpu, headset, shown_size) if plan.lens.is_pass else None
         self._lens = None if plan.fused else lens
         output = Output(lens if plan.fused else None, plan.scanout)
         self._warp = plan.warp(gpu, late_size, shown_size, plan.choice.settings, output)
-        self._fill = plan.fill(gpu, shown_size) if plan.fill.is_pass else None
-        self._canvases = [self._canvases_of_one_eye() for _ in range(2)]
+        pictures = pictures_read(plan.warp_needs)
+        carry = Carry(self._warp)
+        self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.writes(SHOWN_DEPTH) else None
+        self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
+        self._fills: list[Fill] = [one.entry(gpu, late_size, shown_size, one.settings, geometry) for one in plan.fills]
+        tools = Tools(carry, pictures)
+        made = [one.made_by(gpu, frozenset(e.name for e in one.effects), late_size, shown_size, tools) for one in plan.effect_passes]
+        self._late = [one for one in made if isinstance(one, LatePass)]
+        self._shown = [one for one in made if isinstance(one, ShownPass)]
+        self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
 
-    def _canvases_of_one_eye(self) -> tuple[Canvas | None, Canvas | None, Canvas]:
+    def _canvases_of_one_eye(self) -> _Canvases:
+        gl, size = self.gpu.gl, self.shown_size
         if self.plan.fused:
-            return None, None, Canvas(self.gpu.gl, self.shown_size)
-        warped = Canvas(self.gpu.gl, self.shown_size)
-        shown = Canvas(self.gpu.gl, self.shown_size) if self._fill else warped
-        panel = Canvas(self.gpu.gl, self.shown_size) if self._lens else shown
-        return warped, shown, panel
+            return _Canvases(None, (), (), Canvas(gl, size))
+        last = warped = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if self._depth else None)
+        filled = []
+        for fill in self._fills:
+            own_depth = self._depth is not None and SHOWN_DEPTH in fill.writes
+            last = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if own_depth else last.inverse_depth)
+            filled.append(last)
+        effects = tuple(Canvas(gl, size) for _ in self._shown)
+        shown = effects[-1] if effects else last.colour
+        return _Canvases(warped, tuple(filled), effects, Canvas(gl, size) if self._lens else shown)
 
     def run(self, given: Given) -> EyeResult:
         """Every pass of the plan for eye 0 or 1, each timed as a stage of gpu.timer."""
-        warped, shown, panel = self._canvases[given.eye]
+        made = self._eyes[given.eye]
         given = given if self.plan.scanout else given.at_once()
-        stage = self.gpu.timer.stage
+        for one in self._late:
+            with self._stage("effects"):
+                given = one.run(given)
         if self._client_depth is not None:
-            with stage("client_depth"):
-                self._draw_depth(given.shown, self.shown_size, self._client_depth)
+            with self._stage("client_depth"):
+                self._geometry.draw_depth(given.shown, self.shown_size, self._client_depth, given.shown_ns)
             given = attrs.evolve(given, client_inverse_depth=self._client_depth)
-        with stage("warp"):
-            self._warp.run(given, warped if warped is not None else panel)
-            self._publish()
-        if self._fill is not None:
-            with stage("fill"):
-                self._fill.run(warped, shown)
-                self._publish()
+        with self._stage("warp"):
+            self._warp.run(given, made.warped.colour if made.warped is not None else made.panel)
+        if made.warped is None:
+            return EyeResult(given.middle, None, None, made.panel)
+        return self._finish(given, made)
+
+    def _finish(self, given: Given, made: _Canvases) -> EyeResult:
+        """Everything after the warp."""
+        if self._depth is not None:
+            with self._stage(self._depth_stage):
+                self._depth.run(given, made.warped.inverse_depth)
+        picture = made.warped
+        for fill, into in zip(self._fills, made.filled, strict=True):
+            with self._stage("fill"):
+                fill.run(given, picture, into)
+            picture = into
+        shown = picture.colour
+        for one, into in zip(self._shown, made.effects, strict=True):
+            with self._stage("effects"):
+                one.run(given, ShownPicture(shown, picture.inverse_depth), into)
+            shown = into
         if self._lens is not None:
-            with stage("lens"):
-                self._lens.run(shown, given.shown.fov, given.eye, panel)
-                self._publish()
-        return EyeResult(given.middle, warped, shown, panel)
+            with self._stage("lens"):
+                self._lens.run(shown, given.shown.fov, given.eye, made.panel)
+        names = (one.entry.name for one in self.plan.fills)
+        filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
+        return EyeResult(given.middle, made.warped.colour, shown, made.panel, filled)
 
     def took(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""
 
-    def _publish(self) -> None:
-        """Make what a compute pass stored visible to the next pass, to copies and to read-backs."""
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+    @contextmanager
+    def _stage(self, name: str) -> Iterator[None]:
+        """Times what is inside, and makes what compute passes stored visible to the next pass, to copies and to read-backs."""
+        with self.gpu.timer.stage(name):
+            yield
+            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
-        self._warp.close()
-        for canvas in {id(c): c for eye in self._canvases for c in eye if c is not None}.values():
-            canvas.release()
+        for owner in (self._warp, self._depth, *self._fills, *self._late, *self._shown):
+            if owner is not None:
+                owner.close()
+        for made in self._eyes:
+            for thing in (*made.canvases(), *made.depths()):
+                thing.release()
         if self._client_depth is not None:
             self._client_depth.release()

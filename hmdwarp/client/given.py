@@ -19,7 +19,8 @@ class Given:
 
     shown: the view when the first row lights up; shown_last: when the last one does, None for a display that lights up at once.
     others: further late pictures of the same scene with their own views: the other eye's, then this eye's older ones, newest
-    first. client_inverse_depth: r32f of the shown size, the client's own depth in the shown view, -1 where it has none.
+    first. shown_ns: when it is seen (the first row). client_inverse_depth: r32f of the shown size, the client's own depth in the shown
+    view, -1 where it has none.
     """
 
     late: EyeImage
@@ -28,6 +29,12 @@ class Given:
     others: tuple[EyeImage, ...] = ()
     shown_last: View | None = None
     client_inverse_depth: moderngl.Texture | None = None
+    shown_ns: int = 0
+
+    @property
+    def age_ns(self) -> int:
+        """How long before it is seen the late picture was drawn."""
+        return self.shown_ns - self.late.drawn_ns
 
     @property
     def middle(self) -> View:

@@ -5,7 +5,7 @@ What is not in the plan compiles nothing, allocates nothing and costs nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import reduce
 from operator import or_
 
@@ -14,20 +14,29 @@ import attrs
 from ..errors import InputError, PlanError
 from ..frame import Needs
 from ..scenes.effects import SceneEffect
-from .choices import Choice, parse_warp
-from .fills import Fill, fills
+from .choices import Choice, fill_text, parse_fills, parse_warp
+from .effects import Effect, EffectPass, LatePass, effects
+from .fills import fills
 from .lens import LensPass, lenses
 from .warps import Warp
 
 # What a frame brings along, what the client can make by itself, and what the passes hand on.
 PICTURE = ("late.colour", "late.inverse_depth")
-LATE = (*PICTURE, "late.layers", "late.cube", "late.others")
-CLIENT_DEPTH = "client.inverse_depth"
-SHOWN = "shown.colour"
+LATE = (
+    *PICTURE,
+    "late.layers",
+    "late.cube",
+    "late.others",
+    "late.ids",
+    "late.velocity",
+    "late.reflection",
+    "late.transparent",
+    "late.overlay",
+    "late.wide",
+)
+CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
+SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
 PANEL = "panel.colour"
-
-BYTES_PER_PIXEL = {"late.colour": 8, "late.inverse_depth": 4}  # rgba16f and r32f
-LAYER_BYTES, CUBE_BYTES = 12, 8  # a pixel of one more layer; of the cube's six faces
 
 
 @attrs.frozen
@@ -42,45 +51,71 @@ class Step:
 
 
 @attrs.frozen
-class Plan:
-    """The ordered passes, and those left out with their reasons. choice: the warp with its settings.
+class PlannedEffect:
+    """One pass that compensates effects, and which."""
 
-    fused: the warp looks through the lens itself. scanout: the warp gives every row a view of its own: of the panel if it is fused, else of
-    the shown view, as if the lens kept rows where they are (on the DK1 that is off by 2 % of the scan-out in the mean, 15 % in a corner).
+    made_by: type[EffectPass]
+    effects: tuple[Effect, ...]
+
+    @property
+    def needs(self) -> Needs:
+        """What frames carry for them."""
+        return reduce(or_, (effect.needs for effect in self.effects))
+
+
+@attrs.frozen
+class Plan:
+    """The ordered passes, and those left out with their reasons. choice: the warp with its settings; fills: the chain with theirs.
+
+    effects: what is compensated, by effect_passes in their order. fused: the warp looks through the lens itself. scanout: the warp gives
+    every row a view of its own: of the panel if it is fused, else of the shown view, as if the lens kept rows where they are (on the DK1
+    that is off by 2 % of the scan-out in the mean, 15 % in a corner).
     """
 
     effects: SceneEffect
     choice: Choice
-    fill: type[Fill]
+    fills: tuple[Choice, ...]
     lens: type[LensPass]
     fused: bool
     scanout: bool
+    effect_passes: tuple[PlannedEffect, ...]
     steps: tuple[Step, ...]
     left_out: tuple[tuple[str, str], ...]
 
     @property
     def warp(self) -> type[Warp]:
         """The warp without its settings."""
-        return self.choice.warp
+        return self.choice.entry
+
+    @property
+    def fill(self) -> str:
+        """The chain of fills as it is asked for, "none" if there is none."""
+        return fill_text(self.fills)
+
+    @property
+    def warp_needs(self) -> Needs:
+        """What the warp alone asks of a frame."""
+        return self.warp.needs(self.choice.settings)
 
     @property
     def needs(self) -> Needs:
         """What frames must carry for this plan besides colour and inverse depth."""
-        return self.warp.needs(self.choice.settings)
+        of_fills = (fill.entry.needs(fill.settings) for fill in self.fills)
+        return reduce(or_, (*of_fills, *(effect.needs for effect in self.effect_passes)), self.warp_needs)
 
     @property
     def draws_client_depth(self) -> bool:
         """Whether the client draws its own depth for this plan."""
-        return any(CLIENT_DEPTH in step.writes for step in self.steps)
+        return self.writes(CLIENT_DEPTH)
+
+    def writes(self, name: str) -> bool:
+        """Whether a pass of the plan makes that."""
+        return any(name in step.writes for step in self.steps)
 
     @property
     def layers(self) -> tuple[str, ...]:
         """What a frame must carry for this plan, in the order it is first read."""
         return tuple(dict.fromkeys(name for step in self.steps for name in step.reads if name in LATE))
-
-    def bytes_per_pixel(self) -> int:
-        """What one pixel of a frame weighs with the layers this plan reads; a cube is counted apart."""
-        return sum(BYTES_PER_PIXEL.get(name, 0) for name in self.layers) + LAYER_BYTES * self.needs.layers
 
 
 def needs_of(plans: Iterable[Plan]) -> Needs:
@@ -97,7 +132,7 @@ def needs_of(plans: Iterable[Plan]) -> Needs:
 
 
 def build_plan(
-    effects: SceneEffect,
+    declared: SceneEffect,
     warp: str,
     fill: str,
     lens: str,
@@ -107,54 +142,121 @@ def build_plan(
     fused: bool = False,
     scanout: bool = False,
 ) -> Plan:
-    """The plan for the named passes; warp may carry settings (`mesh:cut=slope`).
+    """The plan for the named passes; warp and fill may carry settings (`mesh:cut=slope`), fills may be a chain (`memory+pyramid`).
 
-    client_geometry: whether the client has the scene's triangles to draw depth from. brings: what late pictures come with. fused:
-    warp and lens in one resample. scanout: the display shows its rows one after the other; a warp that cannot follow shows them as in
-    the middle of it.
+    declared: what is to be compensated. client_geometry: whether the client has the scene's triangles to draw from. brings: what late
+    pictures come with. fused: warp and lens in one resample; what is composited after the warp stays in the late picture then. scanout:
+    the display shows its rows one after the other; a warp that cannot follow shows them as in the middle of it.
     Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none before it writes, and for what
-    cannot be fused; InputError for a setting the warp has not.
+    cannot be fused; InputError for a setting the warp or fill has not.
     """
-    choice, chosen_fill, chosen_lens = parse_warp(warp), fills.get(fill), lenses.get(lens)
+    choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
     if fused:
-        _refuse_to_fuse(choice.warp, chosen_fill, chosen_lens)
-    follows = scanout and choice.warp.scans_out
-    steps, left_out = [], []
-    if CLIENT_DEPTH in choice.warp.reads and client_geometry:
-        steps.append(Step("client_depth", "client_depth", f"warp '{warp}' reads the client's own depth", (), (CLIENT_DEPTH,)))
-    else:
-        left_out.append(("client_depth", _why_no_client_depth(choice.warp, client_geometry)))
-    steps.append(_warp_step(choice, chosen_lens if fused else None, follows))
+        _refuse_to_fuse(choice.entry, chain, chosen_lens)
+    draft = _Draft()
+    passes = _effect_passes(declared, choice.entry, fused, draft)
+    late, shown = ([one for one in passes if issubclass(one.made_by, LatePass) is before] for before in (True, False))
+    for one in late:
+        draft.add("effects", one.made_by.name, _why(one), one.made_by.reads, one.made_by.writes)
+    _plan_client_depth(choice.entry, client_geometry, draft)
+    follows = scanout and choice.entry.scans_out
+    _plan_warp(choice, chosen_lens if fused else None, follows, draft)
     if scanout and not follows:
-        left_out.append(("scan-out", f"warp '{choice.warp.name}' cannot follow it: all rows are shown as in its middle"))
-    for stage, entry, writes in (("fill", chosen_fill, SHOWN), ("lens", chosen_lens, PANEL)):
-        if stage == "lens" and fused:
-            left_out.append((stage, f"warp '{choice}' looks through the lens itself: one resample instead of two"))
-        elif entry.is_pass:
-            steps.append(Step(stage, f"{stage} {entry.name}", f"asked for: {entry.summary}", entry.reads, (writes,)))
+        draft.leave_out("scan-out", f"warp '{choice.entry.name}' cannot follow it: all rows are shown as in its middle")
+    readers = [*(fill.entry for fill in chain), *(one.made_by for one in shown)]
+    if any(SHOWN_DEPTH in reader.reads for reader in readers):
+        what = " and ".join(dict.fromkeys(reader.name for reader in readers if SHOWN_DEPTH in reader.reads))
+        stage = "fill" if any(SHOWN_DEPTH in fill.entry.reads for fill in chain) else "effects"
+        draft.add(
+            stage, "shown depth", f"{what} asks how far things are: the late depth, warped as the colour", PICTURE[1:], (SHOWN_DEPTH,)
+        )
+    for one in chain:
+        draft.add("fill", f"fill {one}", f"asked for: {one.entry.summary}", one.entry.reads, one.entry.writes)
+    if not chain:
+        draft.leave_out("fill", f"fill 'none' was asked for: {fills.get('none').summary}")
+    for one in shown:
+        draft.add("effects", one.made_by.name, _why(one), one.made_by.reads, one.made_by.writes)
+    if fused:
+        draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
+    elif chosen_lens.is_pass:
+        draft.add("lens", f"lens {chosen_lens.name}", f"asked for: {chosen_lens.summary}", chosen_lens.reads, (PANEL,))
+    else:
+        draft.leave_out("lens", f"lens 'none' was asked for: {chosen_lens.summary}")
+    _refuse_unwritten(draft.steps, brings, client_geometry)
+    compensated = reduce(or_, (effect.flag for one in passes for effect in one.effects), SceneEffect.NONE)
+    return Plan(compensated, choice, chain, chosen_lens, fused, follows, (*late, *shown), tuple(draft.steps), tuple(draft.left_out))
+
+
+@attrs.define
+class _Draft:
+    """A plan on its way."""
+
+    steps: list[Step] = attrs.field(factory=list)
+    left_out: list[tuple[str, str]] = attrs.field(factory=list)
+
+    def add(self, stage: str, name: str, reason: str, reads: tuple[str, ...], writes: tuple[str, ...]) -> None:
+        self.steps.append(Step(stage, name, reason, reads, writes))
+
+    def leave_out(self, name: str, reason: str) -> None:
+        self.left_out.append((name, reason))
+
+
+def _effect_passes(declared: SceneEffect, warp: type[Warp], fused: bool, draft: _Draft) -> list[PlannedEffect]:
+    """The passes for what is declared, in their order; what cannot be done with this warp is left out with its reason."""
+    called_for = {effect.name: effect for effect in effects if effect.flag & declared}  # nothing else tests an effect's flag
+    chosen: list[Effect] = []
+    for effect in effects:
+        why_not = _why_not(effect, called_for, warp, fused)
+        if why_not:
+            draft.leave_out(effect.name, why_not)
         else:
-            left_out.append((stage, f"{stage} 'none' was asked for: {entry.summary}"))
-    if not effects:
-        left_out.append(("effects", "the scene calls for none: it is static and matt"))
-    _refuse_unwritten(steps, brings)
-    return Plan(effects, choice, chosen_fill, chosen_lens, fused, follows, tuple(steps), tuple(left_out))
+            chosen.append(effect)
+    made_by = sorted({effect.made_by for effect in chosen}, key=lambda one: one.order)
+    return [PlannedEffect(each, tuple(effect for effect in chosen if effect.made_by is each)) for each in made_by]
 
 
-def _warp_step(choice: Choice, lens: type[LensPass] | None, follows: bool) -> Step:
-    reason = f"asked for: {choice.warp.summary}" + ("; every row for the instant it lights up" if follows else "")
+def _why_not(effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp], fused: bool) -> str:
+    if effect.name not in called_for:
+        return "nothing in the scene calls for it, or it was forbidden"
+    if effect.refines and effect.refines not in called_for:
+        return f"it refines {effect.refines}, which is left out: {effect.without}"
+    if fused and not issubclass(effect.made_by, LatePass):
+        return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
+    if effect.made_by.carries and not warp.carries:
+        return f"warp '{warp.name}' carries nothing along: {effect.without}"
+    return ""
+
+
+def _why(planned: PlannedEffect) -> str:
+    return "the scene calls for it: " + "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
+
+
+def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -> None:
+    if CLIENT_DEPTH in warp.reads and client_geometry:
+        draft.add("client_depth", "client_depth", f"warp '{warp.name}' reads the client's own depth", (), (CLIENT_DEPTH,))
+    else:
+        draft.leave_out("client_depth", _why_no_client_depth(warp, client_geometry))
+
+
+def _plan_warp(choice: Choice, lens: type[LensPass] | None, follows: bool, draft: _Draft) -> None:
+    warp = choice.entry
+    reason = f"asked for: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
     if lens is None:
-        return Step("warp", f"warp {choice}", reason, choice.warp.reads, (SHOWN,))
-    return Step("warp", f"warp {choice} + lens {lens.name}", f"{reason}; fused with the lens: {lens.summary}", choice.warp.reads, (PANEL,))
+        draft.add("warp", f"warp {choice}", reason, warp.reads, (SHOWN,))
+    else:
+        fused = f"{reason}; fused with the lens: {lens.summary}"
+        draft.add("warp", f"warp {choice} + lens {lens.name}", fused, warp.reads, (PANEL,))
 
 
-def _refuse_to_fuse(warp: type[Warp], fill: type[Fill], lens: type[LensPass]) -> None:
+def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice, ...], lens: type[LensPass]) -> None:
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
         raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
     if not lens.look:
         raise PlanError(f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out")
-    if fill.is_pass:
-        raise PlanError(f"fused with fill '{fill.name}': a fill needs the picture between warp and lens; use fill none, or leave fused out")
+    if chain:
+        told = fill_text(chain)
+        raise PlanError(f"fused with fill '{told}': a fill needs the picture between warp and lens; use fill none, or leave fused out")
 
 
 def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
@@ -164,11 +266,11 @@ def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
     return "the client has no geometry to draw it from"
 
 
-def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...]) -> None:
-    known = set(brings)
+def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
+    known = {*brings, *((CLIENT_MODEL,) if client_geometry else ())}
     for step in steps:
         missing = [name for name in step.reads if name not in known]
         if missing:
-            hint = "; it needs the scene's geometry on the client" if CLIENT_DEPTH in missing else ""
+            hint = "; it needs the scene's geometry on the client" if {CLIENT_DEPTH, CLIENT_MODEL} & set(missing) else ""
             raise PlanError(f"{step.name} reads {', '.join(missing)}, which no pass before it writes{hint}")
         known.update(step.writes)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
 _REGION_MARKERS = ("s", "^", "o")
-_KINDS = ("client_depth", "warp", "fill", "lens")
+_KINDS = ("client_depth", "warp", "fill", "effects", "lens")
 
 
 def row_name(row: Row, with_fill: bool = True) -> str:

@@ -3,9 +3,22 @@
 Every public module of `library` is one scene; a new one is one new file there.
 """
 
-from ._load import load_scene
 from ._content import Body, Deformation, Material, Motion
+from ._load import load_scene
 from ._model import Background, Mesh, Scene, SceneSource, Texture, scenes
 from .effects import SceneEffect
 
-__all__ = ["Background", "Body", "Deformation", "Material", "Mesh", "Motion", "Scene", "SceneEffect", "SceneSource", "Texture", "load_scene", "scenes"]
+__all__ = [
+    "Background",
+    "Body",
+    "Deformation",
+    "Material",
+    "Mesh",
+    "Motion",
+    "Scene",
+    "SceneEffect",
+    "SceneSource",
+    "Texture",
+    "load_scene",
+    "scenes",
+]

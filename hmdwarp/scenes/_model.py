@@ -140,7 +140,8 @@ class Scene:
             if not -1 <= mesh.texture < len(self.textures):
                 raise SceneError(f"mesh '{mesh.name}' wants texture {mesh.texture}, the scene has {len(self.textures)}")
             if not -1 <= mesh.material.normal_map < len(self.textures):
-                raise SceneError(f"mesh '{mesh.name}' wants normal map {mesh.material.normal_map}, the scene has {len(self.textures)} textures")
+                wanted, found = mesh.material.normal_map, len(self.textures)
+                raise SceneError(f"mesh '{mesh.name}' wants texture {wanted} as its normal map, the scene has {found}")
             if not 0 <= mesh.body <= len(self.bodies):
                 raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
 

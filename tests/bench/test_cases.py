@@ -95,12 +95,17 @@ class _Pass:
 @attrs.frozen
 class _Plan:
     needs: Needs
-    fill: _Pass = _Pass()
+    fills: tuple[str, ...] = ()
+    effect_passes: tuple[str, ...] = ()
     lens: _Pass = _Pass()
 
 
 def some(*needs: Needs) -> list[Combination]:
-    return [Combination(f"w{n}", fill, _Plan(need, _Pass(fill != "none"))) for n, need in enumerate(needs) for fill in ("none", "other")]
+    return [
+        Combination(f"w{n}", fill, _Plan(need, () if fill == "none" else (fill,)))
+        for n, need in enumerate(needs)
+        for fill in ("none", "other")
+    ]
 
 
 def test_what_wants_other_older_frames_runs_apart():

@@ -10,6 +10,7 @@ import pytest
 
 from hmdwarp.catalogue import entries
 from hmdwarp.cli.listing import KINDS
+from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
 from hmdwarp.resources import recording_names
 from hmdwarp.version import __version__
@@ -93,8 +94,8 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
     assert "client_depth" in runs and "reads the client's own depth" in runs and "warp backward" in runs
     assert runs.index("client_depth") < runs.index("warp backward")
     assert "reads late.colour, late.inverse_depth, client.inverse_depth; writes shown.colour" in runs
-    assert all(stage in left_out for stage in ("fill", "lens", "effects"))
-    assert "fill 'none' was asked for" in left_out and "the scene calls for none" in left_out
+    assert all(name in left_out for name in ("fill", "lens", *effects.names()))
+    assert "fill 'none' was asked for" in left_out and "nothing in the scene calls for it" in left_out
     assert max(map(len, out.splitlines())) <= 80
 
 

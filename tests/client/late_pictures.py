@@ -21,7 +21,7 @@ def warped(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, la
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, size)
-    warp = choice.warp(gpu, size, size, choice.settings)
+    warp = choice.entry(gpu, size, size, choice.settings)
     warp.run(Given(EyeImage(View(late_pose or Pose(), FOV), *textures), View(pose, FOV)), canvas)
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(*depth.shape, 4).astype(np.float64)

@@ -27,7 +27,7 @@ class Scatter:
         self.gpu, self.size, self.shown_size = gpu, size, shown_size
         self.late_view, self.shown_view = View(late_pose or Pose(), FOV), View(shown_pose or Pose(), FOV)
         choice = parse_warp(spec)
-        self.warp, self.canvas = choice.warp(gpu, size, shown_size, choice.settings), Canvas(gpu.gl, shown_size)
+        self.warp, self.canvas = choice.entry(gpu, size, shown_size, choice.settings), Canvas(gpu.gl, shown_size)
         colour, self.depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
         colour.write(numbered(size).tobytes(), alignment=1)
         self.late = EyeImage(self.late_view, colour, self.depth)

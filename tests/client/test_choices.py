@@ -52,7 +52,7 @@ def test_what_is_printed_is_read_back(choice):
 def test_the_text_is_the_shortest(choice):
     """Settings at their defaults are not told, so two texts that differ mean two settings."""
     _, _, told = str(choice).partition(":")
-    default = choice.warp.Settings()
+    default = choice.entry.Settings()
     for part in filter(None, told.split(",")):
         name = part.partition("=")[0]
         assert getattr(choice.settings, name) != getattr(default, name)
@@ -68,8 +68,8 @@ def test_blanks_and_order_do_not_matter(choice, data):
 @pytest.mark.parametrize("name", warps.names())
 def test_a_name_alone_means_the_defaults(name):
     choice = parse_warp(name)
-    assert choice.warp is warps.get(name)
-    assert choice.settings == choice.warp.Settings()
+    assert choice.entry is warps.get(name)
+    assert choice.settings == choice.entry.Settings()
     assert str(choice) == name
     assert parse_warp(f"{name}:") == choice
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worlds import World, every_choice, read
+from holed import Holed
+from worlds import World, every_choice
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.fills import fills
+from hmdwarp.client.choices import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
 from hmdwarp.geometry import View
-from hmdwarp.gpu.textures import Canvas
 from hmdwarp.reference.interpolate import interpolate
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it against the other.
@@ -22,7 +21,7 @@ SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 @pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
 def test_same_pose_gives_the_same_picture_bit_for_bit(gpu, name, size):
     world = World(gpu, 1, size, moved=False)
-    wanted = world.look_along_a_face(gpu, 1) if parse_warp(name).warp.resamples else world.colour
+    wanted = world.look_along_a_face(gpu, 1) if parse_warp(name).entry.resamples else world.colour
     assert np.array_equal(world.warp(gpu, name), wanted)
 
 
@@ -53,7 +52,7 @@ def test_uncovered_is_black_with_alpha_zero_and_nothing_is_nan(gpu, name):
 @pytest.mark.parametrize("name", CHOICES)
 def test_a_guard_band_is_cut_off_exactly(gpu, name):
     world = World(gpu, 5, (60, 44), moved=False)
-    if parse_warp(name).warp.resamples:
+    if parse_warp(name).entry.resamples:
         wanted = world.look_along_a_face(gpu, 1, margin=7)
         assert np.array_equal(world.warp(gpu, name), wanted)
         return
@@ -71,34 +70,48 @@ def test_a_guard_band_is_cut_off_exactly(gpu, name):
     assert np.array_equal(world.warp(gpu, name), world.colour[cut])
 
 
-@pytest.mark.parametrize("name", fills.names())
+FILLS = [name for name in every_fill() if parse_fills(name)]
+
+
+@pytest.mark.parametrize("name", FILLS)
 @pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
 def test_fill_leaves_what_is_covered_alone(gpu, name, size):
-    entry = fills.get(name)
-    if not entry.is_pass:
-        pytest.skip(f"fill '{name}' is no pass: the plan leaves it out")
-    world = World(gpu, 7, size)
-    world.colour[world.rng.uniform(size=world.colour.shape[:2]) < 0.3] = 0
-    warped, filled = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
-    warped.texture.write(world.colour.astype(np.float16).tobytes(), alignment=1)
-    entry(gpu, size).run(warped, filled)
-    gpu.gl.memory_barrier()
-    got = read(filled.texture)
-    covered = world.colour[..., 3] > 0
-    assert np.array_equal(got[covered], world.colour[covered])
+    holed = Holed(gpu, 7, size, empty=0.3)
+    got, depth = holed.fill(gpu, name)
+    covered = holed.colour[..., 3] > 0
+    assert np.array_equal(got[covered], holed.colour[covered])
+    assert np.array_equal(depth[covered], holed.inverse_depth[covered])
+    assert set(np.unique(got[..., 3])) <= {0.0, 1.0}
     assert (got[got[..., 3] == 0] == 0).all()
+    assert np.isfinite(got).all()
+    assert np.isfinite(depth).all()
+
+
+@pytest.mark.parametrize("name", FILLS)
+def test_a_complete_fill_leaves_nothing_empty(gpu, name):
+    (choice,) = parse_fills(name)
+    if not choice.entry.complete:
+        pytest.skip(f"fill '{name}' does not say that it is complete")
+    for size, empty in (((67, 53), 0.5), ((31, 127), 0.999), ((1, 1), 0.0), ((129, 2), 0.9)):
+        holed = Holed(gpu, 9, size, empty)
+        holed.keep_one()
+        assert (holed.fill(gpu, name)[0][..., 3] == 1).all(), size
+
+
+@pytest.mark.parametrize("name", FILLS)
+def test_nothing_to_fill_and_nothing_to_fill_from(gpu, name):
+    for empty in (0.0, 1.0):
+        holed = Holed(gpu, 11, (19, 23), empty)
+        got, _ = holed.fill(gpu, name)
+        assert np.isfinite(got).all()
+        if not empty:
+            assert np.array_equal(got, holed.colour)
 
 
 def test_interpolate_equals_its_twin(gpu):
-    size = (67, 53)
-    world = World(gpu, 8, size)
-    world.colour[world.rng.uniform(size=world.colour.shape[:2]) < 0.5] = 0
-    warped, filled = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
-    warped.texture.write(world.colour.astype(np.float16).tobytes(), alignment=1)
-    fills.get("interpolate")(gpu, size).run(warped, filled)
-    gpu.gl.memory_barrier()
-    wanted = interpolate(world.colour, MINIMUM_COUNT)
+    holed = Holed(gpu, 8, (67, 53), empty=0.5)
+    wanted = interpolate(holed.colour, MINIMUM_COUNT)
     # The mean of two half floats is stored as a half float: up to 2^-10 relative (truncated), colours below 2.
-    assert np.abs(read(filled.texture) - wanted).max() <= 2 * 2.0**-10
-    assert (wanted[..., 3] > world.colour[..., 3]).any()
+    assert np.abs(holed.fill(gpu, "interpolate")[0] - wanted).max() <= 2 * 2.0**-10
+    assert (wanted[..., 3] > holed.colour[..., 3]).any()
     assert (wanted[..., 3] == 0).any()

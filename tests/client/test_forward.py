@@ -201,7 +201,7 @@ def test_where_64_bit_atomics_are_missing_one_line_says_so(gpu):
         pytest.skip(f"{gpu.renderer} has them")
     choice = parse_warp("forward:path=atomic64")
     with pytest.raises(MachineError, match=r"needs GL_NV_shader_atomic_int64.*use path=auto") as caught:
-        choice.warp(gpu, (8, 8), (8, 8), choice.settings)
+        choice.entry(gpu, (8, 8), (8, 8), choice.settings)
     assert "\n" not in str(caught.value)
 
 

@@ -33,9 +33,9 @@ SCENE = Scene("walls", "", (square(1, (0, 0), 0.25, 0.5), square(3, (0, 0), 2, 0
 
 def shown_and_truth(gpu, scene: Scene, step, spec: str = "layered", size=SIZE, guard: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     server, choice = Server(gpu, scene), parse_warp(spec)
-    late = server.draw_frame([View(Pose(), FOV)], 0, size, guard, choice.warp.needs(choice.settings)).eyes[0]
+    late = server.draw_frame([View(Pose(), FOV)], 0, size, guard, choice.entry.needs(choice.settings)).eyes[0]
     shown = View(Pose(step), FOV)
-    warp, canvas = choice.warp(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
     warp.run(Given(late, shown), canvas)
     gpu.gl.memory_barrier()
     out, truth = read(canvas.texture), read(server.draw(shown, size).colour)
@@ -106,7 +106,7 @@ def test_in_the_room_it_is_better_than_the_visible_layer_alone(gpu):
     late = server.draw_frame(views[:1], 0, size, 1.4, Needs(layers=2)).eyes[0]
     alone = attrs.evolve(late, layers=tuple(attrs.evolve(layer, inverse_depth=_nothing(gpu, late.size)) for layer in late.layers))
     truth = read(server.draw(views[1], size).colour)
-    warp, canvas = choice.warp(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
     wrong, holes = [], []
     for given in (late, alone):
         warp.run(Given(given, views[1]), canvas)
@@ -146,7 +146,7 @@ def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
     choice = parse_warp(spec)
     layers = tuple(Layer(*world._textures(gpu, one.colour, one.inverse_depth)) for one in world.layers)
     late = attrs.evolve(world.late, layers=layers)
-    warp, canvas = choice.warp(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
+    warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     warp.run(Given(late, world.shown_view), canvas)
     gpu.gl.memory_barrier()
     return read(canvas.texture)
@@ -180,7 +180,7 @@ def test_a_frame_with_fewer_layers_is_refused(gpu):
     world = World(gpu, 5, (16, 12))
     world.bring(gpu, parse_warp("layered").warp)
     choice = parse_warp("layered:layers=4")
-    warp, canvas = choice.warp(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
+    warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     with pytest.raises(PlanError, match="wants 3 layers behind the visible one, this frame has 2"):
         warp.run(Given(world.late, world.shown_view), canvas)
 

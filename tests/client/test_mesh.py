@@ -39,7 +39,7 @@ class Scene:
 
     def warp(self, spec: str) -> np.ndarray:
         choice = parse_warp(spec)
-        warp = choice.warp(self.gpu, self.size, self.shown_size, choice.settings)
+        warp = choice.entry(self.gpu, self.size, self.shown_size, choice.settings)
         canvas = Canvas(self.gpu.gl, self.shown_size)
         warp.run(Given(EyeImage(self.late, *self.textures), self.shown), canvas)
         self.gpu.gl.memory_barrier()
@@ -51,7 +51,7 @@ class Scene:
     def twin(self, spec: str):
         choice = parse_warp(spec)
         asked = Asked(self.colour.astype(float), self.inverse_depth.astype(float), self.late, self.shown, self.shown_size)
-        return twin_of(choice.warp.name)(attrs.evolve(asked, settings=choice.settings))
+        return twin_of(choice.entry.name)(attrs.evolve(asked, settings=choice.settings))
 
 
 def block(near: float = 2.0, far: float = 0.25) -> np.ndarray:

@@ -28,7 +28,7 @@ class Drawn:
         textures[0].write(colour.astype(np.float16).tobytes(), alignment=1)
         textures[1].write(inverse_depth.astype(np.float32).tobytes(), alignment=1)
         choice, canvas = parse_warp(spec), Canvas(gpu.gl, (wide, high))
-        warp = choice.warp(gpu, (wide, high), (wide, high), choice.settings)
+        warp = choice.entry(gpu, (wide, high), (wide, high), choice.settings)
         warp.run(Given(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)), canvas)
         gpu.gl.memory_barrier()
         self.picture = read(canvas.texture)

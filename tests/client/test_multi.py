@@ -48,7 +48,7 @@ def drawn(gpu, scene: Scene, view: View, size=SIZE, target=None) -> EyeImage:
 
 def put_together(gpu, late: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE) -> np.ndarray:
     choice = parse_warp(spec)
-    warp, canvas = choice.warp(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
     warp.run(Given(late, shown, others=others), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
@@ -122,7 +122,7 @@ def test_without_others_it_is_the_newest_frame_alone_and_nothing_is_left_from_be
     """The first refreshes have no past frames; and none may live on in the buffers."""
     newest, other = (drawn(gpu, BEFORE_A_WALL, at(x)) for x in (-0.1, 0.1))
     choice = parse_warp("multi")
-    warp, canvas = choice.warp(gpu, SIZE, SIZE, choice.settings), Canvas(gpu.gl, SIZE)
+    warp, canvas = choice.entry(gpu, SIZE, SIZE, choice.settings), Canvas(gpu.gl, SIZE)
     pictures = []
     for others in ((), (other,), (), (other, other, other), ()):
         warp.run(Given(newest, at(0), others=others), canvas)

@@ -39,10 +39,10 @@ def later(view: View, degrees: float = 5.0, step_m: float = 0.02, seed: int = 1)
 def scanned(gpu, world: World, spec: str, last: View | None) -> np.ndarray:
     """(h, w, 4) what the warp shows on a display that lights up row by row, bottom row first."""
     choice = parse_warp(spec)
-    world.bring(gpu, choice.warp)
-    warp = choice.warp(gpu, world.size, world.shown_size, choice.settings, Output(scanout=True))
+    world.bring(gpu, choice.entry)
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(scanout=True))
     canvas = Canvas(gpu.gl, world.shown_size)
-    warp.run(attrs.evolve(world.given(choice.warp), shown_last=last), canvas)
+    warp.run(attrs.evolve(world.given(choice.entry), shown_last=last), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     warp.close()

@@ -41,7 +41,7 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov
     late_colour.write(np.asarray(colour, np.float16).tobytes(), alignment=1)
     late_depth.write(depth.tobytes(), alignment=1)
     choice, canvas = parse_warp(spec), Canvas(gpu.gl, shown_size)
-    warp = choice.warp(gpu, size, shown_size, choice.settings)
+    warp = choice.entry(gpu, size, shown_size, choice.settings)
     warp.run(Given(EyeImage(View(Pose(), fov), late_colour, late_depth), View(shown, fov)), canvas)
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(shown_size[1], shown_size[0], 4).astype(np.float64)

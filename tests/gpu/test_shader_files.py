@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
+from itertools import combinations
 
+import attrs
 import pytest
+from client_scene import ClientScene
 from worlds import every_choice
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.fills import fills
+from hmdwarp.client.carry import Carry, ShownDepth
+from hmdwarp.client.choices import every_fill, parse_fills, parse_warp
+from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import MachineError
@@ -21,7 +25,7 @@ from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.resources import folder
-from hmdwarp.scenes import load_scene
+from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
 
 from .preprocessor import Sides, value_of, walk
@@ -58,14 +62,19 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         for spec in every_choice():
             with suppress(MachineError):  # test_what_this_machine_cannot_compile_is_told says so
                 _compile_all(gpu, spec, looks)
-        for fill in fills:
-            fill(gpu, (8, 6))
+        for spec in every_fill():
+            for choice in parse_fills(spec):
+                choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu)).close()
+        carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
+        ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
+        _compile_effects(gpu, Tools(carry, 1))
         server = Server(gpu, load_scene("planes"))
         depth = allocate(gpu.gl, (8, 6), SCALAR)
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
         server.draw(view, (8, 6))
         server.draw_depth(view, (8, 6), depth)
         server.draw_frame([view], 0, (8, 6), needs=Needs(layers=1))
+        _draw_every_content(gpu)
         with Copier(gpu, 16):
             pass
         return gpu.shaders.used
@@ -76,9 +85,29 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 def _compile_all(gpu: Gpu, spec: str, looks: list[LensPass]) -> None:
     """As the plan may ask for it: for the shown view, through each lens, with and without scan-out."""
     choice = parse_warp(spec)
-    for lens in [None, *looks] if choice.warp.fuses else [None]:
-        for scanout in [False, True] if choice.warp.scans_out else [False]:
-            choice.warp(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout)).close()
+    for lens in [None, *looks] if choice.entry.fuses else [None]:
+        for scanout in [False, True] if choice.entry.scans_out else [False]:
+            choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout)).close()
+
+
+def _compile_effects(gpu: Gpu, tools: Tools) -> None:
+    """Every pass with each set of the effects it may do."""
+    for made_by in {effect.made_by for effect in effects}:
+        names = [effect.name for effect in effects if effect.made_by is made_by]
+        for count in range(1, len(names) + 1):
+            for parts in combinations(names, count):
+                made_by(gpu, frozenset(parts), (9, 7), (8, 6), tools).close()
+
+
+def _draw_every_content(gpu: Gpu) -> None:
+    """Every scene that has more than plain surfaces, whole and in layers."""
+    everything = Needs(**{field.name: field.type in (bool, "bool") for field in attrs.fields(Needs)})
+    for source in scenes:
+        if source.effects:
+            server, view = Server(gpu, source.build()), View(source.build().viewpoint, Fov(-0.7, 0.7, -0.7, 0.7))
+            for needs in (Needs(), everything):
+                server.recycle(server.draw_frame([view], 0, (8, 6), needs=needs))
+            server.close()
 
 
 def lacking(gpu: Gpu, name: str) -> set[str]:

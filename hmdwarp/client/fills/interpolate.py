@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from ...gpu.textures import Canvas
+from typing import TYPE_CHECKING
+
 from . import fills
 from ._base import Fill
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
 
 MINIMUM_COUNT = 3  # below three covered neighbours a pixel lies inside a hole, not in a crack: a guess there would only smear
 
@@ -20,8 +25,8 @@ class Interpolate(Fill):
     def prepare(self) -> None:
         self._program = self.gpu.shaders.compute("fills/interpolate.comp")
 
-    def run(self, warped: Canvas, into: Canvas) -> None:
-        warped.texture.bind_to_image(1, read=True, write=False)
-        into.bind_for_writing()
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        picture.colour.texture.bind_to_image(1, read=True, write=False)
+        into.colour.bind_for_writing()
         self._program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size, minimum_count=MINIMUM_COUNT)
         self._program.run(*self.shown_size)

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from ...gpu.textures import Canvas
+from typing import TYPE_CHECKING
+
 from . import fills
 from ._base import Fill
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
 
 
 @fills.register
@@ -19,5 +24,5 @@ class NoFill(Fill):
     def prepare(self) -> None:
         """Nothing to prepare."""
 
-    def run(self, warped: Canvas, into: Canvas) -> None:
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
         raise AssertionError("the plan leaves this fill out")

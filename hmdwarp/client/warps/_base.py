@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import attrs
 
 from ...frame import Needs
+from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -18,11 +19,6 @@ if TYPE_CHECKING:
 
 # What one pixel weighs: rgba16f colour, r32f inverse depth, 32-bit key.
 COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES = 8, 4, 4
-
-
-@attrs.frozen
-class NoSettings:
-    """For warps that have nothing to set."""
 
 
 @attrs.frozen(eq=False)
@@ -40,7 +36,8 @@ class Warp(ABC):
     kind: "gather" (each shown pixel asks where it was drawn) or "scatter" (drawn pixels move). reads: what it needs, by the
     names of client/plan.py. Settings: an attrs class of what may be set, each with a default (`mesh:cut=slope`). variants: settings
     that trade accuracy for time, and so are benchmarked beside the defaults. fuses, scans_out: whether it can write the panel in
-    one resample, and row by row. The object owns its programs and buffers for one pair of sizes; it serves both eyes in turn.
+    one resample, and row by row. carries: whether it takes other pictures than late.colour along, see client/carry.py.
+    The object owns its programs and buffers for one pair of sizes; it serves both eyes in turn.
     """
 
     name: ClassVar[str]
@@ -55,6 +52,7 @@ class Warp(ABC):
     fuses: ClassVar[bool] = False
     scans_out: ClassVar[bool] = False
     resamples: ClassVar[bool] = False
+    carries: ClassVar[bool] = True
 
     def __init__(
         self,

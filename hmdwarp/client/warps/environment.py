@@ -32,6 +32,7 @@ class Environment(GatherWarp):
     gets_wrong = "near things under translation, as rotation; six faces are drawn and sent instead of one picture"
     source = "Chen 1995, QuickTime VR; Greene 1986, Environment Mapping (the cube)"
     resamples = True
+    carries = False
 
     def prepare(self) -> None:
         self._program = self.gather("warps/environment.comp")

@@ -1,0 +1,102 @@
+"""Takes other pictures of the late frame where its colour goes: the same warp once more, on them.
+
+So any warp carries anything: the inverse depth that fills ask for, how much each surface mirrors. What a shown pixel gets comes from the
+same late pixels as its colour, with the same coverage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+
+from ..frame import EyeImage, Needs
+from ..geometry import WarpMap
+from ..gpu.textures import COLOUR, Canvas, allocate
+
+if TYPE_CHECKING:
+    from ..gpu.context import Gpu
+    from .given import Given
+    from .warps import Warp
+
+PictureOf = Callable[[EyeImage], moderngl.Texture]
+
+
+class Carry:
+    """The planned warp, for other pictures than the colour. `works`: whether the warp can; one that looks into a cube cannot."""
+
+    def __init__(self, warp: Warp) -> None:
+        self._warp = warp
+        self.works = warp.carries
+
+    def along(self, given: Given, picture_of: PictureOf, into: Canvas) -> None:
+        """Write into `into` what `picture_of` the late image (and of every layer and other picture the warp reads) shows.
+
+        picture_of: rgba16f with coverage in alpha, of the image's size; a layer comes to it as an image of its own.
+        """
+        self._warp.run(
+            attrs.evolve(given, late=_swapped(given.late, picture_of), others=tuple(_swapped(o, picture_of) for o in given.others)), into
+        )
+
+
+def _swapped(image: EyeImage, picture_of: PictureOf) -> EyeImage:
+    layers = tuple(attrs.evolve(layer, colour=picture_of(as_image(image, layer))) for layer in image.layers)
+    return attrs.evolve(image, colour=picture_of(image), layers=layers)
+
+
+def as_image(image: EyeImage, layer) -> EyeImage:
+    """A layer as an image of its own."""
+    return EyeImage(image.view, layer.colour, layer.inverse_depth, drawn_ns=image.drawn_ns)
+
+
+def pictures_read(needs: Needs) -> int:
+    """How many pictures with depth of one eye a warp with these needs reads at most."""
+    return (1 + needs.layers) * (1 + needs.past + needs.other_eye)
+
+
+class ShownDepth:
+    """The shown picture's inverse depth: that of each late pixel in the shown view, carried along with its colour.
+
+    It passes through a half float: 2^-11 of the depth, which at 1000 pixels a radian moves what is 1 m away by 0.05 pixels when the head
+    moves 10 cm more.
+    """
+
+    def __init__(self, gpu: Gpu, carry: Carry, pictures: int, late_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
+        self._gpu, self._carry, self._size = gpu, carry, shown_size
+        self._here, self._take = (gpu.shaders.compute("fills/shown_depth.comp", PASS=k) for k in range(2))
+        self._late = [allocate(gpu.gl, late_size, COLOUR) for _ in range(pictures if carry.works else 0)]
+        self._carried = Canvas(gpu.gl, shown_size)
+
+    def run(self, given: Given, into: moderngl.Texture) -> None:
+        """Into r32f; -1 where the warp left a hole, and everywhere if it cannot carry."""
+        if self._carry.works:
+            free = iter(self._late)
+            self._carry.along(given, lambda image: self._seen_from_here(image, given, next(free)), self._carried)
+        else:
+            self._carried.clear()
+        self._barrier()
+        self._carried.texture.bind_to_image(0, read=True, write=False)
+        into.bind_to_image(1, read=False, write=True)
+        self._take.uniforms.set(carried=0, shown_inverse_depth=1, shown_size=self._size)
+        self._take.run(*self._size)
+        self._barrier()
+
+    def _seen_from_here(self, image: EyeImage, given: Given, into: moderngl.Texture) -> moderngl.Texture:
+        forward = WarpMap.between(image.view, image.size, given.shown, self._size)
+        image.inverse_depth.bind_to_image(0, read=True, write=False)
+        into.bind_to_image(1, read=False, write=True)
+        self._here.uniforms.set(late_inverse_depth=0, here=1, late_size=image.size, H=forward.H, e=forward.e)
+        self._here.run(*image.size)
+        self._barrier()
+        return into
+
+    def _barrier(self) -> None:
+        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        """Free its textures."""
+        for texture in self._late:
+            texture.release()
+        self._carried.release()

@@ -1,0 +1,21 @@
+"""The shown picture on its way through fills and effects."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ..gpu.textures import Canvas
+
+
+@attrs.frozen(eq=False)
+class ShownPicture:
+    """colour: rgba16f, linear, coverage in alpha. inverse_depth: r32f of the same size, 1/m in the shown view, -1 where it is not known
+    (a hole, or a guess without depth); None where no pass of the plan reads it."""
+
+    colour: Canvas
+    inverse_depth: moderngl.Texture | None = None

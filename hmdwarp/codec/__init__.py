@@ -1,0 +1,12 @@
+"""What frames weigh on the network, and what is left of them: colour through a video codec, depth through a code of its own."""
+
+from .codecs import CODECS, Codec, check_codec
+from .coder import Decoder, Encoder, Packet, Picture
+from .depth import STEP, decode_depth, encode_depth
+from .errors import Undecodable
+from .layers import packed_bytes
+
+__all__ = [
+    "CODECS", "STEP", "Codec", "Decoder", "Encoder", "Packet", "Picture", "Undecodable", "check_codec", "decode_depth", "encode_depth",
+    "packed_bytes",
+]  # fmt: skip

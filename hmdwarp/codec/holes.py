@@ -1,0 +1,21 @@
+"""What goes into the video where nothing was drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def covered(colour: NDArray[np.uint8], inverse_depth: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """The picture with each hole coloured like the last covered pixel before it in its row, or the first after it.
+
+    A black hole would bleed into the pixels beside it, by the code's blocks and by chroma of half the resolution, and cost bytes. The
+    depth says where the holes are; the decoder empties them. Without holes the picture itself comes back.
+    """
+    hole = inverse_depth < 0
+    if not hole.any():
+        return colour
+    columns = np.where(hole, -1, np.arange(hole.shape[1], dtype=np.int32))
+    before = np.maximum.accumulate(columns, axis=1)
+    first = np.argmin(hole, axis=1)  # 0 where the whole row is a hole: it stays as it is
+    return np.take_along_axis(colour, np.where(before < 0, first[:, None], before)[..., None], axis=1)
