@@ -26,14 +26,13 @@ def inflated(data: bytes, size: int) -> NDArray[np.uint8]:
 
 
 def packed_bytes(layer: NDArray) -> int:
-    """How many bytes a layer, (h, w) or (h, w, channels) of any kind of number, takes packed without loss: each value as its difference,
-    bit by bit, from the one to its left, equal bytes of all values together. Nothing is kept but the number.
+    """How many bytes a layer, (h, w) or (h, w, channels) of any kind of number, takes packed without loss: each byte of a value as its
+    difference from that of the pixel before, equal bytes of all pixels together. Nothing is kept but the number.
     """
     layer = np.ascontiguousarray(layer)
     if layer.size == 0:
         return 0
-    size = layer.dtype.itemsize
-    rows = layer.view(np.uint8).reshape(*layer.shape, size) if layer.ndim > 2 else layer.view(np.uint8).reshape(*layer.shape, 1, size)
-    left = rows.copy()
-    left[:, 1:] -= rows[:, :-1]
-    return len(deflated(np.moveaxis(left, (2, 3), (0, 1)).ravel()))
+    pixels = layer.reshape(layer.shape[0] * layer.shape[1], -1).view(np.uint8)
+    changes = pixels.copy()
+    changes[1:] -= pixels[:-1]
+    return len(deflated(changes.T.ravel()))

@@ -1,7 +1,8 @@
 """One stream of colour pictures through a video codec, by PyAV: a picture in, its bytes out at once; and back.
 
-8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709, limited range (luma 16 to 235): what every decoder in hardware takes. Both ends say
-so instead of trusting defaults, which differ between programs. The values are sRGB's, and the stream's tags say that too.
+8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709, limited range (luma 16 to 235): what
+every decoder in hardware takes. Both ends say so instead of trusting defaults, which differ between programs. The values are sRGB's,
+and the stream's tags say that too.
 """
 
 from __future__ import annotations
@@ -148,7 +149,7 @@ def _from_yuv(frame: Any, size: tuple[int, int]) -> NDArray[np.uint8]:
 def _exact() -> Any:
     """How chroma comes back to full resolution: 10 ms for 1280x800 instead of 5, 1.8 dB better, and right in the mean.
 
-    Without the two flags all colours come back 1 to 1.5 levels too dark. PyAV had none of them before 14.
+    Without the two flags all colours come back 1 to 1.5 levels too dark. An older PyAV may lack them.
     """
     from av.video.reformatter import Interpolation
 
