@@ -7,12 +7,11 @@ import functools
 import attrs
 import numpy as np
 import pytest
+from coded_frames import moving
 
 from hmdwarp.codec import CODECS, STEP, Codec, Decoder, Encoder, Undecodable, check_codec
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import InputError, MachineError, UnknownNameError
-
-from .pictures import moving
 
 pytest.importorskip("av")
 VIDEO = [codec.name for codec in CODECS if not codec.is_none]
