@@ -129,10 +129,12 @@ def _textures(part: Any) -> Iterator[moderngl.Texture]:
 class Frame:
     """Both eyes as the server drew them at `drawn_ns`; `effects` is what the scene called for.
 
-    head: world_from_head the frame was asked for, and how that was obtained; None where only the views are known.
+    head: world_from_head the frame was asked for, and how that was obtained; None where only the views are known. took_ms: what was
+    measured on its way, by name (render, encode, decode); whoever does the work enters it.
     """
 
     eyes: tuple[EyeImage, ...]
     drawn_ns: int
     effects: SceneEffect = SceneEffect.NONE
     head: PoseSample | None = None
+    took_ms: dict[str, float] = attrs.field(factory=dict)

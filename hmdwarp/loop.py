@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 import attrs
 
 from .client.given import Given
+from .link import ResponseTime
 
 if TYPE_CHECKING:
+    from .channel import Channel
     from .client.compensator import Compensator, EyeResult
     from .client.history import History
     from .client.plan import Plan
     from .frame import Frame, Needs
     from .headsets import Headset
-    from .link import ConstantLink
     from .poses import PoseSample
     from .rig import Requested
     from .server import Server
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class Refresh:
-    """One picture pair: when and for which head it was made, from which frame, by which plan, what its passes were given, and what
-    came out (overwritten at the next)."""
+    """One picture pair: when and for which head it was made, from which frame, by which plan, what its passes were given, what
+    came out (overwritten at the next), and the response time by its parts."""
 
     shown_ns: int
     head: PoseSample
@@ -32,6 +33,7 @@ class Refresh:
     given: tuple[Given, ...]
     eyes: tuple[EyeResult, ...]
     stage_ms: tuple[tuple[tuple[str, float], ...], ...]
+    response: ResponseTime
 
     @property
     def age_ns(self) -> int:
@@ -43,21 +45,24 @@ class Loop:
     """One refresh after the other: `draw` what the server sends now, `show` what has arrived by the display instant."""
 
     def __init__(
-        self, requested: Requested, server: Server, link: ConstantLink, history: History, compensator: Compensator, headset: Headset
+        self, requested: Requested, server: Server, channel: Channel, history: History, compensator: Compensator, headset: Headset
     ) -> None:
-        self._requested, self._server, self._link, self._history = requested, server, link, history
+        self._requested, self._server, self._channel, self._history = requested, server, channel, history
         self._compensator, self._headset = compensator, headset
 
     def draw(self, now_ns: int) -> None:
         """The server draws both eyes for the pose it is asked for now, and the frame goes on its way."""
         asked = self._requested
         head = asked.for_server(now_ns)
-        frame = self._server.draw_frame(self._headset.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
-        self._link.send(attrs.evolve(frame, head=head), now_ns)
+        timer = self._server.gpu.timer
+        with timer.stage("render"):
+            frame = self._server.draw_frame(self._headset.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
+        frame.took_ms["render"] = sum(milliseconds for _, milliseconds in timer.collect())
+        self._channel.send(attrs.evolve(frame, head=head), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head at `shown_ns`; None before the first frame has arrived."""
-        frame = self._link.newest(shown_ns)
+        frame = self._channel.newest(shown_ns)
         if frame is None:
             return None
         head = self._requested.for_display(shown_ns)
@@ -68,7 +73,12 @@ class Loop:
             times.append(tuple(self._compensator.gpu.timer.collect()))
         plan = self._compensator.plan
         self._compensator.took(times)
-        return Refresh(shown_ns, head, frame, plan, given, tuple(eyes), tuple(times))
+        return Refresh(shown_ns, head, frame, plan, given, tuple(eyes), tuple(times), self._response(frame, times))
+
+    def _response(self, frame: Frame, times: list[tuple[tuple[str, float], ...]]) -> ResponseTime:
+        took = {f"{name}_ms": milliseconds for name, milliseconds in frame.took_ms.items()}
+        warp_ms = sum(milliseconds for stages in times for _, milliseconds in stages)
+        return ResponseTime.of(self._channel.passage, warp_ms=warp_ms, **took)
 
     def given(self, refresh: Refresh, needs: Needs) -> tuple[Given, ...]:
         """What another plan with these needs is given at the refresh just shown; frames must carry as much, see Requested.needs."""

@@ -35,6 +35,7 @@ class Probe:
         self._unfused = self._without_lens()
         self._against = self._baseline()
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
+        self._empty: dict[str, list[float]] = {}
         self.against_ms: dict[tuple[int, int], tuple[tuple[str, float], ...]] = {}
 
         if rig.options.scanout_ms:
@@ -65,7 +66,10 @@ class Probe:
             # The neighbour of a measured refresh is read for flicker alone.
             truth = draw_truth(self._rig.server, refresh.given[eye], self._rig.size, depth=number % self._every == 0)
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
-            self._take(number, eye, MAIN, late, self._before_lens(refresh, eye), picture, depth)
+            result = self._before_lens(refresh, eye)
+            self._take(number, eye, MAIN, late, result, picture, depth)
+            if depth is not None:
+                self._count_filled(result)
             if self._against is not None:
                 self._look_against(number, eye, refresh, picture, depth)
 
@@ -82,6 +86,22 @@ class Probe:
         self._take(number, eye, AGAINST, given.late, other, truth, depth)
         if whole is not None:
             server.pool(whole.size).release(whole.colour)
+
+    def _count_filled(self, result: EyeResult) -> None:
+        for name, canvas in (("warp", result.warped), *result.filled):
+            self._empty.setdefault(name, []).append(float((download(canvas.texture)[..., 3] == 0).mean()))
+
+    def filled_shares(self) -> dict[str, float]:
+        """What share of all pixels of the measured pictures each fill of the chain filled, and what was left ("empty").
+
+        Without warp "auto": its chain changes, so a share of the whole would mean nothing.
+        """
+        if self._rig.auto is not None or not self._empty:
+            return {}
+        left = {name: sum(shares) / len(shares) for name, shares in self._empty.items()}
+        names = list(left)
+        filled = {name: left[before] - left[name] for before, name in zip(names, names[1:], strict=False)}
+        return {**filled, "empty": left[names[-1]]}
 
     def _before_lens(self, refresh: Refresh, eye: int) -> EyeResult:
         if self._unfused is None:

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import attrs
 
+from .codec import Coding
 from .errors import InputError
+from .link import LinkOptions
 from .poses.options import TraceOptions
 
 AUTO = "auto"  # the warp that chooses among the others
@@ -49,8 +51,8 @@ def number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False
 class RunOptions:
     """One run: the same names and defaults as the command line's.
 
-    effects: as scenes.effects.asked_effects: "auto" for what the scene calls for, else what is forced or forbidden.
-
+    network: what lies between, beside the latency. coding: whether frames are encoded and decoded on the way. effects: as
+    scenes.effects.asked_effects has it, "auto" for what the scene calls for, else what is forced or forbidden.
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
@@ -67,6 +69,8 @@ class RunOptions:
     latency_ms: float = attrs.field(default=200.0, validator=number("latency", " ms"))
     warp: str = "forward"
     fill: str = "interpolate"
+    network: LinkOptions = attrs.field(factory=LinkOptions)
+    coding: Coding = attrs.field(factory=Coding)
     effects: str = "auto"
     lens: str = "radial"
     headset: str = "rift-dk1"

@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from .autolog import auto_entry, auto_note
+from .link import medians
 from .metrics.pool import QualityPool
 from .metrics.summary import aggregate
 from .metrics.worst import Kept
@@ -42,10 +43,12 @@ class ReplayResult:
         return self.folder / "report.html"
 
 
-def outcome_of(rig: Rig, rows: list[Row], compared: list[Row] | None) -> ReplayResult:
-    """The summaries of a run and, if there was one, of the warp that ran beside it."""
-    options = rig.options
+def outcome_of(rig: Rig, log: RunLog, compared: list[Row] | None, filled: dict[str, float]) -> ReplayResult:
+    """The summaries of a run and, if there was one, of the warp that ran beside it. filled: as Probe.filled_shares."""
+    options, rows = rig.options, log.rows
     summary = summary_of(rig, options.warp, options.fill if rig.auto is None else options.warp, options.lens, rows)
+    summary["link"] = {**rig.channel.summary(rig.timetable.rate_hz), "response_ms": medians(log.responses)}
+    summary["filled"] = filled
     if rig.auto is not None:
         summary["auto"] = auto_entry(rig.auto, rows)
         summary["notes"] = [*rig.notes, auto_note(summary["auto"], rows)]

@@ -9,6 +9,7 @@ from contextlib import nullcontext
 import numpy as np
 
 from .colour import picture_from_linear
+from .errors import InputError
 from .gpu.textures import download
 from .loop import Refresh
 from .measuring import AGAINST, MAIN, Probe
@@ -43,7 +44,7 @@ def replay(
             log = _run(rig, probe, out, progress)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
-        result = outcome_of(rig, log.rows, compared)
+        result = outcome_of(rig, log, compared, probe.filled_shares())
         write_outcome(rig, out, log, result, compared, pool)
     return result
 
@@ -62,7 +63,14 @@ def _run(rig: Rig, probe: Probe, out: OutputFolder, progress: Progress) -> RunLo
                     video.add(_panels(refresh))
                 number += 1
             progress(number, times.count)
+    if not number:
+        raise InputError(_nothing_arrived(rig))
     return log
+
+
+def _nothing_arrived(rig: Rig) -> str:
+    counts = ", ".join(f"{name} {count}" for name, count in rig.channel.link.tally.as_dict().items() if count)
+    return f"no frame has arrived in time to be shown ({counts}): use less loss, more bandwidth, or a longer part of the trace"
 
 
 def _video(rig: Rig, out: OutputFolder):

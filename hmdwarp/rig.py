@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 
 import attrs
 import numpy as np
 
+from .channel import Channel, Coder
 from .client.adaptive import AdaptiveCompensator
 from .client.choice import Rung
 from .client.compensator import Compensator
@@ -17,13 +18,13 @@ from .client.governor import Governor
 from .client.history import History
 from .client.plan import Plan, build_plan, needs_of
 from .client.weight import EyeSizes, eye_bytes
+from .codec import CODECS, check_codec
 from .errors import InputError, MachineError
 from .frame import Needs
 from .geometry.cube import cube_size
 from .gpu.context import Gpu
 from .gpu.textures import check_size
 from .headsets import Headset, load_headset
-from .link import ConstantLink
 from .loop import Loop
 from .options import AUTO, RunOptions
 from .poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, load_trace
@@ -72,7 +73,14 @@ def refreshes_of(latency_ms: float, rate_hz: float) -> int:
 
 def frames_held(options: RunOptions, rate_hz: float, needs: Needs) -> int:
     """The most frames there are at a time: under way, shown, being drawn, and older ones kept."""
-    return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.past
+    if options.network.is_plain:
+        return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.past
+    return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.past
+
+
+def latency_ns(options: RunOptions) -> int:
+    """What was asked for."""
+    return round(options.latency_ms * 1e6)
 
 
 @attrs.frozen
@@ -92,9 +100,9 @@ class Timetable:
         """From drawing to showing, within 1 ns."""
         return round(self.age * 1e9 / self.rate_hz)
 
-    def link_latency_ns(self, latency_ms: float) -> int:
+    def link_latency_ns(self, options: RunOptions) -> int:
         """What the link delays by: no more than lies between any two refreshes `age` apart, which are rounded to whole ns."""
-        return min(round(latency_ms * 1e6), max(0, self.age_ns - 2))
+        return min(latency_ns(options), max(0, self.age_ns - 2)) if options.network.is_plain else latency_ns(options)
 
     def instants(self) -> Iterator[tuple[int, bool]]:
         """(time_ns, shown): the refreshes before the first shown one only draw, so that a frame has arrived by then."""
@@ -113,7 +121,8 @@ def timetable(track: PoseTrack, options: RunOptions, rate_hz: float) -> Timetabl
         raise InputError(f"the trace '{track.name}' has a single sample: wanted head motion over time")
     if options.start_s >= length_s:
         raise InputError(f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end")
-    age = refreshes_of(options.latency_ms, rate_hz)
+    options.network.check(latency_ns(options))
+    age = refreshes_of(options.network.longest_ns(latency_ns(options)) / 1e6, rate_hz)
     if age / rate_hz > length_s:
         raise InputError(
             f"latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame would arrive; "
@@ -158,7 +167,7 @@ class Rig:
     timetable: Timetable
     gpu: Gpu
     server: Server
-    link: ConstantLink
+    channel: Channel
     history: History
     loop: Loop
     auto: AdaptiveCompensator | None
@@ -196,6 +205,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     """
     if options.predict not in PREDICTORS:
         raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
+    check_codec(options.coding.codec)
     headset = load_headset(options.headset)
     plans_for(options, headset, None, rungs)
     trace = load_trace(options.trace, options.trace_options)
@@ -213,8 +223,8 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
         stack.callback(server.close)
         history = History(needs.past, needs.past_spacing_ns, server.recycle)
         stack.callback(history.close)
-        link: ConstantLink = ConstantLink(times.link_latency_ns(options.latency_ms), history.offer)
-        stack.callback(link.close)
+        channel = _channel(options, headset, times, plans, history, server)
+        stack.callback(channel.close)
         compensators = []
         for plan in plans:
             compensators.append(_compensator(gpu, plan, headset, size, options.guard, server))
@@ -224,12 +234,27 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
         source = RecordedSource(track)
         source.start()
         stack.callback(source.close)
-        predicted = predictor(track, options.predict, times.age_ns, options.horizon_ms)
+        predicted = predictor(track, options.predict, _expected_age_ns(options, times), options.horizon_ms)
         requested = Requested(source, predicted, size, options.guard, needs, round(options.scanout_ms * 1e6))
-        loop = Loop(requested, server, link, history, compensator, headset)
+        loop = Loop(requested, server, channel, history, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
         told = (options, trace, track, scene, headset, size, compensator.plan, times)
-        return Rig(*told, gpu, server, link, history, loop, auto, notes, stack.pop_all())
+        return Rig(*told, gpu, server, channel, history, loop, auto, notes, stack.pop_all())
+
+
+def _expected_age_ns(options: RunOptions, times: Timetable) -> int:
+    """How old a frame will be when it is seen, as far as one can know."""
+    return times.age_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+
+
+def _channel(options: RunOptions, headset: Headset, times: Timetable, plans: Sequence[Plan], history: History, server: Server) -> Channel:
+    reads = {name for plan in plans for name in plan.layers}
+    sizes = eye_sizes(options, headset)
+    weight = 2 * sum(eye_bytes(needs_of(plans), sizes, reads).values())
+    coder = None
+    if not CODECS.get(options.coding.codec).is_none:
+        coder = Coder(options.coding, sizes.late, times.rate_hz, sends_depth="late.inverse_depth" in reads)
+    return Channel(options.network, times.link_latency_ns(options), coder, weight, history.offer, server.recycle)
 
 
 def _adaptive(options: RunOptions, rungs: tuple[Rung, ...], compensators: list[Compensator]) -> AdaptiveCompensator:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .link import ResponseTime
 from .loop import Refresh
 from .metrics import QUALITY
 from .poses import Origin, PoseSample, PoseTrack
@@ -19,7 +20,8 @@ _NOT_MEASURED = dict.fromkeys(QUALITY)
 
 
 class RunLog:
-    """`rows` are what the figures are made from, two for each refresh; `frames_csv` adds the poses, which both eyes share.
+    """`rows` are what the figures are made from, two for each refresh; `frames_csv` adds the poses, which both eyes share; `responses`: one
+    response time for each refresh.
 
     Poses are kept as they are and turned into columns only while they are written: ten minutes at 60 Hz are 72,000 rows.
     """
@@ -27,6 +29,7 @@ class RunLog:
     def __init__(self, track: PoseTrack) -> None:
         self._track = track
         self.rows: list[Row] = []
+        self.responses: list[ResponseTime] = []
         self._heads: list[tuple[PoseSample, PoseSample | None]] = []
 
     def add(self, refresh: Refresh) -> None:
@@ -34,6 +37,7 @@ class RunLog:
         number = len(self._heads)
         turning, moving = speeds(self._track, refresh.shown_ns)
         self._heads.append((refresh.head, refresh.frame.head))
+        self.responses.append(refresh.response)
         for eye, stages in enumerate(refresh.stage_ms):
             self.rows.append(
                 {

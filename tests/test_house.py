@@ -33,6 +33,7 @@ FLOORS = [
     {"client"},
     {"metrics"},
     {"report"},
+    {"channel"},
     {"options", "frame_files", "catalogue", "loop"},
     {"rig", "image"},
     {"truth"},
@@ -61,7 +62,7 @@ APART = {
     "doctor": {"client", "server", "scenes", "poses"},
     "_probes": {"client", "server", "scenes", "poses"},
 }
-CLOCK_READERS = {"gpu/timers.py", "loop.py", "replay.py", "live.py", "bench.py", "doctor.py"}
+CLOCK_READERS = {"gpu/timers.py", "channel.py", "loop.py", "replay.py", "live.py", "bench.py", "doctor.py"}
 CLOCK_FOLDERS = ("cli/", "loop/", "replay/", "live/", "bench/")
 HEAVY = ("scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL", "jinja2", "rich")
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from replays import run, small
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import ConstantLink
+from hmdwarp.link import Link, LinkOptions
 from hmdwarp.poses import PoseTrack
 from hmdwarp.rig import refreshes_of, timetable
 
@@ -25,7 +25,7 @@ def track(seconds: float) -> PoseTrack:
 
 def shown_ages(times, latency_ms: float) -> list[int | None]:
     """What the loop would show: the age of the newest frame at every shown refresh, in ns, None where none has arrived."""
-    link: ConstantLink[int] = ConstantLink(times.link_latency_ns(latency_ms))
+    link: Link[int] = LinkOptions().link(times.link_latency_ns(small(latency_ms=latency_ms)))
     ages = []
     for now_ns, shown in times.instants():
         link.send(now_ns, now_ns)

@@ -344,7 +344,7 @@ def most_held(options) -> tuple[int, int]:
             rig.loop.draw(instant_ns)
             if shown:
                 rig.loop.show(instant_ns)
-            most = max(most, len(rig.link))
+            most = max(most, len(rig.channel.link))
         return most, rig.server.pool(rig.size).made
 
 

@@ -11,7 +11,7 @@ from ..client.choices import every_warp, parse_warp
 from ..client.history import History
 from ..client.plan import Plan, build_plan
 from ..frame import Needs
-from ..link import ConstantLink
+from ..link import Link, LinkOptions
 from ..options import RunOptions
 from ..poses import PoseTrack
 from ..rig import Timetable, refreshes_of, timetable
@@ -135,7 +135,7 @@ def frames_used(times: Timetable, link_ns: int, needs: Needs, looked_at: Iterabl
     """
     wanted, used = set(looked_at), set()
     history = History(needs.past, needs.past_spacing_ns, lambda frame: None)
-    link: ConstantLink = ConstantLink(link_ns, history.offer)
+    link: Link = LinkOptions().link(link_ns, history.offer)
     for number, instant_ns in numbered(times):
         link.send(_Drawn(instant_ns), instant_ns)
         newest = link.newest(instant_ns)

@@ -57,7 +57,7 @@ def refreshes(rig: Rig, needs: Needs, numbers: Collection[int]) -> Iterator[tupl
     They are what the whole run would show, but only the frames they use are drawn.
     """
     times = rig.timetable
-    used = frames_used(times, rig.link.latency_ns, needs, numbers)
+    used = frames_used(times, rig.channel.latency_ns, needs, numbers)
     for number, instant_ns in numbered(times):
         if instant_ns in used:
             rig.loop.draw(instant_ns)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..channel import Channel
 from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import needs_of
@@ -16,7 +17,7 @@ from ..colour import picture_from_linear
 from ..errors import HmdwarpError
 from ..geometry import Pose
 from ..gpu.textures import download
-from ..link import ConstantLink
+from ..link import LinkOptions
 from ..loop import Loop
 from ..metrics.job import Compared, QualityJob
 from ..metrics.pool import QualityPool
@@ -98,10 +99,10 @@ def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack
     needs = needs_of(c.plan for c in warps)
     history = History(needs.past, needs.past_spacing_ns, rig.server.recycle)
     stack.callback(history.close)
-    link: ConstantLink = ConstantLink(0, history.offer)
-    stack.callback(link.close)
+    channel = Channel(LinkOptions(), 0, None, 0, history.offer, rig.server.recycle)
+    stack.callback(channel.close)
     main: Compensator = rig.compensator(rig.plan)
-    loop = Loop(Requested(source, None, rig.size, rig.options.guard, needs), rig.server, link, history, main, rig.headset)
+    loop = Loop(Requested(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset)
     for back in range(needs.past, -1, -1):
         loop.draw(-back * max(1, needs.past_spacing_ns))
     return loop

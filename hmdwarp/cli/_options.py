@@ -44,6 +44,14 @@ Scanout = Annotated[float, typer.Option("--scanout", help="Milliseconds the disp
 FollowScanout = Annotated[
     bool, typer.Option("--follow-scanout/--no-follow-scanout", help="Warp each row for its own instant, or all for the middle one.")
 ]
+Jitter = Annotated[str, typer.Option("--jitter", help="Delays around the latency: uniform:MS or normal:MS (standard deviation).")]
+DelayTrace = Annotated[Path | None, typer.Option("--delay-trace", help="CSV of delays in ms, instead of the latency.", show_default=False)]
+Loss = Annotated[str, typer.Option("--loss", help="Lost frames: a share, or bursts like p=0.02,r=0.3 (Gilbert-Elliott).")]
+Bandwidth = Annotated[str, typer.Option("--bandwidth", help="Mbit/s of the link; with ,queue=MS the longest wait before it.")]
+LinkSeed = Annotated[int, typer.Option("--link-seed", help="Of jitter and loss.")]
+Codec = Annotated[str, typer.Option("--codec", help=f"{names_in('codec/codecs')}: what frames are encoded by and decoded from.")]
+Crf = Annotated[int | None, typer.Option("--crf", help="The codec's quality, 0 (best) to 51.", show_default=False)]
+Bitrate = Annotated[float | None, typer.Option("--bitrate", help="Mbit/s of one eye's colour, instead of a quality.", show_default=False)]
 Predict = Annotated[str, typer.Option("--predict", help="Pose the server draws for: none (now's) or constant_velocity.")]
 Horizon = Annotated[float, typer.Option("--horizon", help="Milliseconds to predict ahead at most.")]
 TraceFormat = Annotated[str | None, typer.Option("--format", help="Trace format, instead of finding out.", show_default=False)]
@@ -75,3 +83,10 @@ def lens_for(lens: str | None, headset: str) -> str:
     from ..headsets import load_headset
 
     return "radial" if load_headset(headset).lens is not None else "none"
+
+
+def network_of(jitter: str, delay_trace: Path | None, loss: str, bandwidth: str, seed: int):
+    """What lies between, from the texts of the options. Errors: InputError."""
+    from ..link import LinkOptions
+
+    return LinkOptions.parse(jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=seed)

@@ -31,6 +31,14 @@ def replay(
     fused: o.Fused = False,
     scanout: o.Scanout = 0.0,
     follow_scanout: o.FollowScanout = True,
+    jitter: o.Jitter = "",
+    delay_trace: o.DelayTrace = None,
+    loss: o.Loss = "",
+    bandwidth: o.Bandwidth = "",
+    link_seed: o.LinkSeed = 0,
+    codec: o.Codec = "none",
+    crf: o.Crf = None,
+    bitrate: o.Bitrate = None,
     predict: o.Predict = "none",
     horizon: o.Horizon = 100.0,
     out: Annotated[Path, typer.Option("--out", help="Folder for summary.json, frames.csv, images/ and report.html.")] = Path("out/replay"),
@@ -50,6 +58,7 @@ def replay(
     segment: o.Segment = None,
 ) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it against no latency at all."""
+    from ..codec import Coding
     from ..options import RunOptions, parse_size
     from ..poses.options import TraceOptions
 
@@ -60,6 +69,8 @@ def replay(
         warp=warp,
         fill=o.fill_for(warp, fill, fused),
         effects=effects,
+        network=o.network_of(jitter, delay_trace, loss, bandwidth, link_seed),
+        coding=Coding(codec, crf, bitrate),
         budget_ms=budget,
         bench=bench,
         lens=o.lens_for(lens, headset),

@@ -2,11 +2,12 @@
 
 from .codecs import CODECS, Codec, check_codec
 from .coder import Decoder, Encoder, Packet, Picture
+from .coding import Coding
 from .depth import STEP, decode_depth, encode_depth
 from .errors import Undecodable
 from .layers import packed_bytes
 
 __all__ = [
-    "CODECS", "STEP", "Codec", "Decoder", "Encoder", "Packet", "Picture", "Undecodable", "check_codec", "decode_depth", "encode_depth",
-    "packed_bytes",
+    "CODECS", "STEP", "Codec", "Coding", "Decoder", "Encoder", "Packet", "Picture", "Undecodable", "check_codec", "decode_depth",
+    "encode_depth", "packed_bytes",
 ]  # fmt: skip

@@ -142,7 +142,7 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
                 whole[number] = seen(rig.loop.show(instant_ns), rig)
     with build_rig(small(latency_ms=latency_ms), needs) as rig:
         few = {number: seen(refresh, rig) for number, refresh in refreshes(rig, needs, looked_at)}
-        used = frames_used(rig.timetable, rig.link.latency_ns, needs, looked_at)
+        used = frames_used(rig.timetable, rig.channel.latency_ns, needs, looked_at)
     assert few == {number: whole[number] for number in sorted(looked_at)}
     assert len(used) <= len(looked_at) * (1 + needs.past)
 
