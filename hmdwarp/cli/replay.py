@@ -100,6 +100,7 @@ def replay(
 def _run(options, quiet: bool) -> None:
     from ..replay import replay as run
     from ..report.tables import summary_table
+    from ..report.way import told_lines
     from ._show import console, steps
 
     with steps("refreshes", quiet=quiet) as (progress, screen):
@@ -107,6 +108,8 @@ def _run(options, quiet: bool) -> None:
     if quiet:
         return
     console().print(summary_table(result.summary, result.against))
+    for line in told_lines(result.summary):
+        typer.echo(line)
     for note in result.summary["notes"]:
         typer.echo(f"note: {note}")
     typer.echo(f"report: {result.report}")

@@ -12,6 +12,7 @@ from ..metrics.worst import Kept
 from .charts import Series, time_series
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
+from .way import coding_rows, filled_rows, frame_rows, response_rows
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -103,6 +104,10 @@ def render_report(
         worst=[_worst(frame) for frame in worst],
         measured=_measured(summary),
         auto=_auto(summary),
+        filled=filled_rows(summary),
+        response=response_rows(summary),
+        frames=frame_rows(summary),
+        coding=coding_rows(summary),
         clock={"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}[summary["clock"]],
     )
 

@@ -37,7 +37,14 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
         "schema": 1, "hmdwarp": "0.1.0", "trace": "look-around", "scene": "room", "effects": [], "latency_ms": 200.0, "warp": warp,
         "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "size": [640, 400], "frames": len(rows) // 2,
         "machine": {"gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)", "gl_version": "4.5 (Core Profile) Mesa 22.3.6", "cpu_count": 2},
-        "clock": "wall", **aggregate(rows),
+        "clock": "wall", **aggregate(rows), "filled": {"memory": 0.031, "pyramid": 0.02, "empty": 0.0},
+        "link": {
+            "frames": {"drawn": 120, "sent": 120, "dropped": 0, "lost": 3, "undecodable": 0, "late": 1, "superseded": 2, "shown": 100,
+                       "under_way": 14},
+            "mbit_s": 21.4, "frame_bytes": 44583.0, "codec": "h264", "encode_ms": 7.2, "decode_ms": 4.7, "coded_psnr_db": 38.1,
+            "response_ms": {"render_ms": 20.0, "encode_ms": 7.2, "queue_ms": 0.0, "transfer_ms": 8.9, "round_trip_ms": 200.0,
+                            "decode_ms": 4.7, "warp_ms": 31.5, "total_ms": 272.3},
+        },
     }  # fmt: skip
 
 

@@ -1,0 +1,38 @@
+"""What became of the frames and of the holes, as people read it."""
+
+import pytest
+
+from hmdwarp.report.way import coding_rows, filled_rows, frame_rows, response_rows, told_lines
+
+from .samples import a_summary
+
+
+def test_each_part_is_told_once_and_what_is_nothing_is_left_out():
+    summary = a_summary()
+    assert filled_rows(summary) == [("fill memory", "3.10 %"), ("fill pyramid", "2.00 %"), ("left empty", "0.00 %")]
+    assert "waiting for earlier frames" not in dict(response_rows(summary))
+    assert response_rows(summary)[-1] == ("response time", "272.30 ms")
+    assert dict(frame_rows(summary)) == {
+        "drawn": "120",
+        "sent": "120",
+        "lost on the network": "3",
+        "came after a newer one was shown": "1",
+        "a newer one came by the same refresh": "2",
+        "shown": "100",
+        "still under way at the end": "14",
+    }
+    assert coding_rows(summary)[0] == ("rate, both eyes", "21.4 Mbit/s")
+
+
+@pytest.mark.parametrize("rows", [filled_rows, response_rows, frame_rows, coding_rows, told_lines])
+def test_a_summary_that_does_not_say_is_told_as_nothing(rows):
+    summary = {key: value for key, value in a_summary().items() if key not in ("link", "filled")}
+    assert rows(summary) == []
+
+
+def test_the_terminal_hears_of_a_plain_run_no_more_than_before():
+    summary = a_summary()
+    assert len(told_lines(summary)) == 3
+    plain = {"codec": "none", "mbit_s": 100.0, "frames": {"drawn": 10, "sent": 10, "shown": 8, "under_way": 2}, "response_ms": None}
+    assert told_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
+    assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]
