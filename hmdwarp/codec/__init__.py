@@ -3,11 +3,11 @@
 from .codecs import CODECS, Codec, check_codec
 from .coder import Decoder, Encoder, Packet, Picture
 from .coding import Coding
-from .depth import STEP, decode_depth, encode_depth
+from .depth import STEP, DepthDecoder, DepthEncoder
 from .errors import Undecodable
 from .layers import packed_bytes
 
 __all__ = [
-    "CODECS", "STEP", "Codec", "Coding", "Decoder", "Encoder", "Packet", "Picture", "Undecodable", "check_codec", "decode_depth",
-    "encode_depth", "packed_bytes",
+    "CODECS", "STEP", "Codec", "Coding", "Decoder", "DepthDecoder", "DepthEncoder", "Encoder", "Packet", "Picture", "Undecodable",
+    "check_codec", "packed_bytes",
 ]  # fmt: skip

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import InputError
 from .codecs import CODECS, Codec
-from .depth import decode_depth, encode_depth
+from .depth import DepthDecoder, DepthEncoder
 from .errors import Undecodable
 from .holes import covered
 from .stream import ColourDecoder, ColourEncoder
@@ -73,6 +73,7 @@ class Encoder:
             raise InputError(f"key frames every {key_every_s:g} s: wanted a time above 0")
         self.size = size
         self._colour = ColourEncoder(_coding(codec), size, rate_hz, crf, bitrate_mbit)
+        self._depth = DepthEncoder(size)
         self._key_every = max(1, round(key_every_s * rate_hz)) if key_every_s is not None else None
         self._number, self._last_key = 0, 0
         self._key_wanted = True
@@ -87,7 +88,7 @@ class Encoder:
         number = self._number
         is_due = self._key_every is not None and number - self._last_key >= self._key_every
         colour, key = self._colour.encode(covered(colour_srgb, inverse_depth), self._key_wanted or is_due)
-        packet = Packet(number, key, colour, encode_depth(inverse_depth))
+        packet = Packet(number, key, colour, self._depth.encode(inverse_depth))
         self._number, self._key_wanted = number + 1, False
         self._last_key = number if key else self._last_key
         return packet
@@ -99,6 +100,7 @@ class Decoder:
     def __init__(self, codec: str | Codec, size: tuple[int, int]) -> None:
         self.size = size
         self._colour = ColourDecoder(_coding(codec), size)
+        self._depth = DepthDecoder(size)
         self._next: int | None = None  # None: only a key frame will do
 
     def decode(self, packet: Packet) -> Picture:
@@ -114,9 +116,7 @@ class Decoder:
         self._next = None  # so it stays if the colour is damaged
         colour = self._colour.decode(packet.colour)
         self._next = packet.number + 1
-        inverse_depth = decode_depth(packet.depth)
-        if inverse_depth.shape != colour.shape[:2]:
-            raise Undecodable("damaged depth (not of the stream's size)")
+        inverse_depth = self._depth.decode(packet.depth)
         colour[inverse_depth < 0] = 0
         return Picture(colour, inverse_depth)
 

@@ -1,7 +1,6 @@
 """What lies between server and client: frames enter when they are drawn and come out when they have arrived."""
 
 from .bandwidth import Bandwidth
-from .constant import ConstantLink
 from .delays import DELAYS, DelayModel
 from .link import Link
 from .loss import GilbertElliott
@@ -9,7 +8,4 @@ from .options import LinkOptions
 from .response import ResponseTime, medians
 from .tally import Passage, Tally
 
-__all__ = [
-    "DELAYS", "Bandwidth", "ConstantLink", "DelayModel", "GilbertElliott", "Link", "LinkOptions", "Passage", "ResponseTime", "Tally",
-    "medians",
-]  # fmt: skip
+__all__ = ["DELAYS", "Bandwidth", "DelayModel", "GilbertElliott", "Link", "LinkOptions", "Passage", "ResponseTime", "Tally", "medians"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...registry import Registry
-from ._base import Codec
+from ._base import Codec, require
 
 CODECS: Registry[Codec] = Registry("codec", __name__)
 
@@ -15,4 +15,4 @@ def check_codec(name: str) -> Codec:
     return codec
 
 
-__all__ = ["CODECS", "Codec", "check_codec"]
+__all__ = ["CODECS", "Codec", "check_codec", "require"]

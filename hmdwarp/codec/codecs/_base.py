@@ -30,15 +30,19 @@ class Codec:
 
     def check(self) -> None:
         """Errors: MachineError if this PyAV was built without the encoder or the decoder."""
-        if self.is_none:
-            return
-        import av
+        if not self.is_none:
+            require(f"codec '{self.name}'", self.encoder, "w")
+            require(f"codec '{self.name}'", self.decoder, "r")
 
-        for name, mode, what in ((self.encoder, "w", "encoder"), (self.decoder, "r", "decoder")):
-            try:
-                av.Codec(name, mode)
-            except (ValueError, av.FFmpegError) as error:
-                raise MachineError(
-                    f"PyAV {av.__version__} was built without the {what} '{name}', which codec '{self.name}' needs: "
-                    "install PyAV from its wheel (pip install av), or use codec 'none'"
-                ) from error
+
+def require(what: str, name: str, mode: str) -> None:
+    """mode: "w" for FFmpeg's encoder `name`, "r" for the decoder, which `what` needs. Errors: MachineError if this PyAV has none."""
+    import av
+
+    try:
+        av.Codec(name, mode)
+    except (ValueError, av.FFmpegError) as error:
+        raise MachineError(
+            f"PyAV {av.__version__} was built without the {'encoder' if mode == 'w' else 'decoder'} '{name}', which {what} needs: "
+            "install PyAV from its wheel (pip install av), or use codec 'none'"
+        ) from error
