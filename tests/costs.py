@@ -1,0 +1,71 @@
+"""What a run asks of the GPU: which programs it compiles, what it allocates, how often it dispatches and draws, what a frame weighs."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import attrs
+import moderngl
+from replays import small
+
+from hmdwarp.client.weight import eye_bytes
+from hmdwarp.gpu.shaders import ShaderLibrary
+from hmdwarp.rig import build_rig, eye_sizes
+
+ALLOCATIONS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "vertex_array")
+WORK = ((moderngl.ComputeShader, "run"), (moderngl.ComputeShader, "run_indirect"), (moderngl.VertexArray, "render"))
+WORK += ((moderngl.VertexArray, "render_indirect"),)
+
+
+@attrs.frozen
+class Costs:
+    """shaders: the files of all programs compiled. made: how many of each kind of thing. work: dispatches and draws of one refresh,
+    drawing the frame included. layers: bytes of each layer of one eye's picture; sent: of a frame, as the link was told. textures: how
+    many of each size, components and type."""
+
+    shaders: frozenset[str]
+    made: dict[str, int]
+    work: dict[str, int]
+    layers: dict[str, int]
+    sent: int
+    textures: dict[tuple, int]
+
+
+def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
+    """Of a small run, in its steady state."""
+    shaders: set[str] = set()
+    made, work, textures = Counter(), Counter(), Counter()
+    asked = small(latency_ms=50.0, rate_hz=60.0, **options)
+    with monkeypatch.context() as patch:
+        get = ShaderLibrary._get
+
+        def recorded(self, paths, defines, make):
+            shaders.update(paths)
+            return get(self, paths, defines, make)
+
+        patch.setattr(ShaderLibrary, "_get", recorded)
+        for kind in ALLOCATIONS:
+            patch.setattr(moderngl.Context, kind, _counted(getattr(moderngl.Context, kind), made, kind, textures))
+        for owner, name in WORK:
+            patch.setattr(owner, name, _counted(getattr(owner, name), work, f"{owner.__name__}.{name}", None))
+        with build_rig(asked) as rig:
+            shown = 0
+            for instant_ns, is_shown in rig.timetable.instants():
+                work.clear()
+                rig.loop.draw(instant_ns)
+                shown += is_shown and rig.loop.show(instant_ns) is not None
+                if shown == refreshes:
+                    break
+            assert shown == refreshes
+            layers = eye_bytes(rig.plan.needs, eye_sizes(asked, rig.headset), rig.plan.layers)
+            return Costs(frozenset(shaders), dict(made), dict(work), layers, rig.channel.passage.size_bytes, dict(textures))
+
+
+def _counted(function, counter: Counter, name: str, textures: Counter | None):
+    def call(*args, **kwargs):
+        counter[name] += 1
+        if name == "texture" and textures is not None:
+            textures[tuple(args[1]), args[2], kwargs.get("dtype", "f1")] += 1
+        return function(*args, **kwargs)
+
+    return call

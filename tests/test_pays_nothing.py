@@ -1,0 +1,131 @@
+"""A scene pays for what it calls for, and for nothing else: shaders, textures, bytes and dispatches are counted."""
+
+from __future__ import annotations
+
+import ast
+
+import attrs
+import pytest
+from costs import Costs, costs_of
+
+from hmdwarp.client.effects import effects
+from hmdwarp.frame import Needs
+from hmdwarp.resources import folder
+from hmdwarp.scenes import scenes
+from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, effect_names
+
+SCENES = scenes.names()
+PLAIN = [name for name in SCENES if not scenes.get(name).effects]
+CALLING = [name for name in SCENES if scenes.get(name).effects]
+# All that a plain scene may compile for warp `forward` and fill `interpolate`.
+BASE_SHADERS = {
+    "server/scene.vert", "server/scene.frag", "server/background.vert", "server/background.frag", "warps/forward.comp",
+    "warps/forward_clear.comp", "fills/interpolate.comp",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", PLAIN)
+def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkeypatch, scene):
+    costs = costs_of(monkeypatch, scene=scene, fill="interpolate")
+    assert costs.shaders == BASE_SHADERS
+    # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
+    assert costs.layers == {"late.colour": 96 * 80 * 8, "late.inverse_depth": 96 * 80 * 4}
+    assert costs.sent == 2 * 96 * 80 * 12
+    # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each has colour and depth for two eyes.
+    # The client has a canvas for the warp and one for the fill, for each eye.
+    colour, depth = ((96, 80), 4, "f2"), ((96, 80), 1, "f4")
+    assert {kind: count for kind, count in costs.textures.items() if kind[0] == (96, 80)} == {colour: 2 * 5 + 2 * 2, depth: 2 * 5}
+
+
+@pytest.mark.parametrize("scene", PLAIN)
+def test_a_plain_scene_costs_the_same_whatever_is_allowed(monkeypatch, scene):
+    """Nothing to compensate is nothing to pay: `auto` and `none` are one."""
+    assert costs_of(monkeypatch, scene=scene, effects="auto") == costs_of(monkeypatch, scene=scene, effects="none")
+
+
+@pytest.mark.parametrize("scene", CALLING)
+def test_what_is_forbidden_costs_the_client_and_the_link_nothing(monkeypatch, scene):
+    with_all, without = (costs_of(monkeypatch, scene=scene, effects=asked) for asked in ("auto", "none"))
+    assert not {path for path in without.shaders if path.startswith("effects/")}
+    assert set(without.layers) == {"late.colour", "late.inverse_depth"}
+    assert without.sent < with_all.sent
+    assert _passes(without) < _passes(with_all)
+    assert sum(without.textures.values()) < sum(with_all.textures.values())
+
+
+@pytest.mark.parametrize("scene", CALLING)
+def test_each_effect_is_paid_by_those_who_call_for_it(monkeypatch, scene):
+    """Forbidding one takes its bytes off the link, unless another needs the same; forcing what is there already changes nothing."""
+    everything = costs_of(monkeypatch, scene=scene)
+    declared = scenes.get(scene).effects
+    assert costs_of(monkeypatch, scene=scene, effects=",".join(effect_names(declared))) == everything
+    for name in effect_names(declared):
+        fewer = costs_of(monkeypatch, scene=scene, effects=f"no-{name}")
+        assert fewer.sent <= everything.sent
+        assert (
+            fewer.shaders != everything.shaders or fewer.layers != everything.layers or fewer.work != everything.work or fewer == everything
+        )
+
+
+@pytest.mark.parametrize("name", effects.names())
+def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(monkeypatch, name):
+    plain, forced = (costs_of(monkeypatch, scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
+    assert forced.shaders > plain.shaders
+    assert {path for path in forced.shaders if path.startswith("effects/")}
+    if effects.get(name).needs != Needs():
+        assert forced.sent > plain.sent
+
+
+def test_every_effect_has_one_flag_and_every_flag_one_effect():
+    assert {effect.flag for effect in effects} == set(EVERY_EFFECT)
+    for effect in effects:
+        assert effect.summary and effect.without and effect.source
+        assert effect.refines == "" or effect.refines in effects.names()
+
+
+def test_every_effect_has_a_scene_that_calls_for_it():
+    called_for = SceneEffect.NONE
+    for name in SCENES:
+        called_for |= scenes.get(name).effects
+    assert called_for == EVERY_EFFECT
+
+
+def test_one_line_of_the_program_tests_an_effect_flag():
+    """Whoever looks at flags elsewhere has a second opinion of what is to be done; only the plan has one."""
+    root = folder("shaders").parent / "hmdwarp"
+    found = [
+        f"{path.relative_to(root)}:{node.lineno}"
+        for path in sorted(root.rglob("*.py"))
+        if "_data" not in path.parts
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if _tests_a_flag(node)
+    ]
+    assert len(found) == 1 and found[0].startswith("client/plan.py"), found
+
+
+def _tests_a_flag(node: ast.AST) -> bool:
+    """`a & b` or `a in b` where either side speaks of flags or of a named SceneEffect; masks that are assigned are no tests."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd):
+        sides = [node.left, node.right]
+    elif isinstance(node, ast.Compare) and any(isinstance(op, ast.In | ast.NotIn | ast.Eq | ast.NotEq) for op in node.ops):
+        sides = [node.left, *node.comparators]
+    else:
+        return False
+    return any(ast.unparse(side).endswith(".flag") or ast.unparse(side).startswith("SceneEffect.") for side in sides)
+
+
+def _passes(costs: Costs) -> int:
+    return sum(costs.work.values())
+
+
+def _with_what_it_refines(name: str) -> str:
+    refines = effects.get(name).refines
+    return f"{name},{refines}" if refines else name
+
+
+def test_the_counters_count(monkeypatch):
+    """Else the tests above would compare nothing with nothing."""
+    costs = costs_of(monkeypatch, scene="planes")
+    assert all(costs.made.get(kind) for kind in ("texture", "buffer", "framebuffer", "vertex_array"))
+    assert costs.work["ComputeShader.run"] >= 2 * 3 and costs.work["VertexArray.render"] >= 2 * 2
+    assert costs != attrs.evolve(costs, sent=0)
