@@ -21,9 +21,9 @@ def checked_cube_size(view: View, size: tuple[int, int], limit: int) -> tuple[in
     return wanted
 
 
-def draw_cube(gl: moderngl.Context, passes: ScenePasses, view: View, framebuffer: moderngl.Framebuffer) -> None:
-    """All six faces around the eye of `view` into a framebuffer of 3n x 2n pixels."""
+def draw_cube(gl: moderngl.Context, passes: ScenePasses, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0) -> None:
+    """All six faces around the eye of `view` at that instant into a framebuffer of 3n x 2n pixels."""
     side = framebuffer.size[0] // 3
     clear_depth(gl, framebuffer)
     for face, seen in zip(FACES, face_views(view, side), strict=True):
-        passes.draw_into(seen, framebuffer, (face.column * side, face.row * side, side, side))
+        passes.draw_into(seen, framebuffer, (face.column * side, face.row * side, side, side), time_ns)

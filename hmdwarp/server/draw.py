@@ -14,6 +14,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..scenes import Scene
 from .cube import checked_cube_size, draw_cube
+from .moving import Moving, moving_parts, stands_still
 from .parts import Drawing, Easel, Part, parts
 from .passes import ScenePasses
 from .peel import peel
@@ -33,12 +34,14 @@ class Server:
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         self.gpu, self.scene = gpu, scene
         self._textures = SceneTextures(gpu, scene)
-        self._buffers = SceneBuffers(gpu, [mesh for mesh in scene.meshes if mesh.is_surface], self._textures)
+        still = [mesh for mesh in scene.meshes if mesh.is_surface and stands_still(mesh)]
+        self._buffers = SceneBuffers(gpu, still, self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
         self._framebuffers = Framebuffers(gpu.gl)
         self._pools: dict[tuple, TargetPool] = {}
-        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True)
+        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving)
         self._depth: ScenePasses | None = None
-        self._behind: ScenePasses | None = None
+        self._behind: dict[tuple[Moving, ...], ScenePasses] = {}
         self._parts: dict[str, Part] = {}
         self._easel = Easel(gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire)
 
@@ -52,7 +55,7 @@ class Server:
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.size, size)
-        self._colour.draw(view, self._framebuffers.over(target.colour, target.inverse_depth))
+        self._colour.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), drawing.time_ns)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
         for part in self._parts_for(drawing.needs):
             eye = part.add(eye, drawing)
@@ -70,8 +73,8 @@ class Server:
         """Inverse depth alone, into an r32f texture: what a client that has the geometry knows by itself."""
         _check_same_size(into.size, size)
         if self._depth is None:
-            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False)
-        self._depth.draw(view, self._framebuffers.over(into))
+            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+        self._depth.draw(view, self._framebuffers.over(into), time_ns)
         return into
 
     def draw_frame(self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None) -> Frame:
@@ -89,15 +92,21 @@ class Server:
 
     def _with_surroundings(self, eye: EyeImage, needs: Needs) -> EyeImage:
         if needs.layers:
-            if self._behind is None:
-                self._behind = ScenePasses(self.gpu, self.scene, self._buffers, colour=True, peel=True)
-            eye = attrs.evolve(eye, layers=peel(self._behind, self._framebuffers, self.pool(eye.size).acquire, eye, needs.layers))
+            behind = self._passes_behind(needs)
+            eye = attrs.evolve(eye, layers=peel(behind, self._framebuffers, self.pool(eye.size).acquire, eye, needs.layers))
         if needs.cube:
             size = checked_cube_size(eye.view, eye.size, self.gpu.max_texture_size)
             cube = self.cube_pool(size).acquire().colour
-            draw_cube(self.gpu.gl, self._colour, eye.view, self._framebuffers.over(cube))
+            draw_cube(self.gpu.gl, self._colour, eye.view, self._framebuffers.over(cube), eye.drawn_ns)
             eye = attrs.evolve(eye, cube=cube)
         return eye
+
+    def _passes_behind(self, needs: Needs) -> ScenePasses:
+        """Of what lies behind. What the client moves is no part of it: then it is what fills the place that something left."""
+        moving = tuple(one for one in self._moving if not one.moved_by_client(needs))
+        if moving not in self._behind:
+            self._behind[moving] = ScenePasses(self.gpu, self.scene, self._buffers, colour=True, peel=True, moving=moving)
+        return self._behind[moving]
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; whoever still looks at them will see a later frame."""
@@ -130,13 +139,14 @@ class Server:
         """Free everything the server holds, its targets included."""
         for part in self._parts.values():
             part.close()
-        for passes in (self._colour, self._depth, self._behind):
+        for passes in (self._colour, self._depth, *self._behind.values()):
             if passes is not None:
                 passes.close()
         self._framebuffers.close()
         for pool in self._pools.values():
             pool.close()
-        self._buffers.close()
+        for owner in (self._buffers, *self._moving):
+            owner.close()
         self._textures.close()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import moderngl
 import numpy as np
@@ -10,53 +10,60 @@ import numpy as np
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..scenes import Scene
+from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
-from .upload import Chunks, SceneBuffers
+from .upload import Batch, Chunks, SceneBuffers
 
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class ScenePasses:
-    """The two draws of a picture. colour: with it, else inverse depth alone. peel: only what lies behind a picture already drawn, see
-    shaders/lib/peel.glsl; its uniforms go into draw()."""
+    """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and what lies behind them all. colour: with it, else
+    inverse depth alone. peel: only what lies behind a picture already drawn, see shaders/lib/peel.glsl; its uniforms go into draw()."""
 
-    def __init__(self, gpu: Gpu, scene: Scene, buffers: SceneBuffers, *, colour: bool, peel: bool = False) -> None:
-        self._gl, self._scene, self._buffers, self._colour = gpu.gl, scene, buffers, colour
+    def __init__(
+        self, gpu: Gpu, scene: Scene, buffers: SceneBuffers, *, colour: bool, peel: bool = False, moving: Sequence[Moving] = ()
+    ) -> None:
+        self._gl, self._scene, self._buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
         self._surface = gpu.shaders.draw("server/scene.vert", "server/scene.frag", **defines)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = buffers.vertex_array(gpu.gl, self._surface.program, colour=colour)
+        self._of_moving = [one.buffers.vertex_array(gpu.gl, self._surface.program, colour=colour) for one in self.moving]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
-    def draw(self, view: View, framebuffer: moderngl.Framebuffer, **uniforms: object) -> None:
-        """The whole picture; whatever was there is gone."""
+    def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
+        """The whole picture at that instant; whatever was there is gone."""
         clear_depth(self._gl, framebuffer)
-        self.draw_into(view, framebuffer, None, **uniforms)
+        self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
-    def draw_into(self, view: View, framebuffer: moderngl.Framebuffer, viewport: Viewport | None, **uniforms: object) -> None:
+    def draw_into(
+        self, view: View, framebuffer: moderngl.Framebuffer, viewport: Viewport | None, time_ns: int = 0, **uniforms: object
+    ) -> None:
         """`view` into a part of a framebuffer, all of it if None, whose depth has been cleared."""
-        clip = clip_from_eye(view.fov) @ eye_from_scene(view, self._scene.origin_m)
-        self._surface.uniforms.set(clip_from_scene=clip, **uniforms)
+        self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
+        for one in self.moving:
+            one.set_time(time_ns)
         gl = self._gl
         framebuffer.viewport = viewport if viewport is not None else (0, 0, *framebuffer.size)
         with gl.scope(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
-            self._draw_surfaces(clip, view)
+            still = Place(eye_from_scene(view, self._scene.origin_m), view.pose.position_m - self._scene.origin_m)
+            self._draw_surfaces(self._vertices, self._buffers, view, still)
+            for one, vertices in zip(self.moving, self._of_moving, strict=True):
+                self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             gl.disable(moderngl.CULL_FACE)
             self._empty.render(moderngl.TRIANGLES, vertices=3)
             gl.depth_func = "<"
 
-    def _draw_surfaces(self, clip: np.ndarray, view: View) -> None:
-        gl, before = self._gl, -1
-        for index, first, count in _runs(self._buffers.chunks, clip, view.pose.position_m - self._scene.origin_m):
-            if index != before:
-                batch, before = self._buffers.batches[index], index
-                (gl.disable if batch.double_sided else gl.enable)(moderngl.CULL_FACE)
-                if self._colour:
-                    batch.texture.use(0)
-            self._vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
+    def _draw_surfaces(self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place) -> None:
+        clip = clip_from_eye(view.fov) @ place.eye_from_here
+        self._surface.uniforms.set(clip_from_scene=clip)
+        for batch in draw_chunks(self._gl, vertices, buffers, clip, place.eye):
+            if self._colour:
+                batch.texture.use(0)
 
     def _set_background(self, view: View) -> None:
         if self._colour:
@@ -66,8 +73,23 @@ class ScenePasses:
 
     def close(self) -> None:
         """Free the vertex arrays; the programs belong to the shader library, the buffers to the scene."""
-        self._vertices.release()
+        for vertices in (self._vertices, *self._of_moving):
+            vertices.release()
         self._empty.release()
+
+
+def draw_chunks(
+    gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, clip: np.ndarray, eye: np.ndarray
+) -> Iterator[Batch]:
+    """Draw what may be seen of some buffers; yields each batch before it is drawn. clip: 4x4, eye: (3,), both for what the positions
+    are relative to."""
+    before = -1
+    for index, first, count in _runs(buffers.chunks, clip, eye):
+        if index != before:
+            batch, before = buffers.batches[index], index
+            (gl.disable if batch.double_sided else gl.enable)(moderngl.CULL_FACE)
+            yield batch
+        vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

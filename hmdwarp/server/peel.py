@@ -25,7 +25,8 @@ def peel(
     for _ in range(count):
         target = acquire()
         before.use(1)
-        passes.draw(visible.view, framebuffers.over(target.colour, target.inverse_depth), in_front=1, keep=1 - SAME_SURFACE)
+        into = framebuffers.over(target.colour, target.inverse_depth)
+        passes.draw(visible.view, into, visible.drawn_ns, in_front=1, keep=1 - SAME_SURFACE)
         layers.append(Layer(target.colour, target.inverse_depth))
         before = target.inverse_depth
     return tuple(layers)

@@ -97,8 +97,18 @@ class SceneBuffers:
     def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.batches: list[Batch] = []
         indices = self._cut(meshes, textures)
-        self._vertices = gpu.gl.buffer(_vertex_bytes(meshes) or b"\0" * 32)
+        self._meshes, self._order = meshes, indices
+        self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
+
+    def move_to(self, positions: NDArray) -> None:
+        """Other places for all vertices, (n, 3) as the meshes have them one after the other; what may be seen follows."""
+        rows = _vertex_rows(self._meshes)
+        rows[:, :3] = positions
+        self._vertices.write(rows.tobytes())
+        corners = positions[np.concatenate(self._order)].astype(np.float64)
+        low, high = (extreme.reduceat(corners, self.chunks.first, axis=0) for extreme in (np.minimum, np.maximum))
+        self.chunks = attrs.evolve(self.chunks, centres=(low + high) / 2, half_sizes=(high - low) / 2)
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; returns the chunks' indices."""
@@ -116,15 +126,17 @@ class SceneBuffers:
                     batch_of.append(len(self.batches))
             self.batches.append(Batch(textures[texture], double_sided))
         count = np.array([len(part) for part in indices], np.int64)
-        low, high = np.array(boxes).reshape(-1, 2, 3).transpose(1, 0, 2)
+        low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
         self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), (low + high) / 2, (high - low) / 2)
         return indices
 
-    def vertex_array(self, gl: moderngl.Context, program: moderngl.Program, *, colour: bool) -> moderngl.VertexArray:
-        """The buffers as inputs of `program`."""
+    def vertex_array(
+        self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[moderngl.Buffer, str, str], colour: bool
+    ) -> moderngl.VertexArray:
+        """The buffers as inputs of `program`, and `more` beside them as moderngl takes them."""
         names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
         layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
-        return gl.vertex_array(program, [(self._vertices, layout, *names)], self._indices, index_element_size=4)
+        return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)
 
     def close(self) -> None:
         """Free the buffers."""
@@ -132,6 +144,6 @@ class SceneBuffers:
         self._indices.release()
 
 
-def _vertex_bytes(meshes: Sequence[Mesh]) -> bytes:
+def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
     rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in meshes]
-    return np.concatenate(rows).astype(np.float32).tobytes() if rows else b""
+    return np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32)
