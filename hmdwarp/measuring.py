@@ -133,6 +133,7 @@ class Probe:
             late.view,
             late.size,
             late=picture_from_linear(download(late.colour)) if which == MAIN else None,
+            regions=which == MAIN,
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)

@@ -43,12 +43,12 @@ class ReplayResult:
         return self.folder / "report.html"
 
 
-def outcome_of(rig: Rig, log: RunLog, compared: list[Row] | None, filled: dict[str, float]) -> ReplayResult:
-    """The summaries of a run and, if there was one, of the warp that ran beside it. filled: as Probe.filled_shares."""
+def outcome_of(rig: Rig, log: RunLog, compared: list[Row] | None, more: dict[str, Any]) -> ReplayResult:
+    """The summaries of a run and, if there was one, of the warp that ran beside it. more: what else was measured, by its key."""
     options, rows = rig.options, log.rows
     summary = summary_of(rig, options.warp, options.fill if rig.auto is None else options.warp, options.lens, rows)
     summary["link"] = {**rig.channel.summary(rig.timetable.rate_hz), "response_ms": medians(log.responses)}
-    summary["filled"] = filled
+    summary |= more
     if rig.auto is not None:
         summary["auto"] = auto_entry(rig.auto, rows)
         summary["notes"] = [*rig.notes, auto_note(summary["auto"], rows)]

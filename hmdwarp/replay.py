@@ -14,6 +14,7 @@ from .gpu.textures import download
 from .loop import Refresh
 from .measuring import AGAINST, MAIN, Probe
 from .metrics.pool import QualityPool, worker_count
+from .metrics.regions import pooled
 from .options import RunOptions
 from .outcome import OWNED, ReplayResult, outcome_of, write_outcome
 from .report.files import OutputFolder
@@ -44,7 +45,8 @@ def replay(
             log = _run(rig, probe, out, progress)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
-        result = outcome_of(rig, log, compared, probe.filled_shares())
+        more = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        result = outcome_of(rig, log, compared, more)
         write_outcome(rig, out, log, result, compared, pool)
     return result
 
