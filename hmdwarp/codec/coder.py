@@ -113,7 +113,6 @@ class Decoder:
         elif packet.number != self._next:
             self._next = None
             raise Undecodable(f"frame {packet.number} builds on one that never came")
-        self._next = None  # so it stays if the colour is damaged
         colour = self._colour.decode(packet.colour)
         self._next = packet.number + 1
         inverse_depth = self._depth.decode(packet.depth)

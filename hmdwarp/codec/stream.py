@@ -42,7 +42,7 @@ class ColourEncoder:
         context = av.CodecContext.create(codec.encoder, "w")
         context.width, context.height = coded_size(size)
         context.pix_fmt = "yuv420p"
-        rate = Fraction(rate_hz).limit_denominator(1001)
+        rate = max(Fraction(rate_hz).limit_denominator(1001), Fraction(1, 1001))
         context.framerate, context.time_base = rate, 1 / rate
         context.gop_size = 2**30  # key frames come when asked for
         context.max_b_frames = 0
@@ -53,9 +53,8 @@ class ColourEncoder:
         try:
             context.open()
         except (OSError, ValueError, av.FFmpegError) as error:
-            raise MachineError(
-                f"encoder '{codec.encoder}' does not take pictures of {size[0]}x{size[1]} at {rate_hz:g} Hz ({error})"
-            ) from error
+            found = f"encoder '{codec.encoder}' does not take pictures of {size[0]}x{size[1]} at {rate_hz:g} Hz"
+            raise MachineError(f"{found} ({error}): use another size, rate or codec") from error
         self._context: Any = context
         self._pts = 0
 
