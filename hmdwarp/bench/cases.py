@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import attrs
 
-from ..client.choices import every_warp, parse_warp
+from ..client.choices import every_warp, fill_text, parse_fills, parse_warp
 from ..client.history import History
 from ..client.plan import Plan, build_plan
 from ..frame import Needs
@@ -16,6 +16,7 @@ from ..options import RunOptions
 from ..poses import PoseTrack
 from ..rig import Timetable, refreshes_of, timetable
 from ..scenes import Scene
+from ..scenes.effects import asked_effects
 from .options import BenchOptions, Size
 
 # Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's memory instead.
@@ -54,10 +55,15 @@ def warps_of(options: BenchOptions) -> list[str]:
     return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
 
 
+def fills_of(options: BenchOptions) -> list[str]:
+    """The fills and chains asked for, in the shortest text that means them, each once. Errors: as parse_fills."""
+    return list(dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills))
+
+
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
     """Errors: as build_plan."""
-    pairs = itertools.product(warps_of(options), options.fills)
-    return [Combination(w, f, build_plan(scene.effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
+    pairs, effects = itertools.product(warps_of(options), fills_of(options)), asked_effects(options.effects, scene.effects)
+    return [Combination(w, f, build_plan(effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
 def batches(combinations: Sequence[Combination], late_size: Size, shown_size: Size, most_bytes: float) -> list[list[Combination]]:
@@ -95,6 +101,7 @@ def run_options(options: BenchOptions, case: Case, **changes: object) -> RunOpti
         "latency_ms": case.latency_ms,
         "warp": "none",  # the loop's own; the combinations run beside it
         "fill": "none",
+        "effects": options.effects,
         "lens": "none",
         "headset": options.headset,
         "size": case.size,

@@ -43,9 +43,9 @@ def pairs_of(rig: Rig, warps: list[str], lens: str) -> list[_Pair]:
     """Those of the warps that can be fused."""
     found = []
     for warp in warps:
-        plan = build_plan(rig.scene.effects, warp, "none", lens, client_geometry=True)
+        plan = build_plan(rig.plan.effects, warp, "none", lens, client_geometry=True)
         if plan.warp.fuses:
-            fused = build_plan(rig.scene.effects, warp, "none", lens, client_geometry=True, fused=True)
+            fused = build_plan(rig.plan.effects, warp, "none", lens, client_geometry=True, fused=True)
             found.append(_Pair(warp, {"fused": rig.compensator(fused), "separate": rig.compensator(plan)}))
     return found
 
@@ -64,7 +64,7 @@ class PanelTruth:
         # A canvas is sampled bilinearly, as the lens expects; a target of the server is not.
         self._shown, self._panel = Canvas(rig.gpu.gl, self._size), Canvas(rig.gpu.gl, self._size)
         self._target = Target(self._shown.texture, self._targets.acquire().inverse_depth)
-        plan = build_plan(rig.scene.effects, "none", "none", lens, client_geometry=True)
+        plan = build_plan(rig.plan.effects, "none", "none", lens, client_geometry=True)
         self._lens = plan.lens(rig.gpu, rig.headset, self._size)
 
     def __call__(self, given: Given) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:

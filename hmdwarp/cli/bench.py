@@ -27,6 +27,7 @@ def bench(
     latency: Annotated[_Texts, _several("--latency", "MS", f"From drawing a frame to showing it; default: 200. {_REPEAT}")] = None,
     warp: Annotated[_Texts, _several("--warp", "NAME", f"{o.names_in('client/warps')}; default: all. {_SETTINGS}")] = None,
     fill: Annotated[_Texts, _several("--fill", "NAME", f"{o.names_in('client/fills')}; default: none and interpolate. {_REPEAT}")] = None,
+    effects: o.Effects = "auto",
     size: Annotated[_Texts, _several("--size", "WxH", f"Pixels of one eye; default: 1280x800. {_REPEAT}")] = None,
     lens: Annotated[str, typer.Option("--lens", help="Times the lens too; figures are of the picture before it.")] = "none",
     headset: o.Headset = "rift-dk1",
@@ -61,8 +62,8 @@ def bench(
     from ..poses.options import TraceOptions
 
     asked = {
-        "warps": None if warp is None else [name for text in warp for name in ([text] if ":" in text else _split(text))],
-        "fills": _listed(fill),
+        "warps": _names(warp),
+        "fills": _names(fill),
         "latencies_ms": None if latency is None else [_milliseconds(text) for text in _listed(latency)],
         "scenes": _listed(scene),
         "recordings": [*(traces or []), *(recording or [])] or None,
@@ -73,6 +74,7 @@ def bench(
     options = BenchOptions(
         **{name: value for name, value in asked.items() if value is not None},
         trace_options=TraceOptions(trace_format, quat_order, up, scale, trace_rate, segment),
+        effects=effects,
         lens=lens,
         headset=headset,
         guard=guard,
@@ -87,6 +89,11 @@ def bench(
         command=shlex.join(["hmdwarp", *sys.argv[1:]]),
     )
     _run(options, quiet)
+
+
+def _names(texts: _Texts) -> _Texts:
+    """Every text that has settings, which have commas of their own, or its parts between commas."""
+    return None if texts is None else [name for text in texts for name in ([text] if ":" in text else _split(text))]
 
 
 def _split(text: str) -> list[str]:
