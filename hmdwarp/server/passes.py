@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import ClassVar
 
 import moderngl
 import numpy as np
@@ -21,12 +22,14 @@ class ScenePasses:
     """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and what lies behind them all. colour: with it, else
     inverse depth alone. peel: only what lies behind a picture already drawn, see shaders/lib/peel.glsl; its uniforms go into draw()."""
 
+    vertex: ClassVar[str] = "server/scene.vert"
+
     def __init__(
         self, gpu: Gpu, scene: Scene, buffers: SceneBuffers, *, colour: bool, peel: bool = False, moving: Sequence[Moving] = ()
     ) -> None:
-        self._gl, self._scene, self._buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
+        self._gl, self._scene, self.buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
-        self._surface = gpu.shaders.draw("server/scene.vert", "server/scene.frag", **defines)
+        self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **defines)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = buffers.vertex_array(gpu.gl, self._surface.program, colour=colour)
         self._of_moving = [one.buffers.vertex_array(gpu.gl, self._surface.program, colour=colour) for one in self.moving]
@@ -51,7 +54,7 @@ class ScenePasses:
         with gl.scope(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self._scene.origin_m), view.pose.position_m - self._scene.origin_m)
-            self._draw_surfaces(self._vertices, self._buffers, view, still)
+            self._draw_surfaces(self._vertices, self.buffers, view, still)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             gl.disable(moderngl.CULL_FACE)
