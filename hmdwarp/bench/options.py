@@ -49,7 +49,8 @@ class BenchOptions:
     """Every combination of warps x fills x latencies x scenes x recordings x sizes is run.
 
     warps: names, with settings if wanted (`mesh:cut=slope`); empty for all and their variants. sizes: (w, h) of one eye.
-    effects: as a run's, for every scene. trace_options: how every recording is read. start_s, seconds: the part of each recording, None for all of it. instants: how many
+    effects: as a run's, for every scene.
+    trace_options: how every recording is read. start_s, seconds: the part of each recording, None for all of it. instants: how many
     refreshes of it are measured, evenly spread. rounds: how often each combination is timed at each, after a run to warm up. workers:
     measuring processes, None for one per core. grid, fused: whether the displacement grid and the warps that look through the lens
     themselves are measured too. budget_ms: a time per eye to choose the most accurate combination for.
