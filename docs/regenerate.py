@@ -11,9 +11,11 @@ import re
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import aims
+import passes
 from PIL import Image
 
 from hmdwarp.report.bench_cases import cases
@@ -181,6 +183,25 @@ def prediction(folder: Path) -> None:
     replace(RESULTS, "prediction", table(("latency ms", "predict"), rows))
 
 
+def effects(folder: Path) -> None:
+    """Each effect's scene with and without its pass."""
+    from hmdwarp.scenes import scenes
+    from hmdwarp.scenes.effects import effect_names
+
+    calling = [(source.name, effect_names(source.effects)) for source in scenes if source.effects]
+    replace(RESULTS, "effects", passes.effects_table(partial(run, folder), calling))
+
+
+def fills(folder: Path) -> None:
+    """Every fill, in former holes and over the whole picture."""
+    replace(RESULTS, "fills", passes.fills_table(partial(run, folder)))
+
+
+def link(folder: Path) -> None:
+    """Networks and codecs."""
+    replace(RESULTS, "link", passes.link_table(partial(run, folder)))
+
+
 def speed(_: Path) -> None:
     """The output of the benchmark against OpenCV; wants a machine that does nothing else."""
     told = subprocess.run([sys.executable, str(ROOT / "tests" / "bench_quick.py")], check=True, capture_output=True, text=True).stdout
@@ -203,6 +224,9 @@ PARTS = {
     "bench": bench,
     "border": border,
     "prediction": prediction,
+    "effects": effects,
+    "fills": fills,
+    "link": link,
 }
 
 
