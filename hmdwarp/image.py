@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .client.compensator import Compensator
+from .client.fills import fills
 from .client.given import Given
-from .client.plan import PICTURE, Plan, build_plan
+from .client.plan import PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from .client.warps import warps
 from .colour import linear_from_srgb
 from .errors import InputError, PlanError
@@ -72,8 +73,9 @@ def _plan(warp: str, fill: str) -> Plan:
     try:
         return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False, brings=PICTURE)
     except PlanError as error:
-        able = [entry.name for entry in warps if set(entry.reads) <= set(PICTURE)]
-        raise PlanError(f"{error}, which a picture does not bring; for a picture with depth there are {', '.join(able)}") from error
+        able = [f"warps {', '.join(entry.name for entry in warps if set(entry.reads) <= set(PICTURE))}"]
+        able.append(f"fills {', '.join(entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH})}")
+        raise PlanError(f"{error}, which a picture does not bring; for a picture with depth there are {'; '.join(able)}") from error
 
 
 @attrs.frozen(eq=False)

@@ -12,7 +12,7 @@ import attrs
 from .bench.cases import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .bench.casework import Casework, Measured, refreshes
 from .client.choice import best_within, ladder
-from .client.choices import every_fill, every_warp
+from .client.choices import every_warp
 from .client.plan import needs_of
 from .errors import PlanError
 from .headsets import Headset, load_headset
@@ -23,6 +23,9 @@ from .rig import Rig, build_plan_for, build_rig, guarded_size, memory_bytes
 from .scenes import load_scene
 
 INSTANTS, ROUNDS = 3, 2  # of the run, evenly spread; timed runs of both eyes at each
+# Every fill with every warp would be a hundred and more pictures at each instant, and some fills live on what they saw before, which a
+# few instants cannot show. These differ most in what they cost and give; others come in by --bench FILE.
+FILLS = ("none", "interpolate", "pyramid")
 # Beyond twice the budget a warp is out of reach until the machine becomes twice as fast: its picture is not measured.
 REACH = 2.0
 Say = Callable[[str], None]
@@ -41,11 +44,11 @@ def ladder_for(options: RunOptions, say: Say = lambda text: None) -> Ladder:
 
 
 def candidates(options: RunOptions) -> list[Combination]:
-    """Every warp and variant with every fill, but for those this run cannot have. Errors: as build_plan_for."""
+    """Every warp and variant with each of FILLS, but for those this run cannot have. Errors: as build_plan_for."""
     headset, scene = load_headset(options.headset), load_scene(options.scene)
     found = []
     build_plan_for(options.with_pair("none", "none"), headset, scene)
-    for warp, fill in product(every_warp(), every_fill()):
+    for warp, fill in product(every_warp(), FILLS):
         try:
             found.append(Combination(warp, fill, build_plan_for(options.with_pair(warp, fill), headset, scene)))
         except PlanError:
