@@ -13,7 +13,8 @@ from ..errors import InputError
 
 COLOUR = (4, "f2")  # rgba16f: linear light, coverage in alpha
 SCALAR = (1, "f4")  # r32f: inverse depth
-_NUMPY = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}  # by moderngl's name
+NUMBER = (1, "u2")  # r16ui: which body a pixel belongs to
+_NUMPY = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u2": np.uint16, "u4": np.uint32}  # by moderngl's name
 
 
 def allocate(gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False) -> moderngl.Texture:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -14,6 +15,9 @@ from ..geometry import Pose
 from ..registry import Registry
 from ._content import Body, Deformation, Material
 from .effects import SceneEffect
+
+if TYPE_CHECKING:
+    from ._mirrors import SceneMirror
 
 Array = NDArray
 
@@ -63,7 +67,8 @@ class Mesh:
     texture: index into the scene's textures, -1 for none (white). double_sided: drawn from behind too. material: what the surface does
     besides. body: 0 for what stands still, else 1 + index into the scene's bodies; positions and normals are in that body's frame then.
     deformation: how the vertices move by themselves, None where they do not; `positions` are those at rest then.
-    Errors: SceneError for arrays of the wrong shape, values that are not finite, and indices beyond the vertices.
+    Errors: SceneError for arrays of the wrong shape, values that are not finite, indices beyond the vertices, and a mesh of a body that
+    deforms besides.
     """
 
     name: str
@@ -89,6 +94,8 @@ class Mesh:
                 raise SceneError(f"mesh '{self.name}': {field} of vertex {int(np.argmax(bad))} are not finite numbers")
         if self.triangles.size and int(self.triangles.max()) >= count:
             raise SceneError(f"mesh '{self.name}': a triangle uses vertex {int(self.triangles.max())}, but there are only {count}")
+        if self.body and self.deformation is not None:
+            raise SceneError(f"mesh '{self.name}' belongs to body {self.body} and deforms by itself: wanted one of the two")
 
     @property
     def is_surface(self) -> bool:
@@ -121,7 +128,7 @@ class Scene:
     viewpoint: world_from_head of a viewer at rest. walk_bounds_m: (2, 3) world box, lowest and highest corner, a head may
     move in without passing through things. notes: what was wrong but survivable in a foreign file, one line each.
     bodies: what moves as a whole; a mesh belongs to one by its number.
-    Errors: SceneError for a mesh with an unknown texture or body.
+    Errors: SceneError for a mesh with an unknown texture or body, and for a mirror without a normal.
     """
 
     name: str
@@ -144,6 +151,7 @@ class Scene:
                 raise SceneError(f"mesh '{mesh.name}' wants texture {wanted} as its normal map, the scene has {found}")
             if not 0 <= mesh.body <= len(self.bodies):
                 raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
+        self.mirrors  # noqa: B018 (what is wrong with a mirror is told now)
 
     @cached_property
     def effects(self) -> SceneEffect:
@@ -151,6 +159,13 @@ class Scene:
         from ._declared import effects_of
 
         return effects_of(self)
+
+    @cached_property
+    def mirrors(self) -> tuple[SceneMirror, ...]:
+        """What of it mirrors. Errors: SceneError, told when the scene is made."""
+        from ._mirrors import mirrors_of
+
+        return mirrors_of(self)
 
     @property
     def triangle_count(self) -> int:

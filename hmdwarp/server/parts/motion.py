@@ -1,0 +1,143 @@
+"""Which body each pixel belongs to and how the bodies move, and how fast each pixel of what deforms moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+import numpy as np
+
+from ...gpu.textures import COLOUR, NUMBER
+from ..moving import DeformingMesh, MovingBody
+from ..passes import draw_chunks
+from ..peel import SAME_SURFACE
+from ..projection import clip_from_eye
+from . import parts
+from ._base import Drawing, Easel, Part
+
+if TYPE_CHECKING:
+    from ...frame import EyeImage, Needs
+    from ...gpu.shaders import Draw
+    from ...scenes import Scene
+    from ..moving import Moving
+
+
+@parts.register
+class Motion(Part):
+    """Comes after all that is drawn into the picture: a pixel tells of what it shows, and that its depth says."""
+
+    name = "motion"
+    order = 90
+
+    def __init__(self, easel: Easel) -> None:
+        super().__init__(easel)
+        moving = easel.colour.moving
+        self._bodies = tuple(one for one in moving if isinstance(one, MovingBody))
+        self._deforming = tuple(one for one in moving if isinstance(one, DeformingMesh))
+        self._of_bodies: _Numbers | None = None
+        self._of_deforming: _Velocities | None = None
+
+    @classmethod
+    def in_scene(cls, scene: Scene) -> bool:
+        return False  # in the picture itself there is nothing of it
+
+    @classmethod
+    def wanted(cls, needs: Needs) -> bool:
+        return needs.ids or needs.velocity
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        if drawing.needs.ids:
+            if self._of_bodies is None:
+                self._of_bodies = _Numbers(self.easel, self._bodies)
+            ids = self._of_bodies.draw(eye)
+            bodies = tuple(body.motion.state(drawing.time_ns) for body in self.easel.scene.bodies)
+            eye = attrs.evolve(eye, ids=ids, bodies=bodies)
+        if drawing.needs.velocity:
+            if self._of_deforming is None:
+                self._of_deforming = _Velocities(self.easel, self._deforming)
+            eye = attrs.evolve(eye, velocity=self._of_deforming.draw(eye))
+        return eye
+
+    def close(self) -> None:
+        for one in (self._of_bodies, self._of_deforming):
+            if one is not None:
+                one.close()
+
+
+class _Numbers:
+    """Draws the numbers of bodies."""
+
+    def __init__(self, easel: Easel, bodies: tuple[MovingBody, ...]) -> None:
+        self._easel, self._bodies = easel, bodies
+        shaders, gl = easel.gpu.shaders, easel.gpu.gl
+        self._draw = shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=0)
+        self._none = shaders.draw("server/background.vert", "server/moving_none.frag")
+        self._vertices = [one.buffers.vertex_array(gl, self._draw.program, colour=False) for one in bodies]
+        self._empty = gl.vertex_array(self._none.program, [])
+
+    def draw(self, eye: EyeImage) -> moderngl.Texture:
+        """r16ui of the eye's size."""
+        gl = self._easel.gpu.gl
+        into = self._easel.acquire(eye.size, NUMBER, depth=False).colour
+        framebuffer = self._easel.framebuffers.over(into)
+        with gl.scope(framebuffer, moderngl.NOTHING):
+            self._empty.render(moderngl.TRIANGLES, vertices=3)
+            for one, vertices in zip(self._bodies, self._vertices, strict=True):
+                self._draw.uniforms.set(body=one.number)
+                _draw_where_shown(gl, self._draw, one, vertices, eye)
+        return into
+
+    def close(self) -> None:
+        for vertices in (*self._vertices, self._empty):
+            vertices.release()
+
+
+class _Velocities:
+    """Draws how fast deforming meshes move."""
+
+    def __init__(self, easel: Easel, deforming: tuple[DeformingMesh, ...]) -> None:
+        self._easel, self._deforming = easel, deforming
+        gl = easel.gpu.gl
+        self._draw = easel.gpu.shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=1)
+        self._velocities = [gl.buffer(reserve=12 * len(one.mesh.positions), dynamic=True) for one in deforming]
+        self._vertices = [
+            one.buffers.vertex_array(gl, self._draw.program, (buffer, "3f4", "in_velocity"), colour=False)
+            for one, buffer in zip(deforming, self._velocities, strict=True)
+        ]
+        self._written_ns: int | None = None
+
+    def draw(self, eye: EyeImage) -> moderngl.Texture:
+        """rgba16f of the eye's size."""
+        gl = self._easel.gpu.gl
+        into = self._easel.acquire(eye.size, COLOUR, depth=False).colour
+        framebuffer = self._easel.framebuffers.over(into)
+        self._write(eye.drawn_ns)
+        self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation.as_matrix().T)
+        with gl.scope(framebuffer, moderngl.NOTHING):
+            framebuffer.clear()
+            for one, vertices in zip(self._deforming, self._vertices, strict=True):
+                _draw_where_shown(gl, self._draw, one, vertices, eye)
+        return into
+
+    def _write(self, time_ns: int) -> None:
+        if time_ns != self._written_ns:
+            for one, buffer in zip(self._deforming, self._velocities, strict=True):
+                one.set_time(time_ns)
+                buffer.write(np.ascontiguousarray(one.velocities()).tobytes())
+            self._written_ns = time_ns
+
+    def close(self) -> None:
+        for thing in (*self._vertices, *self._velocities):
+            thing.release()
+
+
+def _draw_where_shown(gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage) -> None:
+    """Into the framebuffer in use, at the pixels where the picture shows it. In any order: of two surfaces one alone has its depth."""
+    one.set_time(eye.drawn_ns)
+    place = one.place(eye.view)
+    clip = clip_from_eye(eye.view.fov) @ place.eye_from_here
+    eye.inverse_depth.use(0)
+    draw.uniforms.set(clip_from_scene=clip, picture=0, same=SAME_SURFACE)
+    for _ in draw_chunks(gl, vertices, one.buffers, clip, place.eye):
+        pass
