@@ -1,0 +1,71 @@
+"""What is said about network, codec, effects and fills: refused in one line where it cannot be meant, and nothing written then."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+SMALL = ("replay", "look-around", "--scene", "planes", "--headset", "flat-90", "--size", "64x48", "--rate", "30", "--seconds", "0.3")
+QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--quiet", "--workers", "0")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--jitter", "unifrm:3"), "did you mean 'uniform'?"),
+        (("--jitter", "uniform:-3"), "wanted milliseconds"),
+        (("--jitter", "normal:nan"), "wanted milliseconds"),
+        (("--jitter", "uniform"), "wanted milliseconds"),
+        (("--jitter", "uniform:300"), "before they were sent"),
+        (("--loss", "2"), "share of the frames"),
+        (("--loss", "p=0.1"), "wanted p="),
+        (("--loss", "p=0.1,r=7"), "probability from 0 to 1"),
+        (("--bandwidth", "0"), "leave it out for a link without a limit"),
+        (("--bandwidth", "abc"), "wanted Mbit/s"),
+        (("--delay-trace", "nowhere.csv"), "nowhere.csv: the delay trace cannot be read"),
+        (("--link-seed", "-1"), "seed -1"),
+        (("--codec", "h265"), "unknown codec 'h265': did you mean"),
+        (("--codec", "h264", "--crf", "99"), "wanted 0 (best) to 51"),
+        (("--codec", "h264", "--crf", "20", "--bitrate", "3"), "not both"),
+        (("--crf", "20"), "without a codec"),
+        (("--bitrate", "5"), "without a codec"),
+        (("--effects", "overlai"), "did you mean 'overlay'?"),
+        (("--effects", "overlay,no-overlay"), "both forced and forbidden"),
+        (("--fill", "none+interpolate"), "means nothing"),
+        (("--fill", "interpolate+interpolate"), "the same fill twice"),
+        (("--fill", "interpolate+"), "unknown fill ''"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_in_one_line(command, tmp_path, options, told):
+    command(*QUICK, "--out", tmp_path / "out", *options).refused(told)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("text", "told"), [("", "no delay"), ("12\nx\n", "x"), ("12\n-1\n", "-1"), ("nan\n", "nan"), ("5,\n1e9\n", "")])
+def test_a_delay_trace_that_cannot_be_meant_names_file_and_line(command, tmp_path, text, told):
+    path = tmp_path / "delays.csv"
+    path.write_text(text, encoding="utf-8")
+    done = command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path)
+    done.refused("delays.csv")
+    assert told in done.err
+
+
+def test_a_delay_trace_is_followed(command, tmp_path):
+    """Delays of 40 ms: at 30 Hz a frame is seen two refreshes after it was drawn."""
+    path = tmp_path / "delays.csv"
+    path.write_text("# recorded on a table\ndelay_ms\n40\n40\n", encoding="utf-8")
+    command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path).done()
+    rows = (tmp_path / "out" / "frames.csv").read_text(encoding="utf-8").splitlines()
+    column = rows[0].split(",").index("age_ms")
+    assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
+
+
+def test_what_the_link_did_is_printed_where_it_did_something(command, tmp_path):
+    options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
+    out = command(*(part for part in QUICK if part != "--quiet"), "--seconds", "1", "--out", tmp_path / "out", *options).done().out
+    assert "lost on the network" in out and "Mbit/s" in out and "response time" in out
+    link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
+    assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "On the way" in page and "Response time" in page
