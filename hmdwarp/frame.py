@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from .geometry import RigidState, View
+from .geometry import Mirror, RigidState, View
 from .scenes.effects import SceneEffect
 
 if TYPE_CHECKING:
@@ -59,12 +59,14 @@ class Reflection:
     """What mirrors show, apart from the mirrors themselves.
 
     seen: the mirrored world; inverse_depth is that of the virtual image behind the mirror, so 1 / the depth of the whole reflected
-    path. Drawn wherever a mirror is, also behind what stands before it; holes elsewhere. surface: rgba16f, of what the picture itself
-    shows: reflectivity (r; 0 where nothing mirrors) and the disturbed normal's x and y in the mirror's tangent plane (g, b), coverage.
+    path. Drawn wherever a mirror is and a little around it, also behind what stands before it; holes elsewhere. surface: rgba16f, of what
+    the picture itself shows: reflectivity straight on (r; 0 where nothing mirrors) and the disturbed normal's x and y along the mirror's
+    right and up (g, b), coverage. mirrors: all that seen and surface tell of, in the world.
     """
 
     seen: Layer
     surface: moderngl.Texture
+    mirrors: tuple[Mirror, ...] = ()
 
 
 @attrs.frozen(eq=False)
@@ -116,7 +118,7 @@ def _textures(part: Any) -> Iterator[moderngl.Texture]:
     """Those of an EyeImage, or of any part of one: a new kind of layer needs no entry here."""
     if attrs.has(type(part)):
         for field in attrs.fields(type(part)):
-            if field.name not in ("view", "bodies"):
+            if field.name not in ("view", "bodies", "mirrors"):
                 yield from _textures(getattr(part, field.name))
     elif isinstance(part, tuple):
         for one in part:

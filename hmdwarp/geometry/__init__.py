@@ -4,9 +4,20 @@ This package knows nothing of the rest of the program. Conventions: docs/convent
 """
 
 from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres
+from .mirror import Mirror
 from .pose import Pose
 from .rigid import RigidState
 from .view import Fov, View
 from .warp_map import WarpMap
 
-__all__ = ["DepthLayer", "Fov", "Pose", "RigidState", "View", "WarpMap", "inverse_depth_from_clip", "inverse_depth_from_metres"]
+__all__ = [
+    "DepthLayer",
+    "Fov",
+    "Mirror",
+    "Pose",
+    "RigidState",
+    "View",
+    "WarpMap",
+    "inverse_depth_from_clip",
+    "inverse_depth_from_metres",
+]

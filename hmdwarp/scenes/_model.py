@@ -66,7 +66,8 @@ class Mesh:
     light: (n, 3) baked linear light times colour, 0 or more. triangles: (m, 3) indices, counter-clockwise seen from the front.
     texture: index into the scene's textures, -1 for none (white). double_sided: drawn from behind too. material: what the surface does
     besides. body: 0 for what stands still, else 1 + index into the scene's bodies; positions and normals are in that body's frame then.
-    deformation: how the vertices move by themselves, None where they do not; `positions` are those at rest then.
+    deformation: how the vertices move by themselves, None where they do not; `positions` are those at rest then. albedo: (n, 3) linear
+    colour of the material alone, what `light` would be in light of 1; None where the two are not known apart.
     Errors: SceneError for arrays of the wrong shape, values that are not finite, indices beyond the vertices, and a mesh of a body that
     deforms besides.
     """
@@ -82,10 +83,11 @@ class Mesh:
     material: Material = Material()
     body: int = 0
     deformation: Deformation | None = None
+    albedo: Array | None = attrs.field(default=None, converter=attrs.converters.optional(_frozen(np.float32, 3)))
 
     def __attrs_post_init__(self) -> None:
         count = len(self.positions)
-        for field in ("positions", "normals", "uv", "light"):
+        for field in ("positions", "normals", "uv", "light", *(("albedo",) if self.albedo is not None else ())):
             array = getattr(self, field)
             if len(array) != count:
                 raise SceneError(f"mesh '{self.name}': {count} positions but {len(array)} {field}")

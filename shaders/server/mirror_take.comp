@@ -1,0 +1,22 @@
+// Takes over what one mirror shows, where a ray meets that mirror before all others; others stay as they are.
+// In: the world behind the mirror, in the eye's own pixels. Out: what all mirrors show, rgba16f; its inverse depth, -1 for none.
+// Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (planar reflections).
+#include "lib/rows.glsl"
+#include "lib/mirrors.glsl"
+layout(rgba16f) writeonly uniform image2D seen_colour;
+layout(r32f) writeonly uniform image2D seen_inverse_depth;
+layout(rgba16f) readonly uniform image2D behind_colour;
+layout(r32f) readonly uniform image2D behind_inverse_depth;
+uniform ivec2 from, to; // the pixels to look at, `to` left out
+uniform int taken;            // the mirror
+
+void main() {
+    ivec2 p = first_pixel() + from;
+    for (int row = 0; row < ROWS; ++row, ++p.y) {
+        if (p.x >= to.x || p.y >= to.y) break;
+        if (meet_mirror(ray_of(vec2(p) + 0.5)).mirror == taken) {
+            imageStore(seen_colour, p, imageLoad(behind_colour, p));
+            imageStore(seen_inverse_depth, p, imageLoad(behind_inverse_depth, p));
+        }
+    }
+}
