@@ -1,0 +1,114 @@
+"""The plan of every set of effects: which passes run, in which order, what frames carry for them, and why the others do not."""
+
+from __future__ import annotations
+
+import itertools
+from functools import reduce
+from operator import or_
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.client.effects import LatePass, effects
+from hmdwarp.client.plan import LATE, SHOWN, SHOWN_DEPTH, build_plan
+from hmdwarp.client.warps import warps
+from hmdwarp.client.weight import EyeSizes, eye_bytes
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.frame import Needs
+from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
+
+SETS = [reduce(or_, chosen, SceneEffect.NONE) for count in range(8) for chosen in itertools.combinations(EVERY_EFFECT, count)]
+SIZES = EyeSizes((40, 30), (20, 10), (90, 60), (16, 16))
+
+
+def plan_of(declared: SceneEffect, warp: str = "forward", fill: str = "none", lens: str = "none", **more):
+    return build_plan(declared, warp, fill, lens, client_geometry=True, **more)
+
+
+@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(effect_names(e)) or "none")
+def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(declared):
+    plan = plan_of(declared, fill="interpolate", lens="radial")
+    done = [effect.name for one in plan.effect_passes for effect in one.effects]
+    left_out = dict(plan.left_out)
+    refining = [e.name for e in effects if e.refines and e.name in effect_names(declared) and e.refines not in effect_names(declared)]
+    assert sorted(done) == sorted(set(effect_names(declared)) - set(refining))
+    assert set(effects.names()) - set(done) <= set(left_out) and not set(done) & set(left_out)
+    assert all(reason.strip() for reason in left_out.values())
+    assert effect_names(plan.effects) == sorted(done, key=effect_names(EVERY_EFFECT).index)
+
+    stages = [step.stage for step in plan.steps]
+    late = [one for one in plan.effect_passes if issubclass(one.made_by, LatePass)]
+    assert stages[: len(late)] == ["effects"] * len(late) and stages[len(late)] == "warp"
+    assert stages[-1] == "lens", "effects come before the lens"
+    assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), "effects that share a pass are one pass"
+    known = set(LATE)
+    for step in plan.steps:
+        assert set(step.reads) <= known, step.name
+        known |= set(step.writes)
+    for one in plan.effect_passes:
+        (step,) = [step for step in plan.steps if step.name == one.made_by.name]
+        assert all(effect.name in step.reason and effect.summary in step.reason for effect in one.effects)
+
+
+@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(effect_names(e)) or "none")
+def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
+    plan = plan_of(declared)
+    needs = reduce(or_, (effect.needs for one in plan.effect_passes for effect in one.effects), Needs())
+    assert plan.needs == needs
+    parts = eye_bytes(plan.needs, SIZES, plan.layers)
+    extra = set(parts) - {"late.colour", "late.inverse_depth"}
+    read = {name for step in plan.steps for name in step.reads if name in LATE}
+    assert extra <= read, "what nobody reads is not sent"
+    assert (extra == set()) == (needs == Needs())
+
+
+def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
+    for declared in SETS:
+        plan = plan_of(declared)
+        readers = [one for one in plan.effect_passes if SHOWN_DEPTH in one.made_by.reads]
+        assert sum(SHOWN_DEPTH in step.writes for step in plan.steps) == bool(readers)
+
+
+@pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
+def test_fused_with_the_lens_nothing_is_composited(warp):
+    plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True)
+    assert all(issubclass(one.made_by, LatePass) for one in plan.effect_passes)
+    assert not any(SHOWN in step.writes for step in plan.steps)
+    for effect in effects:
+        if not issubclass(effect.made_by, LatePass):
+            assert "nothing can be composited" in dict(plan.left_out)[effect.name]
+
+
+@pytest.mark.parametrize("warp", [warp.name for warp in warps if not warp.carries])
+def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
+    left_out = dict(plan_of(EVERY_EFFECT, warp).left_out)
+    for effect in effects:
+        assert ("carries nothing" in left_out.get(effect.name, "")) == effect.made_by.carries
+
+
+# --- what an experiment asks for -----------------------------------------------------------------------------------------
+
+
+def test_auto_changes_nothing_and_none_forbids_everything():
+    for declared in SETS:
+        assert asked_effects("auto", declared) == declared
+        assert asked_effects("", declared) == declared
+        assert asked_effects("none", declared) == SceneEffect.NONE
+
+
+@given(st.sampled_from(SETS), st.sampled_from(SETS), st.sampled_from(SETS))
+def test_each_may_be_forced_or_forbidden(declared, forced, forbidden):
+    told = ", ".join([*effect_names(forced), *(f"no-{name}" for name in effect_names(forbidden))])
+    if forced & forbidden:
+        with pytest.raises(InputError, match="both forced and forbidden"):
+            asked_effects(told, declared)
+    else:
+        assert asked_effects(told, declared) == (declared | forced) & ~forbidden
+
+
+def test_an_unknown_effect_is_answered_with_the_nearest():
+    with pytest.raises(UnknownNameError, match="did you mean 'transparency'"):
+        asked_effects("transparancy", SceneEffect.NONE)
+    with pytest.raises(UnknownNameError, match="did you mean 'overlay'"):
+        asked_effects("no-overlai", SceneEffect.NONE)
