@@ -1,0 +1,91 @@
+"""Keeps late pictures, and forgets of them what newer ones disprove."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ...geometry import View, WarpMap
+from ...gpu.textures import COLOUR, allocate
+from ..warps._composite import DEPTH_FLOOR
+
+if TYPE_CHECKING:
+    from ...frame import EyeImage
+    from ...gpu.context import Gpu
+
+Slot = tuple[moderngl.Texture, moderngl.Texture]
+
+# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest shows in 4 x 4 pixels around it; and by
+# how much darker or brighter than all of them, absolute in linear light and as a share of the brightest. Textures seen from elsewhere
+# differ by less, as their detail is filtered by distance.
+TOLERANCE = 0.05
+COLOUR_MARGIN = (0.08, 0.25)
+_COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  # image units
+
+
+class Keeper:
+    """Programs and buffers for late pictures of one size."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self._gpu, self._size = gpu, size
+        self._keep, self._bounds, self._forget = (gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget"))
+        cells = (-(-size[0] // 2), -(-size[1] // 2))
+        self._depths = allocate(gpu.gl, cells, (2, "f4"))
+        self._lowest, self._highest = (allocate(gpu.gl, cells, COLOUR) for _ in range(2))
+        self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), (1, "u2")), allocate(gpu.gl, (1, 1), COLOUR)
+        self._no_ids.write(bytes(2), alignment=1)
+        self._no_velocity.write(bytes(8))
+
+    def keep(self, late: EyeImage, slot: Slot) -> None:
+        """Copy what stands still."""
+        self._bind_late(late)
+        self._bind_slot(slot, read=False)
+        ids = late.ids if late.ids is not None else self._no_ids
+        velocity = late.velocity if late.velocity is not None else self._no_velocity
+        ids.bind_to_image(_FIRST, read=True, write=False)
+        velocity.bind_to_image(_SECOND, read=True, write=False)
+        units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH}
+        self._run(self._keep, self._size, ids=_FIRST, velocity=_SECOND, late_size=self._size, **units)
+
+    def look_at(self, late: EyeImage) -> None:
+        """The picture that forget() goes by."""
+        self._bind_late(late)
+        units = {"late_colour": _COLOUR, "late_depth": _DEPTH}
+        self._bind_bounds(read=False)
+        self._run(self._bounds, self._depths.size, late_size=self._size, **units, **self._bound_units())
+
+    def forget(self, slot: Slot, kept: View, late: View) -> None:
+        """What the picture of look_at(), seen from `late`, disproves of that seen from `kept`."""
+        there = WarpMap.between(kept, self._size, late, self._size)
+        self._bind_slot(slot, read=True)
+        self._bind_bounds(read=True)
+        units = {"kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH, **self._bound_units()}
+        limits = {"depth_tolerance": TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": COLOUR_MARGIN}
+        self._run(self._forget, self._size, H=there.H, e=there.e, late_size=self._size, **units, **limits)
+
+    def _bind_late(self, late: EyeImage) -> None:
+        late.colour.bind_to_image(_COLOUR, read=True, write=False)
+        late.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+
+    def _bind_slot(self, slot: Slot, *, read: bool) -> None:
+        for texture, unit in zip(slot, (_KEPT_COLOUR, _KEPT_DEPTH), strict=True):
+            texture.bind_to_image(unit, read=read, write=True)
+
+    def _bind_bounds(self, *, read: bool) -> None:
+        for texture, unit in ((self._depths, _FIRST), (self._lowest, _SECOND), (self._highest, _THIRD)):
+            texture.bind_to_image(unit, read=read, write=not read)
+
+    @staticmethod
+    def _bound_units() -> dict[str, int]:
+        return {"depths": _FIRST, "lowest": _SECOND, "highest": _THIRD}
+
+    def _run(self, program, size: tuple[int, int], **uniforms: object) -> None:
+        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        program.uniforms.set(**uniforms)
+        program.run(*size)
+
+    def close(self) -> None:
+        """Free the textures."""
+        for texture in (self._depths, self._lowest, self._highest, self._no_ids, self._no_velocity):
+            texture.release()

@@ -1,0 +1,121 @@
+"""What fills share that put other pictures with depth into holes: the rays of empty pixels alone are met with them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ...errors import InputError
+from ...geometry import View, WarpMap
+from ...gpu.textures import SCALAR, allocate
+from ..warps._composite import DEPTH_FLOOR, DEPTH_TOLERANCE, Picture
+
+if TYPE_CHECKING:
+    from ...gpu.context import Gpu
+    from ..picture import ShownPicture
+
+_LATE = 1  # texture unit
+_SHOWN, _FILLED, _SHOWN_DEPTH, _FILLED_DEPTH, _BEST, _DEPTH = range(6)  # image units
+_GUESSES = 3
+_PIECE, _ROWS, _GROUP = 8, 4, 64  # see lib/hole_pieces.glsl
+_HEADER = 16  # bytes before the pieces
+
+
+class HoleFiller:
+    """Meets the rays of a shown picture's holes with pictures, one after the other; of several the nearer stays, of equals the one that
+    sampled the place more densely. What the first picture knows nothing overrules if it is the newest.
+
+    cell: how many shown pixels a guess is for, on each axis: as many as a texel of the pictures covers.
+    """
+
+    def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
+        self._gpu, self._size = gpu, shown_size
+        self._cells = (-(-shown_size[0] // cell), -(-shown_size[1] // cell))
+        shaders, gl = gpu.shaders, gpu.gl
+        self._empty, self._seed = shaders.compute("warps/layered_empty.comp"), shaders.compute("warps/layered_seed.comp")
+        self._start, self._gather = shaders.compute("fills/memory_start.comp"), shaders.compute("fills/memory_gather.comp")
+        pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // _ROWS)
+        _check_groups(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0], pieces, shown_size)
+        self._quads = -(-self._cells[0] * self._cells[1] // 4)
+        self._seeds = gl.buffer(reserve=16 * self._quads)
+        self._pieces, self._no_pieces = gl.buffer(bytes(_HEADER + 8 * pieces)), gl.buffer(bytes(_HEADER))
+        self._best = allocate(gl, shown_size, (2, "f4"))
+        # Where nobody asks for depth: stores beside a picture of one pixel go nowhere.
+        self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
+        self._stamp = 0
+
+    def start(self, picture: ShownPicture, into: ShownPicture) -> None:
+        """Copy what is there already; what is added from now on goes into its holes."""
+        self._stamp = self._stamp % 0xFFFFFFFF + 1
+        self._first = True
+        self._empty_seeds(self._pieces)
+        self._bind(picture, into)
+        units = {"shown_colour": _SHOWN, "filled_colour": _FILLED, "shown_depth": _SHOWN_DEPTH, "filled_depth": _FILLED_DEPTH}
+        self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
+        self._dispatch(self._start, self._size)
+        self._picture, self._into = picture, into
+
+    def add(self, found: Picture, shown: View, *, newest: bool = False) -> None:
+        """What `found` holds, where the shown picture is empty."""
+        if not self._first:
+            self._empty_seeds(self._no_pieces)
+        size = found.colour.size
+        forward = WarpMap.between(found.view, size, shown, self._cells)
+        found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+        self._seeds.bind_to_storage_buffer(0)
+        self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self._cells)
+        self._dispatch(self._seed, size)
+        self._meet(found, shown, newest)
+        self._first = False
+
+    def _meet(self, found: Picture, shown: View, newest: bool) -> None:
+        size = found.colour.size
+        back = WarpMap.between(shown, self._size, found.view, size)
+        found.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        found.colour.use(_LATE)
+        self._bind(self._picture, self._into)
+        self._best.bind_to_image(_BEST, read=True, write=True)
+        self._pieces.bind_to_storage_buffer(1)
+        units = {"shown_colour": _SHOWN, "filled_colour": _FILLED, "filled_depth": _FILLED_DEPTH, "best": _BEST}
+        units |= {"late_colour": _LATE, "late_depth": _DEPTH}
+        sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self._size, "cells": self._cells}
+        sizes["cells_per_pixel"] = tuple(c / s for c, s in zip(self._cells, self._size, strict=True))
+        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES}
+        self._gather.uniforms.set(H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits)
+        self._barrier()
+        self._gather.program.run_indirect(self._pieces)
+
+    def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
+        before, after = self._no_depth
+        if picture.inverse_depth is not None and into.inverse_depth is not None:
+            before, after = picture.inverse_depth, into.inverse_depth
+        picture.colour.texture.bind_to_image(_SHOWN, read=True, write=False)
+        into.colour.bind_for_writing(_FILLED)
+        before.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
+        after.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+
+    def _empty_seeds(self, pieces: moderngl.Buffer) -> None:
+        self._seeds.bind_to_storage_buffer(0)
+        pieces.bind_to_storage_buffer(1)
+        self._empty.uniforms.set(quads=self._quads)
+        self._dispatch(self._empty, (self._quads, 1))
+
+    def _dispatch(self, program, size: tuple[int, int]) -> None:
+        self._barrier()
+        program.run(*size)
+
+    def _barrier(self) -> None:
+        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        """Free the textures and buffers."""
+        for thing in (self._seeds, self._pieces, self._no_pieces, self._best, *self._no_depth):
+            thing.release()
+
+
+def _check_groups(most: int, pieces: int, size: tuple[int, int]) -> None:
+    """Errors: InputError where the indirect dispatch over all pieces would go beyond the GL limit, and be dropped without a word."""
+    if -(-pieces * _PIECE // _GROUP) > most:
+        found = f"a shown picture of {size[0]}x{size[1]}: the fill would need more than this GPU's {most} work groups"
+        raise InputError(f"{found}; use a smaller one")

@@ -1,0 +1,131 @@
+"""What was seen before is put where nothing is seen now, before anything is guessed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ...errors import InputError
+from ...gpu.textures import COLOUR, SCALAR, allocate
+from ..warps._composite import Picture
+from . import fills
+from ._base import Fill
+from ._keyframes import Keyframe, is_new, most_redundant, most_useful
+from ._memory_passes import Keeper
+from ._remembered import HoleFiller
+
+if TYPE_CHECKING:
+    from ...geometry import View
+    from ..given import Given
+    from ..picture import ShownPicture
+
+MOST_FRAMES = 64
+CHECKED = 2  # kept pictures that each new late picture is held against: all of 12 within three refreshes of two eyes
+_BYTES_PER_PIXEL = 12
+
+
+@attrs.frozen
+class MemorySettings:
+    """frames: how many pictures are kept, of both eyes together. use: how many of them are looked into at a time. age: seconds after which
+    one is forgotten. mb: what all of them may take, in 10^6 bytes; where that is less, fewer are kept."""
+
+    frames: int = 12
+    use: int = 3
+    age: float = 60.0
+    mb: float = 1000.0
+
+    def __attrs_post_init__(self) -> None:
+        if not 1 <= self.frames <= MOST_FRAMES:
+            raise ValueError(f"frames is {self.frames}: wanted 1 to {MOST_FRAMES} pictures")
+        if not 1 <= self.use <= MOST_FRAMES:
+            raise ValueError(f"use is {self.use}: wanted 1 to {MOST_FRAMES} pictures")
+        if not (math.isfinite(self.age) and 0 < self.age <= 3600):
+            raise ValueError(f"age is {self.age:g} s: wanted above 0 and at most 3600")
+        if not (math.isfinite(self.mb) and 0 < self.mb <= 1e6):
+            raise ValueError(f"mb is {self.mb:g}: wanted above 0 and at most 1000000")
+
+
+@fills.register
+class Memory(Fill):
+    """Keeps late pictures that cover directions and places no other kept one does, and gathers from them where the warp left holes.
+
+    Both eyes share what is kept. Each new late picture is held against kept ones in turn: where it sees clearly farther than the place
+    that one remembers, or a clearly different colour at it, that pixel is forgotten. What moves by itself is never kept. The newest
+    late picture itself comes first: it closes cracks, and no older one overrules it.
+    """
+
+    name = "memory"
+    summary = "what was seen before behind and beside things, warped in; forgets what moved"
+    reads = ("shown.colour", "late.colour", "late.inverse_depth")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "this project's; keyframes as in Mark et al. 1997, Post-Rendering 3D Warping, chosen by what they cover"
+    Settings = MemorySettings
+
+    def prepare(self) -> None:
+        wide, high = self.late_size
+        each = _BYTES_PER_PIXEL * wide * high
+        count = min(self.settings.frames, math.floor(self.settings.mb * 1e6 / each))
+        if count < 1:
+            wanted = f"one late picture of {wide}x{high} takes {each / 1e6:.0f} MB"
+            raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
+        gl = self.gpu.gl
+        self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size), Keeper(self.gpu, self.late_size)
+        self._slots = [(allocate(gl, self.late_size, COLOUR, linear=True), allocate(gl, self.late_size, SCALAR)) for _ in range(count)]
+        self._kept: list[Keyframe] = []
+        self._last: dict[int, tuple[View, int]] = {}
+        self._turn = 0
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        late, shown = given.late, given.middle
+        before = self._last.get(given.eye)
+        if before is None or before[0] is not late.view or before[1] != late.drawn_ns:
+            self._last[given.eye] = late.view, late.drawn_ns
+            self._learn(given)
+        self._holes.start(picture, into)
+        self._holes.add(Picture(late.colour, late.inverse_depth, late.view), shown, newest=True)
+        others = [one for one in self._kept if one.view is not late.view]
+        for one in most_useful(others, shown, late.view, self.settings.use):
+            self._holes.add(Picture(*self._slots[one.slot], one.view), shown)
+
+    def _learn(self, given: Given) -> None:
+        """From a late picture that is new: forget what it disproves, keep it if it shows enough that is new."""
+        late = given.late
+        self._drop_old(late.drawn_ns)
+        if self._kept:
+            self._keeper.look_at(late)
+            for _ in range(min(CHECKED, len(self._kept))):
+                self._turn = (self._turn + 1) % len(self._kept)
+                one = self._kept[self._turn]
+                self._keeper.forget(self._slots[one.slot], one.view, late.view)
+        if is_new(late.view, self._kept):
+            slot = self._free_slot(late.view)
+            self._keeper.keep(late, self._slots[slot])
+            self._kept.append(Keyframe(slot, late.view, late.drawn_ns))
+
+    def _drop_old(self, now_ns: int) -> None:
+        """A picture from later than now is of another run: time has gone back."""
+        limit = round(self.settings.age * 1e9)
+        self._kept = [one for one in self._kept if 0 <= now_ns - one.drawn_ns <= limit]
+
+    def _free_slot(self, newest: View) -> int:
+        if len(self._kept) == len(self._slots):
+            self._kept.remove(most_redundant(self._kept, newest))
+        used = {one.slot for one in self._kept}
+        return next(slot for slot in range(len(self._slots)) if slot not in used)
+
+    def close(self) -> None:
+        self._holes.close()
+        self._keeper.close()
+        for texture in (one for slot in self._slots for one in slot):
+            texture.release()
+
+    @classmethod
+    def bytes_moved(cls, shown_pixels: int) -> int:
+        """The shown picture copied; of kept pictures of the same size, by its usual number, the depth read and the guesses emptied and
+        raised; the newest's and two kept ones' colour and depth read once to hold them against each other."""
+        looked = 1 + MemorySettings().use
+        return shown_pixels * (16 + looked * (4 + 4 * 3) + 12 * (1 + CHECKED))
+
+

@@ -1,0 +1,79 @@
+// Fills holes from one picture with depth: where the ray of an empty pixel meets the surface that the picture holds.
+// In: the shown picture's coverage; the picture, and guesses of what lands where. Out: colour and inverse depth of what is met in holes.
+// Source: Bowles et al. 2012, Iterative Image Warping (the gather); Mark et al. 1997 (of several pictures, nearer and better sampled wins).
+#define ROWS 4
+#include "lib/hole_pieces.glsl"
+#include "lib/warp_map.glsl"
+#include "lib/meeting.glsl"
+#include "lib/seed_keys.glsl"
+layout(rgba16f) readonly uniform image2D shown_colour;
+layout(rgba16f) writeonly uniform image2D filled_colour;
+layout(r32f) writeonly uniform image2D filled_depth; // 1 x 1 where nobody asks for depth
+layout(rg32f) uniform image2D best; // r: inverse depth of what fills the pixel, -1 for nothing; g: how densely it was sampled
+uniform ivec2 cells;                // of the guesses; the picture itself may be coarser than the shown one
+uniform vec2 cells_per_pixel;
+uniform int guesses; // 3; a constant would be unrolled
+uniform bool is_first;
+uniform bool is_newest; // what the newest picture holds, no older one overrules
+
+const float GAIN = 1.25;       // by which one picture must have been nearer to a place than the one before
+const float SETTLED = 1e30;    // nothing stands before it
+const float LARGEST = 65504.0; // of a half float
+
+float density_of(Ray ray, float depth) {
+    return 1.0 / (ray.base_z + depth * ray.parallax_z);
+}
+
+bool is_better(float depth, float density, vec2 before) {
+    bool alike = abs(depth - before.r) <= depth_tolerance * (max(depth, before.r) + depth_floor);
+    return before.r < 0.0 || (alike ? density > GAIN * before.g : depth > before.r);
+}
+
+// What landed in the pixel's cell and the eight around it: the nearest, what lies in the cell itself, and the farthest less 1.
+uvec3 keys_around(ivec2 pixel) {
+    ivec2 cell = ivec2((vec2(pixel) + 0.5) * cells_per_pixel);
+    uvec3 found = uvec3(0u, 0u, 0xFFFFFFFFu);
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            ivec2 at = clamp(cell + ivec2(x, y), ivec2(0), cells - 1);
+            uint key = seed_of[at.y * cells.x + at.x];
+            found = uvec3(max(found.x, key), x == 0 && y == 0 ? key : found.y, min(found.z, key - 1u));
+        }
+    return found;
+}
+
+void fill(ivec2 pixel, vec3 base) {
+    bool empty = imageLoad(shown_colour, pixel).a == 0.0;
+    vec2 before = is_first ? vec2(-1.0, 0.0) : imageLoad(best, pixel).rg;
+    uvec3 keys = keys_around(pixel);
+    Ray ray = ray_of(base, e);
+    float guess = seed_depth(keys.x);
+    bool pending = empty && keys.x != 0u && is_better(guess, density_of(ray, guess), before);
+    Meeting found = Meeting(-1.0, vec2(0.0), vec2(0.0), bvec2(false));
+    for (int tried = 0; tried < guesses && pending; ++tried) {
+        found = meet(ray, guess);
+        guess = seed_depth(tried == 0 ? keys.y : keys.z + 1u);
+        pending = found.depth < 0.0;
+    }
+    vec4 sum = textureLod(late_colour, found.look * late_pixel, 0.0);
+    float density = density_of(ray, found.depth);
+    bool shows = empty && found.depth >= 0.0 && found.depth <= LARGEST && sum.a >= 0.5 && is_better(found.depth, density, before);
+    if (shows) {
+        imageStore(filled_colour, pixel, vec4(sum.rgb / sum.a, 1.0));
+        imageStore(filled_depth, pixel, vec4(found.depth));
+    }
+    if (shows || is_first) imageStore(best, pixel, shows ? vec4(is_newest ? SETTLED : found.depth, density, 0.0, 0.0) : vec4(-1.0));
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x / uint(PIECE), lane = gl_GlobalInvocationID.x % uint(PIECE);
+    if (index >= piece_count) return;
+    int piece = int(pieces[index].x), wide = pieces_in_a_row();
+    ivec2 first = ivec2(piece % wide * PIECE + int(lane), piece / wide * ROWS);
+    if (first.x >= shown_size.x) return;
+    vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
+    for (int row = 0; row < ROWS; ++row) {
+        if (first.y + row >= shown_size.y) break;
+        fill(first + ivec2(0, row), base + H[1] * float(row));
+    }
+}
