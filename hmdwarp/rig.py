@@ -22,6 +22,7 @@ from .codec import CODECS, check_codec
 from .errors import InputError, MachineError
 from .frame import Needs
 from .geometry.cube import cube_size
+from .geometry.wide import wide_size
 from .gpu.context import Gpu
 from .gpu.textures import check_size
 from .headsets import Headset, load_headset
@@ -281,7 +282,8 @@ def guarded_size(guard: float, headset: Headset, size: tuple[int, int]) -> tuple
 def eye_sizes(options: RunOptions, headset: Headset) -> EyeSizes:
     """What one eye's pictures measure in a run. Errors: as guarded_size."""
     size = options.size or headset.eye_size_px
-    return EyeSizes(guarded_size(options.guard, headset, size), size, cube_size(headset.fov(0), size))
+    fov = headset.fov(0)
+    return EyeSizes(guarded_size(options.guard, headset, size), size, cube_size(fov, size), wide_size(fov, size))
 
 
 def check_room(gpu: Gpu, options: RunOptions, headset: Headset, needs: Needs) -> None:

@@ -20,6 +20,7 @@ from .passes import ScenePasses
 from .peel import peel
 from .targets import Framebuffers, Target, TargetPool
 from .upload import SceneBuffers, SceneTextures
+from .wide import draw_wide
 
 Size = tuple[int, int]
 
@@ -86,8 +87,10 @@ class Server:
         eyes, needs = [], needs if needs is not None else Needs()
         for view in views:
             fov, grown = view.fov.guarded(guard, size)
-            eye = self._draw(View(view.pose, fov), grown, Drawing(view, size, drawn_ns, needs))
-            eyes.append(self._with_surroundings(eye, needs))
+            drawing = Drawing(view, size, drawn_ns, needs)
+            eye = self._draw(attrs.evolve(view, fov=fov), grown, drawing)
+            wide = draw_wide(self._draw, drawing) if needs.wide else None
+            eyes.append(attrs.evolve(self._with_surroundings(eye, needs), wide=wide))
         return Frame(tuple(eyes), drawn_ns, self.scene.effects)
 
     def _with_surroundings(self, eye: EyeImage, needs: Needs) -> EyeImage:

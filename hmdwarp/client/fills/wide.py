@@ -1,0 +1,42 @@
+"""A second, wide and coarse view of the late eye is put where the late picture ends."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ...frame import Needs
+from ...geometry.wide import COARSER
+from ..warps._composite import Picture
+from . import fills
+from ._base import Fill
+from ._remembered import HoleFiller
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
+
+
+@fills.register
+class Wide(Fill):
+    """Gathers from the wide view where the warp left holes: the border first of all, and what it saw beside an edge as the picture did."""
+
+    name = "wide"
+    summary = "a second view of 150 x 140 degrees at a quarter of the resolution, drawn and sent with every frame"
+    reads = ("shown.colour", "late.wide")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "this project's; the gather of Bowles et al. 2012"
+
+    def prepare(self) -> None:
+        self._holes = HoleFiller(self.gpu, self.shown_size, cell=COARSER)
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        wide = given.late.wide
+        self._holes.start(picture, into)
+        self._holes.add(Picture(wide.colour, wide.inverse_depth, wide.view), given.middle)
+
+    def close(self) -> None:
+        self._holes.close()
+
+    @classmethod
+    def needs(cls, settings: Any) -> Needs:
+        return Needs(wide=True)
