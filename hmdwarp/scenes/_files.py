@@ -151,7 +151,7 @@ def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes:
     colour, uv, texture = _surface(part, len(vertices), textures, notes, name)
     double_sided = bool(getattr(getattr(part.visual, "material", None), "doubleSided", False)) or not _is_closed(part)
     lit = 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT) if double_sided else _plain_light(normals)
-    return Mesh(name, vertices - origin, normals, uv, colour * lit[:, None], faces, texture, double_sided)
+    return Mesh(name, vertices - origin, normals, uv, colour * lit[:, None], faces, texture, double_sided, albedo=colour)
 
 
 def _plain_light(normals: NDArray) -> NDArray:

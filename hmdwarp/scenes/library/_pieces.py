@@ -54,6 +54,7 @@ def merged(pieces: Sequence[Piece], lights: Sequence[NDArray], texture_index: Ca
                 np.concatenate([piece.surface.triangles + np.uint32(s) for (piece, _), s in zip(members, starts, strict=False)]),
                 texture_index(key[0]),
                 key[1],
+                albedo=np.concatenate([np.broadcast_to(piece.tint, piece.surface.positions.shape) for piece, _ in members]),
             )
         )
     return meshes

@@ -43,6 +43,7 @@ class Quad:
             [(0, 1, 2), (0, 2, 3)],
             self.texture,
             double_sided=True,
+            albedo=np.tile(self.light, (4, 1)),
         )
 
 
@@ -64,7 +65,8 @@ class Ball:
         uv = np.stack([pp / (2 * np.pi) * 2, 1 - tt / np.pi], axis=-1).reshape(-1, 2)
         light = np.array(self.colour) * (0.55 + 0.45 * normals[:, 1:2])
         positions = np.array(self.centre) + self.radius * normals
-        return Mesh(name, positions, normals, uv, light, grid_triangles(rings + 1, 2 * rings + 1), self.texture)
+        albedo = np.tile(self.colour, (len(positions), 1))
+        return Mesh(name, positions, normals, uv, light, grid_triangles(rings + 1, 2 * rings + 1), self.texture, albedo=albedo)
 
     def sagitta(self, rings: int = 48) -> float:
         """How far the flat cells lie inside the sphere at most: half a cell's diagonal angle a gives r (1 - cos a)."""

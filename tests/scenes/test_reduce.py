@@ -1,0 +1,245 @@
+"""A scene with fewer triangles: how many, that outlines, seams and bodies stay, and that the cache never does harm."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.errors import SceneError
+from hmdwarp.scenes import Body, Material, Mesh, Scene, load_scene
+from hmdwarp.scenes._decimate import decimated
+from hmdwarp.scenes._reduce import mean_light, reduced, unlit
+from hmdwarp.scenes.library._surfaces import Surface, box, join, patch
+from hmdwarp.scenes.library.spheres import BALLS
+
+
+def mesh_of(surface: Surface, light=(0.5, 0.5, 0.5), **fields) -> Mesh:
+    lit = np.broadcast_to(light, surface.positions.shape)
+    return Mesh("made", surface.positions, surface.normals, surface.uv, lit, surface.triangles, **fields)
+
+
+def scene_of(*meshes: Mesh, **fields) -> Scene:
+    return Scene("made", "", meshes, **fields)
+
+
+def area(mesh: Mesh) -> float:
+    a, b, c = (mesh.positions[mesh.triangles[:, k]].astype(np.float64) for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def open_edges(*meshes: Mesh) -> float:
+    """Metres of edges that belong to one triangle only, meshes put together by position."""
+    sides: dict[frozenset, int] = {}
+    for mesh in meshes:
+        places = [tuple(p) for p in mesh.positions]
+        for triangle in mesh.triangles:
+            for k in range(3):
+                side = frozenset((places[triangle[k]], places[triangle[(k + 1) % 3]]))
+                sides[side] = sides.get(side, 0) + 1
+    ends = [tuple(side) for side, count in sides.items() if count == 1]
+    return float(sum(np.linalg.norm(np.subtract(*pair)) for pair in ends))
+
+
+FEW = 6  # of a sheet's 384 triangles; two would do, but the last slivers do not go
+SHEET = patch((0, 0, 0), (4, 0, 0), (0, 3, 0))
+
+
+@pytest.fixture(autouse=True)
+def _a_cache_of_its_own(tmp_path, monkeypatch):
+    for name in ("XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
+        monkeypatch.setenv(name, str(tmp_path / "home"))
+
+
+def test_what_is_flat_and_even_becomes_a_few_triangles_with_its_outline():
+    (kept,) = reduced(scene_of(mesh_of(SHEET)), 0.01).meshes
+    assert len(kept.triangles) <= FEW
+    assert area(kept) == pytest.approx(12, rel=1e-6)
+
+
+def test_light_and_texture_that_bend_keep_vertices_where_they_bend():
+    shadow = 0.2 + 0.8 * (SHEET.positions[:, :1] > 2)
+    lit = mesh_of(SHEET, shadow * np.ones(3))
+    (kept,) = reduced(scene_of(lit), 0.1).meshes
+    edge = kept.positions[:, 0]
+    assert ((edge >= 1.9) & (edge <= 2.3)).sum() >= 4  # both sides of the shadow's edge, at both ends of it
+    assert area(kept) == pytest.approx(12, rel=1e-6)
+
+
+def test_a_box_of_six_patches_stays_closed():
+    whole = mesh_of(box((0, 0, 0), (1, 2, 3), cell_m=0.2))
+    (kept,) = reduced(scene_of(whole), 0.02).meshes
+    assert len(kept.triangles) <= 0.03 * len(whole.triangles)
+    assert area(kept) == pytest.approx(22, rel=1e-5)
+    assert open_edges(kept) == 0
+
+
+def test_meshes_that_meet_still_meet():
+    floor, wall = mesh_of(patch((0, 0, 0), (0, 0, 2), (2, 0, 0))), mesh_of(patch((0, 0, 0), (0, 2, 0), (0, 0, 2)), (0.9, 0.2, 0.1))
+    kept = reduced(scene_of(floor, wall), 0.1).meshes
+    assert len(kept) == 2
+    assert open_edges(*kept) == pytest.approx(12, rel=1e-6)  # three sides each; the fourth they share
+
+
+def test_what_moves_apart_is_not_held_together():
+    still, moving = mesh_of(SHEET), mesh_of(SHEET, body=1)
+    kept = reduced(scene_of(still, moving, bodies=(Body("door", None),)), 0.01).meshes
+    assert [mesh.body for mesh in kept] == [0, 1]
+    assert all(len(mesh.triangles) <= FEW for mesh in kept)
+
+
+@pytest.fixture(scope="module")
+def balls(tmp_path_factory) -> tuple[Scene, Scene]:
+    """The scene of spheres, whole and with a fifth of its triangles."""
+    scene = load_scene("spheres")
+    return scene, reduced(scene, 0.2, tmp_path_factory.mktemp("models"))
+
+
+def test_every_vertex_is_one_of_the_original_ones_with_all_it_had(balls):
+    scene, kept = balls
+    for mesh, original in zip(kept.meshes, scene.meshes, strict=True):
+        names = ("positions", "normals", "uv", "light", "albedo")
+        known = {tuple(row) for row in np.concatenate([getattr(original, name) for name in names], axis=1)}
+        assert {tuple(row) for row in np.concatenate([getattr(mesh, name) for name in names], axis=1)} <= known
+    assert 0.19 <= kept.triangle_count / scene.triangle_count <= 0.201
+
+
+def test_a_reduced_ball_keeps_its_shape(balls):
+    scene, kept = balls
+    for mesh, ball in zip(kept.meshes, BALLS, strict=False):
+        middles = mesh.positions[mesh.triangles].mean(axis=1)
+        distance = np.linalg.norm(middles - ball.centre, axis=1)
+        # The triangles go where most area is, so the smallest ball gets fewest: about 370 of its 9216. Of 370 equal ones each has edges of
+        # 0.28 radii and its middle 0.013 radii inside; three times that and a little, for they are not equal.
+        assert distance.min() > 0.95 * ball.radius
+        assert distance.max() < ball.radius
+        assert area(mesh) == pytest.approx(4 * np.pi * ball.radius**2, rel=0.03)
+
+
+def test_the_same_every_time():
+    meshes = [mesh_of(SHEET, SHEET.positions**2), mesh_of(box((0, 0, 0), (1, 2, 3), cell_m=0.2))]
+    for one, other in zip(decimated(meshes, 0.3), decimated(meshes, 0.3), strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_what_one_sees_through_or_wears_is_left_out():
+    glass = mesh_of(SHEET, material=Material(see_through=True))
+    hud, mirror = mesh_of(SHEET, material=Material(head_locked=True)), mesh_of(SHEET, material=Material(reflectivity=0.5))
+    kept = reduced(scene_of(glass, hud, mirror), 0.5)
+    assert len(kept.meshes) == 1
+    assert not kept.effects
+
+
+class Waving:
+    def __init__(self, rest):
+        self.rest = rest
+
+    def positions(self, time_ns):
+        return self.rest + time_ns * 1e-9
+
+    def velocities(self, time_ns):
+        return np.ones_like(self.rest)
+
+
+def test_a_flag_waves_with_the_vertices_it_has_left():
+    flag = mesh_of(SHEET)
+    (kept,) = reduced(scene_of(attrs.evolve(flag, deformation=Waving(flag.positions))), 0.1).meshes
+    assert np.array_equal(kept.deformation.positions(0), kept.positions)
+    assert np.allclose(kept.deformation.positions(2_000_000_000), kept.positions + 2)
+    assert kept.deformation.velocities(0).shape == kept.positions.shape
+
+
+@pytest.mark.parametrize("share", [0, -0.2, 1.5, float("nan")])
+def test_a_share_that_is_none_is_refused(share):
+    with pytest.raises(SceneError, match="wanted more than 0 and at most 1"):
+        reduced(load_scene("planes"), share)
+
+
+def test_nothing_to_reduce():
+    assert reduced(scene_of(), 0.2).meshes == ()
+    assert mean_light(scene_of()).tolist() == [1, 1, 1]
+
+
+# --- the cache ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often decimated() ran."""
+    from hmdwarp.scenes import _reduce
+
+    runs = []
+    monkeypatch.setattr(_reduce, "decimated", lambda meshes, share: runs.append(share) or decimated(meshes, share))
+    return runs
+
+
+def same(one: Scene, other: Scene) -> bool:
+    return all(np.array_equal(a.triangles, b.triangles) for a, b in zip(one.meshes, other.meshes, strict=True))
+
+
+def test_made_once_then_found(tmp_path, counted):
+    scene = scene_of(mesh_of(SHEET))
+    first = reduced(scene, 0.2, tmp_path)
+    assert same(first, reduced(scene, 0.2, tmp_path))
+    assert counted == [0.2]
+    reduced(scene, 0.3, tmp_path)
+    reduced(scene_of(mesh_of(SHEET, (0.4, 0.5, 0.5))), 0.2, tmp_path)
+    assert counted == [0.2, 0.3, 0.2]
+    assert not [path for path in tmp_path.iterdir() if path.suffix != ".npz"]
+
+
+def test_found_in_the_users_cache_folder(tmp_path, counted):
+    for _ in range(2):
+        reduced(scene_of(mesh_of(SHEET)), 0.2)
+    assert len(counted) == 1
+    assert len(list(tmp_path.rglob("*.npz"))) == 1
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "noise", "other", "beyond"])
+def test_a_damaged_cache_is_made_again(tmp_path, counted, damage):
+    scene = scene_of(mesh_of(SHEET))
+    first = reduced(scene, 0.2, tmp_path)
+    (path,) = tmp_path.glob("*.npz")
+    whole = path.read_bytes()
+    if damage == "other":
+        np.savez(path, something=np.zeros(3))
+    elif damage == "beyond":
+        np.savez(path, triangles=np.full((2, 3), 10**6, np.uint32), counts=np.array([2]))
+    else:
+        path.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "noise": b"\x07" * len(whole)}[damage])
+    assert same(first, reduced(scene, 0.2, tmp_path))
+    assert len(counted) == 2
+    assert same(first, reduced(scene, 0.2, tmp_path))
+    assert len(counted) == 2
+
+
+def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, counted):
+    (tmp_path / "taken").write_text("a file where a folder is wanted")
+    for _ in range(2):
+        assert reduced(scene_of(mesh_of(SHEET)), 0.05, tmp_path / "taken").triangle_count
+    assert len(counted) == 2
+
+
+# --- without light -------------------------------------------------------------------------------------------------------------
+
+
+def test_unlit_is_the_material_alone():
+    lit = mesh_of(SHEET, (0.1, 0.2, 0.3), albedo=np.broadcast_to((0.2, 0.8, 0.6), SHEET.positions.shape))
+    assert np.allclose(unlit(scene_of(lit)).meshes[0].light, (0.2, 0.8, 0.6))
+    assert np.allclose(mean_light(scene_of(lit)), (0.5, 0.25, 0.5))
+
+
+def test_where_the_albedo_is_not_known_the_hue_of_what_is_baked_stands_for_it():
+    dark = mesh_of(SHEET, (0.02, 0.04, 0.01))
+    made = unlit(scene_of(dark)).meshes[0].light[0]
+    assert made / made.sum() == pytest.approx(np.array([2, 4, 1]) / 7)
+    assert made @ (0.2126, 0.7152, 0.0722) == pytest.approx(0.5)
+    black = unlit(scene_of(mesh_of(SHEET, (0, 0, 0)))).meshes[0].light[0]
+    assert (black == 0.5).all()
+
+
+def test_joined_surfaces_that_do_not_touch():
+    two = join([SHEET, patch((0, 0, 5), (1, 0, 0), (0, 1, 0))])
+    (kept,) = reduced(scene_of(mesh_of(two)), 0.01).meshes
+    assert len(kept.triangles) <= 2 * FEW
+    assert area(kept) == pytest.approx(13, rel=1e-6)
