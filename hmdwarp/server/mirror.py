@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the last
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
-FACE_PIXELS = 384  # across 90 degrees of what a curved mirror shows, which shrinks it
+FACE_PIXELS = 160  # across 90 degrees of what a curved mirror shows: it shrinks a face to about 50 pixels where the ball has 150
 CLIP_DISTANCE_0 = 0x3000
 
 

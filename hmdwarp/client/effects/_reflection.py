@@ -1,0 +1,105 @@
+"""One pass for all that mirrors: the world behind the mirrors is warped as geometry and drawn into the warped surfaces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+
+from ...errors import PlanError
+from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from ..carry import Carry, ShownDepth, as_image
+from ..warps import warps
+from ._base import ShownPass
+from ._closing import Closing
+
+if TYPE_CHECKING:
+    from ...frame import EyeImage
+    from ..given import Given
+    from ..picture import ShownPicture
+
+GLOSSY = "glossy_reflections"
+
+
+class Reflections(ShownPass):
+    """Three warps more: of what the mirrors show, by its own depth; for glossy ones of that depth; of what the surfaces are, with the picture.
+
+    What the mirrors show is gathered (`iterative`), and its holes are closed from around them. Under scan-out it is shown as in the middle
+    of it. Holes of the picture that a fill has closed mirror as much as what is around them.
+    """
+
+    name = "reflections"
+    order = 10
+    reads = ("shown.colour", "late.reflection")
+    carries = True
+
+    def prepare(self) -> None:
+        gpu, shown = self.gpu, self.shown_size
+        self._glossy = GLOSSY in self.parts
+        self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if self._glossy else {}))
+        self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
+        self._warp = warps.get("iterative")(gpu, self.late_size, shown)
+        self._closing = Closing(gpu, shown)
+        self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
+        self._plain = [allocate(gpu.gl, self.late_size, COLOUR) for _ in range(self.tools.pictures - 1)]
+        self._depth = ShownDepth(gpu, Carry(self._warp), 1, self.late_size, shown) if self._glossy else None
+        self._seen_depth = allocate(gpu.gl, shown, SCALAR) if self._glossy else None
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+        """The layer's depth once, its colour and the surface for each shown pixel, read, warped, and read again; the picture both ways."""
+        return 4 * late_pixels + 8 * shown_pixels * (2 * 3 + 2)
+
+    def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
+        reflection = given.late.reflection
+        if reflection is None:
+            raise PlanError("reflections are compensated, but this frame has no layer of them; frames from a scene have it")
+        seen = attrs.evolve(given.at_once(), late=as_image(given.late, reflection.seen), others=())
+        self._warp.run(seen, self._seen)
+        self._barrier()
+        if self._depth is not None:
+            self._depth.run(seen, self._seen_depth)
+        self._closing.run(self._seen.texture)
+        free = iter(self._plain)
+        self.tools.carry.along(given, lambda image: self._surface_of(image, free), self._surface)
+        self._barrier()
+        self._closing.run(self._surface.texture)
+        self._draw(given, picture, into)
+
+    def _surface_of(self, image: EyeImage, free) -> moderngl.Texture:
+        if image.reflection is not None:
+            return image.reflection.surface
+        into = next(free)
+        image.colour.bind_to_image(0, read=True, write=False)
+        into.bind_to_image(1, read=False, write=True)
+        self._nothing.uniforms.set(late_colour=0, surface=1, late_size=image.size)
+        self._nothing.run(*image.size)
+        self._barrier()
+        return into
+
+    def _draw(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
+        read = {"picture": picture.colour.texture, "surface": self._surface.texture}
+        if self._glossy:
+            read["seen_inverse_depth"] = self._seen_depth
+        for unit, texture in enumerate(read.values(), start=1):
+            texture.bind_to_image(unit, read=True, write=False)
+        into.bind_for_writing()
+        self._seen.texture.use(0)
+        units = {name: unit for unit, name in enumerate(read, start=1)}
+        mirrors = mirrors_in_eye(given.late.reflection.mirrors, given.middle) | tangents_of_pixels(given.middle, self.shown_size)
+        pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
+        self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
+        self._compose.run(*self.shown_size)
+
+    def _barrier(self) -> None:
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        for owner in (self._warp, self._closing, self._depth):
+            if owner is not None:
+                owner.close()
+        for thing in (self._seen, self._surface, self._seen_depth, *self._plain):
+            if thing is not None:
+                thing.release()

@@ -1,0 +1,19 @@
+"""Curved mirrors: a chrome ball."""
+
+from __future__ import annotations
+
+from ...frame import Needs
+from ...scenes.effects import SceneEffect
+from . import Effect, effects
+from ._reflection import Reflections
+
+effects.register(
+    Effect(
+        flag=SceneEffect.CURVED_REFLECTIONS,
+        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula, half the radius behind it for far things",
+        made_by=Reflections,
+        needs=Needs(curved_reflections=True),
+        without="reflections stick to the ball, as if painted on it",
+        source="Coddington 1829 (oblique pencils), see hmdwarp/geometry/mirror.py; Lochmann et al. 2014",
+    )
+)
