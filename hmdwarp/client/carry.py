@@ -51,9 +51,14 @@ def as_image(image: EyeImage, layer) -> EyeImage:
     return EyeImage(image.view, layer.colour, layer.inverse_depth, drawn_ns=image.drawn_ns)
 
 
+def images_given(needs: Needs) -> int:
+    """How many late images of one eye there are with these needs at most: the newest one and all others."""
+    return 1 + needs.past + needs.other_eye
+
+
 def pictures_read(needs: Needs) -> int:
     """How many pictures with depth of one eye a warp with these needs reads at most."""
-    return (1 + needs.layers) * (1 + needs.past + needs.other_eye)
+    return (1 + needs.layers) * images_given(needs)
 
 
 class ShownDepth:

@@ -12,7 +12,7 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
-from .carry import Carry, ShownDepth, pictures_read
+from .carry import Carry, ShownDepth, images_given, pictures_read
 from .effects import LatePass, ShownPass, Tools
 from .fills import Fill
 from .geometry import ClientGeometry
@@ -84,7 +84,7 @@ class Compensator:
         self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.writes(SHOWN_DEPTH) else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills: list[Fill] = [one.entry(gpu, late_size, shown_size, one.settings, geometry) for one in plan.fills]
-        tools = Tools(carry, pictures)
+        tools = Tools(carry, pictures, images_given(plan.needs))
         made = [one.made_by(gpu, frozenset(e.name for e in one.effects), late_size, shown_size, tools) for one in plan.effect_passes]
         self._late = [one for one in made if isinstance(one, LatePass)]
         self._shown = [one for one in made if isinstance(one, ShownPass)]

@@ -62,6 +62,11 @@ class PlannedEffect:
         """What frames carry for them."""
         return reduce(or_, (effect.needs for effect in self.effects))
 
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """What the pass reads for them."""
+        return self.made_by.reads_for(frozenset(effect.name for effect in self.effects))
+
 
 @attrs.frozen
 class Plan:
@@ -157,7 +162,7 @@ def build_plan(
     passes = _effect_passes(declared, choice.entry, fused, draft)
     late, shown = ([one for one in passes if issubclass(one.made_by, LatePass) is before] for before in (True, False))
     for one in late:
-        draft.add("effects", one.made_by.name, _why(one), one.made_by.reads, one.made_by.writes)
+        draft.add("effects", one.made_by.name, _why(one), one.reads, one.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, draft)
     follows = scanout and choice.entry.scans_out
     _plan_warp(choice, chosen_lens if fused else None, follows, draft)
@@ -175,7 +180,7 @@ def build_plan(
     if not chain:
         draft.leave_out("fill", f"fill 'none' was asked for: {fills.get('none').summary}")
     for one in shown:
-        draft.add("effects", one.made_by.name, _why(one), one.made_by.reads, one.made_by.writes)
+        draft.add("effects", one.made_by.name, _why(one), one.reads, one.made_by.writes)
     if fused:
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:

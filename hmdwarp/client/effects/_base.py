@@ -39,10 +39,13 @@ class Effect:
 
 @attrs.frozen(eq=False)
 class Tools:
-    """What passes may use: `carry` takes other late pictures along with the colour; pictures: how many it hands over at most."""
+    """What passes may use: `carry` takes other late pictures along with the colour; pictures: how many it hands over at most.
+
+    images: how many late images of one eye a pass is given at most, the newest and `others`."""
 
     carry: Carry
     pictures: int
+    images: int = 1
 
 
 class EffectPass(ABC):
@@ -69,6 +72,11 @@ class EffectPass(ABC):
     @abstractmethod
     def close(self) -> None:
         """Free the textures and buffers."""
+
+    @classmethod
+    def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
+        """Those of `reads` that it needs for these effects."""
+        return cls.reads
 
     @classmethod
     def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:

@@ -1,0 +1,205 @@
+"""Moves the late picture's moving pixels to the instant they are shown at, in the view the picture was drawn for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import moderngl
+import numpy as np
+
+from ...errors import InputError, MachineError
+from ...geometry import Pose, RigidState, View, WarpMap
+from ...gpu.textures import COLOUR, SCALAR, allocate
+from ..warps._mesh import steepest
+from ._base import LatePass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from ...frame import EyeImage
+    from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
+    from ..given import Given
+
+# What deforms is taken to go on as it was for so long and so far at most. A swing of period T is best told from its speed for
+# T sin(w L) / (2 pi) at a latency of L: of 2 s that is 0.19 s at 200 ms, 0.30 at 400, 0.19 at 800; longer, and it overshoots.
+REACH_S = 0.25
+REACH_M = 0.3
+STEEPEST_DEG = 85.0  # from facing: planes seen more edge on than this come apart, as in the mesh warps
+NEAREST_M = 0.02
+MOST_BODIES = 4096
+MOST_SIDE = 2**16 - 1  # pixels are listed by 16 bits a side
+QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
+ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
+STILL = 1e-9  # pixels: what rounding leaves of a body that rests, far below any motion
+RIGID, SOFT = "rigid_motion", "soft_motion"
+
+
+def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) -> WarpMap:
+    """From late pixels of a body to where it is seen `age_ns` later from the same view: as if the eye had moved the other way.
+
+    Everything relative to the eye, in float64. Source: McMillan and Bishop 1995, eq. 8-10.
+    """
+    drawn, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
+    return WarpMap.between(View(after @ drawn.inverse(), view.fov), size, View(Pose(), view.fov), size)
+
+
+def rests(moved: WarpMap) -> bool:
+    """Whether a map leaves every pixel where it is."""
+    return bool(np.abs(moved.H - np.eye(3)).max() <= STILL and np.abs(moved.e).max() <= STILL)
+
+
+@attrs.frozen(eq=False)
+class _Moved:
+    """One late picture after its motion."""
+
+    colour: moderngl.Texture
+    inverse_depth: moderngl.Texture
+    framebuffer: moderngl.Framebuffer
+
+    def close(self) -> None:
+        for thing in (self.framebuffer, self.colour, self.inverse_depth):
+            thing.release()
+
+
+class MotionPass(LatePass):
+    """Bodies go where their pose and speed take them, what deforms goes on as it was, for REACH_S and REACH_M at most.
+
+    Every moving pixel is drawn as the square it covers, with a depth test against all else; it leaves a hole. Both at once, because
+    what one of them moves the other's velocities and ids no longer fit.
+    """
+
+    name = "motion"
+    order = 10
+    reads = ("late.colour", "late.inverse_depth", "late.ids", "late.velocity")
+
+    @classmethod
+    def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
+        return (*cls.reads[:2], *(("late.ids",) if RIGID in parts else ()), *(("late.velocity",) if SOFT in parts else ()))
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+        """Colour and depth read and written once, ids or velocities read; what moves is little beside that."""
+        return late_pixels * (2 * (8 + 4) + 2)
+
+    def prepare(self) -> None:
+        _check(self.gpu, self.late_size)
+        defines = {"RIGID": int(RIGID in self.parts), "SOFT": int(SOFT in self.parts)}
+        shaders, gl, (wide, high) = self.gpu.shaders, self.gpu.gl, self.late_size
+        self._split = shaders.compute("effects/motion_split.comp", **defines)
+        self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
+        self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", **defines)
+        self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
+        # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in the shaders.
+        sizes = (4 * MAP_FLOATS * MOST_BODIES, 4 * self._words, 4 * self._words, DRAW_BYTES * self._draws, 4 * wide * high)
+        self._buffers = [gl.buffer(reserve=size) for size in sizes]
+        corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
+        self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
+        self._array = gl.vertex_array(self._draw.program, [], index_buffer=self._corners, index_element_size=2)
+        self._depth = gl.depth_renderbuffer(self.late_size)
+        self._moved = [self._allocated() for _ in range(self.tools.images)]
+
+    def _allocated(self) -> _Moved:
+        colour, inverse_depth = (allocate(self.gpu.gl, self.late_size, kind) for kind in (COLOUR, SCALAR))
+        return _Moved(colour, inverse_depth, self.gpu.gl.framebuffer([colour, inverse_depth], self._depth))
+
+    def run(self, given: Given) -> Given:
+        into = iter(self._moved)
+        late, *others = (self._image(image, given.shown_ns - image.drawn_ns, into) for image in (given.late, *given.others))
+        return attrs.evolve(given, late=late, others=tuple(others))
+
+    def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
+        """The image as it is `age_ns` later; itself where nothing has moved by then. ids and velocities are used up: they no longer fit."""
+        maps = [body_map(state, age_ns, image.view, image.size) for state in image.bodies] if RIGID in self.parts else []
+        if len(maps) > MOST_BODIES:
+            raise InputError(f"a frame with {len(maps)} bodies: '{self.name}' takes {MOST_BODIES} at most")
+        soft = image.velocity is not None and SOFT in self.parts and age_ns != 0
+        if not soft and all(map(rests, maps)):
+            return image
+        into = next(free)
+        named = self._named(image, maps, age_ns)
+        self._bind(image, maps, into)
+        self._run(self._split, named, self.late_size)
+        self._run(self._order, named, (1, 1))
+        self._run(self._list, named, self.late_size)
+        self._draw_moving(named, into)
+        return attrs.evolve(image, colour=into.colour, inverse_depth=into.inverse_depth, ids=None, bodies=(), velocity=None)
+
+    def _named(self, image: EyeImage, maps: Sequence[WarpMap], age_ns: int) -> dict[str, Any]:
+        """Uniforms by name, for whichever program has them."""
+        return {
+            "late_size": self.late_size,
+            "steepest": steepest(image.view, self.late_size, STEEPEST_DEG),
+            "late_colour": 0,
+            "late_inverse_depth": 1,
+            "late_ids": 2,
+            "late_velocity": 3,
+            "still_colour": 1,
+            "still_inverse_depth": 2,
+            "body_count": len(maps),
+            "pixel_from_eye": image.view.fov.pixel_from_tangent(self.late_size) @ np.diag([1.0, 1.0, -1.0]),
+            "seconds": float(np.clip(age_ns * 1e-9, -REACH_S, REACH_S)),
+            "reach_m": REACH_M,
+            "nearest": 1 / NEAREST_M,
+            "words": self._words,
+            "draws": self._draws,
+            "draw_quads": QUADS,
+        }
+
+    def _bind(self, image: EyeImage, maps: Sequence[WarpMap], into: _Moved) -> None:
+        for unit, texture in enumerate((image.colour, image.inverse_depth, image.ids, image.velocity)):
+            if texture is not None:
+                texture.use(unit)
+        image.colour.bind_to_image(0, read=True, write=False)
+        into.colour.bind_to_image(1, read=False, write=True)
+        into.inverse_depth.bind_to_image(2, read=False, write=True)
+        if maps:
+            self._buffers[0].write(_table(maps).tobytes())
+        for binding, buffer in enumerate(self._buffers):
+            buffer.bind_to_storage_buffer(binding)
+
+    def _run(self, program: Compute, named: dict[str, Any], size: tuple[int, int]) -> None:
+        _set_declared(program.uniforms, named)
+        program.run(*size)
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def _draw_moving(self, named: dict[str, Any], into: _Moved) -> None:
+        gl = self.gpu.gl
+        _set_declared(self._draw.uniforms, named)
+        wanted, nothing = into.framebuffer.color_mask, ((False,) * 4,) * 2
+        into.framebuffer.color_mask = nothing
+        with gl.scope(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+            into.framebuffer.clear(depth=1.0)
+        into.framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
+        with gl.scope(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+            gl.depth_func = "<"
+            self._array.render_indirect(self._buffers[3], moderngl.TRIANGLES, count=self._draws)
+        gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        for moved in self._moved:
+            moved.close()
+        for thing in (self._array, self._corners, self._depth, *self._buffers):
+            thing.release()
+
+
+def _table(maps: Sequence[WarpMap]) -> np.ndarray:
+    """(n, 4, 4) float32: the columns of H, then e; the first column's fourth number is 1 for a body that moves."""
+    table = np.zeros((len(maps), 4, 4), np.float32)
+    for row, one in zip(table, maps, strict=True):
+        row[:3, :3], row[3, :3], row[0, 3] = one.H.T, one.e, not rests(one)
+    return table
+
+
+def _set_declared(uniforms: Any, named: dict[str, Any]) -> None:
+    uniforms.set(**{name: value for name, value in named.items() if uniforms.declares(name)})
+
+
+def _check(gpu: Gpu, size: tuple[int, int]) -> None:
+    """Errors: MachineError where vertex shaders cannot read buffers; InputError for a picture too large to list."""
+    blocks = gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"]
+    if blocks < 2:
+        raise MachineError(f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects no-{RIGID},no-{SOFT}")
+    if max(size) > MOST_SIDE:
+        raise InputError(f"a late picture of {size[0]}x{size[1]}: moving things takes at most {MOST_SIDE} pixels a side")

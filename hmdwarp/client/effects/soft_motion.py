@@ -1,0 +1,20 @@
+"""Things that deform: each pixel goes on with the velocity it was drawn with, not for long and not far."""
+
+from __future__ import annotations
+
+from ...frame import Needs
+from ...scenes.effects import SceneEffect
+from . import effects
+from ._base import Effect
+from ._motion import REACH_M, REACH_S, MotionPass
+
+effects.register(
+    Effect(
+        flag=SceneEffect.SOFT_MOTION,
+        summary=f"each pixel of what deforms goes on with its velocity, for {REACH_S:g} s and {REACH_M:g} m at most",
+        made_by=MotionPass,
+        needs=Needs(velocity=True),
+        without="what deforms stands still as it was when the frame was drawn",
+        source="motion vectors on the frame, as XR_EXT_frame_synthesis and XR_FB_space_warp have them",
+    )
+)
