@@ -60,7 +60,7 @@ def bands_of(first: View, last: View, size: tuple[int, int]) -> Iterator[tuple[V
     for top, bottom in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True):
         low, above = (up - (up - down) * row / high for row in (bottom, top))
         pose = first.pose.towards(last.pose, (top + bottom) / (2 * high))
-        yield View(pose, Fov.from_tangents((left, right, low, above))), bottom - top
+        yield attrs.evolve(first, pose=pose, fov=Fov.from_tangents((left, right, low, above))), bottom - top
 
 
 def band_count(first: View, last: View, size: tuple[int, int]) -> int:

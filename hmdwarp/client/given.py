@@ -41,7 +41,7 @@ class Given:
         """The view half way through the scan-out: the best one for whatever shows all rows as at one instant."""
         if self.shown_last is None:
             return self.shown
-        return View(self.shown.pose.towards(self.shown_last.pose, 0.5), self.shown.fov)
+        return attrs.evolve(self.shown, pose=self.shown.pose.towards(self.shown_last.pose, 0.5))
 
     def at_once(self) -> Given:
         """The same for what cannot follow the scan-out: all rows as in its middle."""

@@ -81,10 +81,14 @@ class Fov:
 
 @attrs.frozen(eq=False)
 class View:
-    """One eye at one instant: `pose` is world_from_eye, `fov` its field of view."""
+    """One eye at one instant: `pose` is world_from_eye, `fov` its field of view.
+
+    head_from_eye: where the eye sits in the head, whose origin is half way between both eyes; what is fixed to the head is seen by that.
+    """
 
     pose: Pose
     fov: Fov
+    head_from_eye: Pose = attrs.field(factory=Pose)
 
     def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
         """(h, w, 3) directions in eye space through the pixel centres, z = -1, bottom row first."""

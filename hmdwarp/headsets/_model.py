@@ -131,7 +131,8 @@ class Headset:
     def views(self, world_from_head: Pose) -> tuple[View, View]:
         """Both eyes' views for a head pose; the eyes sit half the pupil distance to either side, turned with the head."""
         half = self.ipd_m / 2
-        return tuple(View(world_from_head @ Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate((-half, half)))  # type: ignore[return-value]
+        eyes = enumerate(Pose((x, 0, 0)) for x in (-half, half))
+        return tuple(View(world_from_head @ head_from_eye, self.fov(eye), head_from_eye) for eye, head_from_eye in eyes)  # type: ignore[return-value]
 
     def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(scale, offset), each (2,): position on the lens plane = panel pixel * scale + offset, in units of the lens."""

@@ -1,0 +1,53 @@
+"""What is fixed to the head, composited after everything else and never warped."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...frame import Needs
+from ...scenes.effects import SceneEffect
+from . import effects
+from ._base import Effect, ShownPass
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..given import Given
+    from ..picture import ShownPicture
+
+
+class OverlayPass(ShownPass):
+    """One look at each picture per pixel: the overlay was drawn for this very field of view and size."""
+
+    name = "composite the overlay"
+    order = 90
+    reads = ("shown.colour", "late.overlay")
+
+    def prepare(self) -> None:
+        self._program = self.gpu.shaders.compute("effects/overlay.comp")
+
+    def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
+        picture.colour.texture.bind_to_image(0, read=True, write=False)
+        given.late.overlay.bind_to_image(1, read=True, write=False)
+        into.bind_for_writing(2)
+        self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
+        self._program.run(*into.size)
+
+    def close(self) -> None:
+        """It owns nothing."""
+
+    @classmethod
+    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+        """Two pictures in, one out."""
+        return 3 * 8 * shown_pixels
+
+
+effects.register(
+    Effect(
+        SceneEffect.OVERLAY,
+        "a HUD is put over the shown picture and never warped",
+        OverlayPass,
+        Needs(overlay=True),
+        "what is fixed to the head is warped with the world, so that it swims and tears",
+        "Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad in view space",
+    )
+)

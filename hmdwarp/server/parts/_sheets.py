@@ -1,0 +1,139 @@
+"""Sheets that are blended over a picture: sorted by triangle, farthest first, for every drawing anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import Pose
+from ..projection import clip_from_eye
+
+if TYPE_CHECKING:
+    from ...geometry import View
+    from ...gpu.shaders import Draw
+    from ...scenes import Mesh
+    from ._base import Easel
+
+Blending = tuple[int, int, int, int]
+# rgb and alpha: factor of what is drawn, factor of what is there. The names that moderngl has not are GL's.
+_SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589
+OVER_KEEPING_COVERAGE = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
+OVER = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, _SRC1_ALPHA)
+THROUGH = (moderngl.ZERO, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
+
+
+@attrs.frozen(eq=False)
+class _Run:
+    """Triangles of one mesh that are drawn one after the other."""
+
+    mesh: int
+    first: int
+    count: int
+
+
+class Sheets:
+    """Some meshes of a scene, on the GPU, that are drawn in order of their distance.
+
+    Triangles that pass through each other, or large ones close together, may come in the wrong order where they overlap.
+    """
+
+    def __init__(self, easel: Easel, meshes: Sequence[Mesh]) -> None:
+        self._easel, self._meshes = easel, tuple(meshes)
+        self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
+        self._positions = [mesh.positions.astype(np.float64) for mesh in meshes]
+        gl = easel.gpu.gl
+        self._vertices = gl.buffer(_rows(self._meshes).tobytes() or b"\0" * 32, dynamic=True)
+        self._indices = gl.buffer(reserve=12 * max(1, sum(len(mesh.triangles) for mesh in meshes)), dynamic=True)
+        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
+        self._written_ns: int | None = None
+        self._order: tuple[tuple, list[_Run], list[NDArray]] | None = None
+
+    def draw(self, program: Draw, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending | None) -> None:
+        """All sheets of `view` at that instant, farthest first; blending: None takes the largest value."""
+        runs, eye_from = self._ordered(view, time_ns)
+        gl, clip = self._easel.gpu.gl, clip_from_eye(view.fov)
+        vertices = self._array(program)
+        with gl.scope(framebuffer, moderngl.BLEND):
+            gl.blend_equation = moderngl.MAX if blending is None else moderngl.FUNC_ADD
+            gl.blend_func = (moderngl.ONE, moderngl.ONE) if blending is None else blending
+            for run in runs:
+                mesh = self._meshes[run.mesh]
+                (gl.disable if mesh.double_sided else gl.enable)(moderngl.CULL_FACE)
+                self._easel.textures[mesh.texture].use(0)
+                told = {"opacity": mesh.material.opacity, "tint": mesh.material.tint}
+                program.uniforms.set(clip_from_scene=clip @ eye_from[run.mesh], surface=0, **told)
+                vertices.render(moderngl.TRIANGLES, vertices=run.count, first=run.first)
+            gl.blend_equation = moderngl.FUNC_ADD
+            gl.blend_func = moderngl.DEFAULT_BLENDING  # Mesa refuses to draw into two textures while a second source is set, blended or not
+
+    def _array(self, program: Draw) -> moderngl.VertexArray:
+        if program.program not in self._arrays:
+            lit = "in_light" in program.program  # where depth alone is drawn, the compiler leaves it out
+            layout, names = ("3f4 2f4 3f4", ("in_light",)) if lit else ("3f4 2f4 12x", ())
+            inputs = [(self._vertices, layout, "in_position", "in_uv", *names)]
+            self._arrays[program.program] = self._easel.gpu.gl.vertex_array(program.program, inputs, self._indices, index_element_size=4)
+        return self._arrays[program.program]
+
+    def _ordered(self, view: View, time_ns: int) -> tuple[list[_Run], list[NDArray]]:
+        """The runs, farthest first, and eye_from_mesh (4x4) of each mesh. The drawings of one picture follow each other: done once."""
+        key = (view.pose, view.head_from_eye, time_ns)
+        if self._order is None or any(a is not b and a != b for a, b in zip(self._order[0], key, strict=True)):
+            self._deform(time_ns)
+            eye_from = [self._eye_from(mesh, view, time_ns) for mesh in self._meshes]
+            self._order = (key, self._sorted(eye_from), eye_from)
+        return self._order[1:]
+
+    def _deform(self, time_ns: int) -> None:
+        if time_ns == self._written_ns or all(mesh.deformation is None for mesh in self._meshes):
+            return
+        for index, mesh in enumerate(self._meshes):
+            if mesh.deformation is not None:
+                self._positions[index] = np.asarray(mesh.deformation.positions(time_ns), np.float64).reshape(mesh.positions.shape)
+        rows = _rows(self._meshes)
+        rows[:, :3] = np.concatenate(self._positions)
+        self._vertices.write(rows.tobytes())
+        self._written_ns = time_ns
+
+    def _eye_from(self, mesh: Mesh, view: View, time_ns: int) -> NDArray[np.float64]:
+        """4x4, relative to the eye before anything is turned. What is head-locked stands to the head as the rest to the world."""
+        scene = self._easel.scene
+        place = Pose() if mesh.material.head_locked else Pose(scene.origin_m)
+        if mesh.body:
+            place = scene.bodies[mesh.body - 1].motion.state(time_ns).pose
+        return place.relative_to(view.head_from_eye if mesh.material.head_locked else view.pose).matrix()
+
+    def _sorted(self, eye_from: Sequence[NDArray]) -> list[_Run]:
+        """Writes the indices, by the distance of the triangles' middles from the eye."""
+        if not self._meshes:
+            return []
+        squared = []
+        for mesh, positions, matrix in zip(self._meshes, self._positions, eye_from, strict=True):
+            middle = positions[mesh.triangles].mean(axis=1) @ matrix[:3, :3].T + matrix[:3, 3]
+            squared.append((middle**2).sum(axis=1))
+        order = np.argsort(-np.concatenate(squared), kind="stable")
+        pieces = [mesh.triangles + np.uint32(start) for mesh, start in zip(self._meshes, self._starts, strict=False)]
+        owner = np.repeat(np.arange(len(pieces)), [len(piece) for piece in pieces])[order]
+        self._indices.write(np.concatenate(pieces)[order].astype(np.uint32).tobytes() or b"\0" * 12)
+        return list(_runs(owner))
+
+    def close(self) -> None:
+        """Free the buffers."""
+        for thing in (*self._arrays.values(), self._vertices, self._indices):
+            thing.release()
+
+
+def _runs(owner: NDArray) -> Iterator[_Run]:
+    borders = np.flatnonzero(np.diff(owner)) + 1
+    for start, stop in zip([0, *borders], [*borders, len(owner)], strict=True):
+        if stop > start:
+            yield _Run(int(owner[start]), 3 * int(start), 3 * int(stop - start))
+
+
+def _rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
+    rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in meshes]
+    return np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32)

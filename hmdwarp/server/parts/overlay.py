@@ -1,0 +1,58 @@
+"""What is fixed to the head (a HUD): drawn over everything, or sent as a picture of its own that is never warped."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from . import parts
+from ._base import Drawing, Easel, Part
+from ._sheets import OVER, OVER_KEEPING_COVERAGE, Sheets
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ...frame import EyeImage, Needs
+    from ...geometry import View
+    from ...scenes import Scene
+    from ._sheets import Blending
+
+
+@parts.register
+class Overlay(Part):
+    """Drawn into the picture it leaves the depth as it is: that of what it hides."""
+
+    name = "overlay"
+    order = 95
+
+    def __init__(self, easel: Easel) -> None:
+        super().__init__(easel)
+        self._sheets = Sheets(easel, [mesh for mesh in easel.scene.meshes if mesh.material.head_locked])
+
+    @classmethod
+    def in_scene(cls, scene: Scene) -> bool:
+        return any(mesh.material.head_locked for mesh in scene.meshes)
+
+    @classmethod
+    def wanted(cls, needs: Needs) -> bool:
+        return needs.overlay
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        if not drawing.needs.overlay:
+            self._draw(eye.view, drawing.time_ns, self.easel.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
+            return eye
+        into = self.easel.acquire(drawing.size, depth=False).colour
+        framebuffer = self.easel.framebuffers.over(into)
+        with self.easel.gpu.gl.scope(framebuffer):
+            framebuffer.clear()
+        self._draw(drawing.view, drawing.time_ns, framebuffer, OVER)
+        return attrs.evolve(eye, overlay=into)
+
+    def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
+        program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+        program.uniforms.set(covers=float(blending is not OVER))
+        self._sheets.draw(program, view, time_ns, framebuffer, blending)
+
+    def close(self) -> None:
+        self._sheets.close()

@@ -1,0 +1,94 @@
+"""Glass, nets and fences of alpha: blended over the picture, or sent as a veil of their own depth."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ...frame import Layer, Transparent
+from ...gpu.textures import SCALAR, allocate
+from ..peel import SAME_SURFACE
+from . import parts
+from ._base import Drawing, Easel, Part
+from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ...frame import EyeImage, Needs
+    from ...gpu.shaders import Draw
+    from ...scenes import Scene
+
+
+@parts.register
+class Transparency(Part):
+    """Blended into the picture, sheets leave its depth as it is: that of what lies behind.
+
+    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the picture hides is left out where there is
+    one that it does not hide, else it is there: what is seen when the head looks past what stood before it.
+    """
+
+    name = "transparency"
+    order = 70
+
+    def __init__(self, easel: Easel) -> None:
+        super().__init__(easel)
+        self._unhidden: dict[tuple[int, int], moderngl.Texture] = {}
+        self._sheets = Sheets(easel, [mesh for mesh in easel.scene.meshes if mesh.material.see_through])
+
+    @classmethod
+    def in_scene(cls, scene: Scene) -> bool:
+        return any(mesh.material.see_through for mesh in scene.meshes)
+
+    @classmethod
+    def wanted(cls, needs: Needs) -> bool:
+        return needs.transparency
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        if drawing.needs.transparency:
+            return attrs.evolve(eye, transparent=self._layer(eye))
+        eye.inverse_depth.use(1)
+        self._sheets.draw(self._colour(1), eye.view, eye.drawn_ns, self.easel.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
+        return eye
+
+    def _layer(self, eye: EyeImage) -> Transparent:
+        veil, passing = self.easel.acquire(eye.size), self.easel.acquire(eye.size, depth=False).colour
+        self._draw_depth(eye, self._unhidden_of(eye.size), 1)
+        self._draw_depth(eye, veil.inverse_depth, 2)
+        for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
+            self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
+        return Transparent(Layer(veil.colour, veil.inverse_depth), passing)
+
+    def _draw_depth(self, eye: EyeImage, into: moderngl.Texture, tests: int) -> None:
+        self._draw(self._program(tests, COLOUR=0), eye, into, (-1.0, 0.0, 0.0, 0.0), None)
+
+    def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None) -> None:
+        framebuffer = self.easel.framebuffers.over(into)
+        with self.easel.gpu.gl.scope(framebuffer):
+            framebuffer.clear(*empty)
+        eye.inverse_depth.use(1)
+        if into is not self._unhidden_of(eye.size):
+            self._unhidden_of(eye.size).use(2)
+        self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
+
+    def _unhidden_of(self, size: tuple[int, int]) -> moderngl.Texture:
+        """The depth of sheets that are not hidden, for the next drawings of the same picture alone."""
+        if size not in self._unhidden:
+            self._unhidden[size] = allocate(self.easel.gpu.gl, size, SCALAR)
+        return self._unhidden[size]
+
+    def _colour(self, tests: int) -> Draw:
+        program = self._program(tests, COLOUR=1)
+        program.uniforms.set(covers=1.0)
+        return program
+
+    def _program(self, tests: int, **defines: int) -> Draw:
+        program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=tests, **defines)
+        program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"unhidden": 2} if tests == 2 else {}))
+        return program
+
+    def close(self) -> None:
+        self._sheets.close()
+        for texture in self._unhidden.values():
+            texture.release()

@@ -1,0 +1,39 @@
+// Lays what one sees through over the shown picture: each pixel asks where its ray meets the late veil, as the warp `iterative` does.
+// In: shown colour and inverse depth; late veil, premultiplied, with its inverse depth, and what passes it. Out: shown colour.
+// Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Porter and Duff 1984, Compositing Digital Images (over).
+#include "lib/warp_map.glsl"
+#include "lib/gather.glsl"
+#include "lib/late_surface.glsl"
+#include "lib/seeds.glsl"
+#include OUTPUT
+uniform float most_pixels; // by which the last guess may have been off
+uniform sampler2D late_passing;
+layout(rgba16f) readonly uniform image2D picture;
+layout(r32f) readonly uniform image2D shown_inverse_depth; // -1: not known, then whatever is there lies behind
+uniform float nearer; // a little above 1: the shown depth has come through a half float
+
+vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
+    ivec2 pixel = ivec2(shown);
+    vec4 behind = imageLoad(picture, pixel);
+    vec2 start = base.xy / base.z;
+    vec2 along = parallax.xy - start * parallax.z;
+    float r = seed_at(shown);
+    for (int look = 0; look < PLAIN; ++look) {
+        float seen = imageLoad(late_inverse_depth, texel_at(start + r * along)).r;
+        r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
+    }
+    vec2 place = start + r * along;
+    Surface surface = surface_at(place);
+    float change = (surface.depth - r) / max(1.0 - dot(surface.slope, along), 0.25);
+    r = surface.known ? max(r + change, 0.0) : r;
+    vec2 p = start + r * along;
+    bool met = surface.known && abs(change) * length(along) <= most_pixels;
+    float ratio = 1.0 - r * parallax.z; // of the depths in both views, times that of the map at infinity
+    bool ahead = base.z > 0.0 && ratio > 0.0;
+    float here = r * base.z / ratio;
+    bool in_front = here * nearer >= imageLoad(shown_inverse_depth, pixel).r;
+    vec2 at = colour_place(surface, p);
+    vec3 veil = look(at).rgb, passing = textureLod(late_passing, at * late_pixel, 0.0).rgb;
+    bool shows = met && ahead && in_front && in_late(p) && behind.a > 0.0;
+    return shows ? vec4(passing * behind.rgb + veil, behind.a) : behind;
+}
