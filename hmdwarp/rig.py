@@ -18,6 +18,7 @@ from .client.governor import Governor
 from .client.history import History
 from .client.plan import Plan, build_plan, needs_of
 from .client.weight import EyeSizes, eye_bytes
+from .client_scene import ClientScene
 from .codec import CODECS, check_codec
 from .errors import InputError, MachineError
 from .frame import Needs
@@ -168,6 +169,7 @@ class Rig:
     timetable: Timetable
     gpu: Gpu
     server: Server
+    geometry: ClientScene
     channel: Channel
     history: History
     loop: Loop
@@ -182,7 +184,7 @@ class Rig:
 
     def compensator(self, plan: Plan) -> Compensator:
         """A compensator for another plan on the same frames, freed with the rig."""
-        made = _compensator(self.gpu, plan, self.headset, self.size, self.options.guard, self.server)
+        made = _compensator(self.gpu, plan, self.headset, self.size, self.options.guard, self.geometry)
         self._cleanup.callback(made.close)
         return made
 
@@ -193,9 +195,9 @@ class Rig:
         self._cleanup.close()
 
 
-def _compensator(gpu: Gpu, plan: Plan, headset: Headset, size: tuple[int, int], guard: float, server: Server) -> Compensator:
+def _compensator(gpu: Gpu, plan: Plan, headset: Headset, size: tuple[int, int], guard: float, geometry: ClientScene) -> Compensator:
     late_size = guarded_size(guard, headset, size)
-    return Compensator(gpu, plan, headset, late_size, size, server)
+    return Compensator(gpu, plan, headset, late_size, size, geometry)
 
 
 def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung, ...] = ()) -> Rig:
@@ -222,13 +224,15 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
         check_room(gpu, options, headset, needs)
         server = Server(gpu, scene)
         stack.callback(server.close)
+        geometry = ClientScene(server)
+        stack.callback(geometry.close)
         history = History(needs.past, needs.past_spacing_ns, server.recycle)
         stack.callback(history.close)
         channel = _channel(options, headset, times, plans, history, server)
         stack.callback(channel.close)
         compensators = []
         for plan in plans:
-            compensators.append(_compensator(gpu, plan, headset, size, options.guard, server))
+            compensators.append(_compensator(gpu, plan, headset, size, options.guard, geometry))
             stack.callback(compensators[-1].close)
         auto = _adaptive(options, rungs, compensators) if rungs else None
         compensator = auto or compensators[0]
@@ -240,7 +244,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
         loop = Loop(requested, server, channel, history, compensator, headset)
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
         told = (options, trace, track, scene, headset, size, compensator.plan, times)
-        return Rig(*told, gpu, server, channel, history, loop, auto, notes, stack.pop_all())
+        return Rig(*told, gpu, server, geometry, channel, history, loop, auto, notes, stack.pop_all())
 
 
 def _expected_age_ns(options: RunOptions, times: Timetable) -> int:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import hmdwarp.client_scene
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
 
-class ClientScene(Server):
+class ClientScene(hmdwarp.client_scene.ClientScene):
     """What a run's rig hands to fills that draw for themselves."""
 
-    def __init__(self, gpu, scene: str = "planes") -> None:
-        super().__init__(gpu, load_scene(scene))
+    def __init__(self, gpu, scene: str = "planes", cache=None) -> None:
+        super().__init__(Server(gpu, load_scene(scene)), cache)

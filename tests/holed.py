@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from client_scene import ClientScene
 from worlds import World, read
 
 from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.plan import CLIENT_MODEL
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 
 
@@ -41,6 +43,8 @@ class Holed:
     def fill(self, gpu, name: str, geometry=None) -> tuple[np.ndarray, np.ndarray]:
         """Colour and inverse depth after one fill, the latter unchanged if it writes none. Run twice: the second must not differ."""
         (choice,) = parse_fills(name)
+        if geometry is None and CLIENT_MODEL in choice.entry.reads:
+            geometry = ClientScene(gpu)
         fill = choice.entry(gpu, self.size, self.size, choice.settings, geometry)
         picture, into = self.picture(gpu), self.picture(gpu)
         into.colour.clear()

@@ -35,6 +35,7 @@ FLOORS = [
     {"report"},
     {"channel"},
     {"options", "frame_files", "catalogue", "loop"},
+    {"client_scene"},
     {"rig", "image"},
     {"truth"},
     {"measuring", "runlog", "ladder", "autolog"},

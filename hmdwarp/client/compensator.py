@@ -81,7 +81,7 @@ class Compensator:
         self._warp = plan.warp(gpu, late_size, shown_size, plan.choice.settings, output)
         pictures = pictures_read(plan.warp_needs)
         carry = Carry(self._warp)
-        self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.writes(SHOWN_DEPTH) else None
+        self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.reads(SHOWN_DEPTH) else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills: list[Fill] = [one.entry(gpu, late_size, shown_size, one.settings, geometry) for one in plan.fills]
         tools = Tools(carry, pictures, images_given(plan.needs))

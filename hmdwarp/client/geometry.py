@@ -6,8 +6,28 @@ from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import moderngl
+    import numpy as np
+    from numpy.typing import NDArray
 
     from ..geometry import View
+    from .picture import ShownPicture
+
+
+class ClientModel(Protocol):
+    """A scene with fewer triangles, on the GPU. Draws into rgba16f colour, and r32f inverse depth where it is not None."""
+
+    @property
+    def mean_light(self) -> NDArray[np.float64]:
+        """(3,) linear: what the surfaces throw back over what they would in light of 1, by area."""
+
+    def reserve(self, size: tuple[int, int]) -> None:
+        """Allocate now what pictures of that size need."""
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """The whole picture; coverage 1 everywhere, sky included (inverse depth 0)."""
+
+    def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
+        """Into the holes of `picture` alone; where it is covered its colour and inverse depth, unchanged."""
 
 
 class ClientGeometry(Protocol):
@@ -15,3 +35,9 @@ class ClientGeometry(Protocol):
 
     def draw_depth(self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int) -> object:
         """Inverse depth alone into an r32f texture, -1 where there is nothing."""
+
+    def model(self, share: float, *, lit: bool) -> ClientModel:
+        """What hides what is behind it, with about `share` of its triangles; light as baked, or light of 1 everywhere (albedo).
+
+        The same one for the same share; it belongs to the geometry. Errors: SceneError for a share that is not above 0 and at most 1.
+        """

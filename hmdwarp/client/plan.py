@@ -117,6 +117,10 @@ class Plan:
         """Whether a pass of the plan makes that."""
         return any(name in step.writes for step in self.steps)
 
+    def reads(self, name: str) -> bool:
+        """Whether a pass of the plan asks for that."""
+        return any(name in step.reads for step in self.steps)
+
     @property
     def layers(self) -> tuple[str, ...]:
         """What a frame must carry for this plan, in the order it is first read."""

@@ -89,11 +89,15 @@ class Framebuffers:
         held, framebuffer = self._made.get(key, ((), None))
         if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
             size = textures[0].size
-            if size not in self._depth:
-                self._depth[size] = self._gl.depth_renderbuffer(size)
+            self.reserve(size)
             framebuffer = self._gl.framebuffer(list(textures), self._depth[size])
             self._made[key] = (textures, framebuffer)
         return framebuffer
+
+    def reserve(self, size: tuple[int, int]) -> None:
+        """Make the depth buffer for textures of that size now rather than at the first call of over()."""
+        if size not in self._depth:
+            self._depth[size] = self._gl.depth_renderbuffer(size)
 
     def close(self) -> None:
         """Free the framebuffers and depth buffers, not the textures."""

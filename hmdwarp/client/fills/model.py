@@ -1,0 +1,57 @@
+"""The client draws a reduced model of the scene, and its pixels fill the holes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from . import fills
+from ._base import Fill
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
+
+
+def _check_share(_: object, __: attrs.Attribute, value: float) -> None:
+    if not 0 < value <= 1:
+        raise ValueError(f"share is {value:g}: wanted more than 0 and at most 1")
+
+
+def share_of_triangles() -> float:
+    """The setting that every fill with a client's model has."""
+    return attrs.field(default=0.2, validator=_check_share)
+
+
+@attrs.frozen
+class ModelSettings:
+    """share: of the scene's triangles that the client draws, 0 to 1."""
+
+    share: float = share_of_triangles()
+
+
+@fills.register
+class Model(Fill):
+    """Draws what the holes should show from the client's own triangles, lit as baked; the depth buffer keeps it to the holes."""
+
+    name = "model"
+    summary = "the client draws a model with a fifth of the triangles into the holes, lit as baked"
+    reads = ("shown.colour", "client.model")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "the 2014 thesis's client-side model; Garland and Heckbert 1997, 1998 (quadric decimation)"
+    complete = True
+    Settings = ModelSettings
+    variants = ("share=0.05",)
+
+    def prepare(self) -> None:
+        self._model = self.geometry.model(self.settings.share, lit=True)
+        self._model.reserve(self.shown_size)
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        self._model.draw_holes(given.middle, picture, into, given.shown_ns)
+
+    @classmethod
+    def bytes_moved(cls, shown_pixels: int) -> int:
+        """Colour and inverse depth each way."""
+        return 2 * (8 + 4) * shown_pixels
