@@ -5,7 +5,7 @@
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D late_colour;
 layout(r32f) readonly uniform image2D late_depth;
-layout(r16ui) readonly uniform uimage2D ids;
+uniform usampler2D ids; // llvmpipe reads no integer images
 layout(rgba16f) readonly uniform image2D velocity;
 layout(rgba16f) writeonly uniform image2D kept_colour;
 layout(r32f) writeonly uniform image2D kept_depth;
@@ -14,11 +14,12 @@ uniform ivec2 late_size;
 void main() {
     ivec2 p = first_pixel(), size = late_size;
     if (p.x >= size.x) return;
+    ivec2 ids_end = textureSize(ids, 0) - 1;
     for (int row = 0; row < ROWS; ++row, ++p.y) {
         if (p.y >= size.y) break;
         vec4 colour = imageLoad(late_colour, p);
         float depth = imageLoad(late_depth, p).r;
-        bool stands = imageLoad(ids, p).r == 0u && imageLoad(velocity, p).a == 0.0;
+        bool stands = texelFetch(ids, min(p, ids_end), 0).r == 0u && imageLoad(velocity, p).a == 0.0;
         bool known = depth >= 0.0 && depth < 1e30 && colour.a >= 0.5 && stands;
         imageStore(kept_colour, p, known ? vec4(colour.rgb / colour.a, 1.0) : vec4(0.0));
         imageStore(kept_depth, p, vec4(known ? depth : -1.0));

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ...geometry import View
 
 Mask = NDArray[np.bool_]
-SAMPLES = 9  # directions on each axis of a view
+SAMPLES = 12  # directions on each axis of a view
 REACH_M = 0.3  # an eye so far away may have seen other sides of things
-NOVELTY = 0.06  # share of a view that no kept one covers, from which it is kept
+NOVELTY = 0.12  # share of a view that no kept one covers, from which it is kept
 INSIDE = 0.15  # what a direction inside the newest picture counts: only what is hidden there is missing
 AGAIN = 0.3  # what a direction counts that another picture covers already: it may have been hidden there
 
@@ -28,9 +28,10 @@ class Keyframe:
 
 
 def directions(view: View) -> NDArray[np.float64]:
-    """(n, 3) in the world: an even grid over the view's tangents, its borders included."""
+    """(n, 3) in the world: an even grid over the view's tangents. None lies on its border, where the least motion would lose a whole row."""
     left, right, down, up = view.fov.tangents
-    x, y = np.meshgrid(np.linspace(left, right, SAMPLES), np.linspace(down, up, SAMPLES))
+    share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    x, y = np.meshgrid(left + share * (right - left), down + share * (up - down))
     rays = np.stack([x.ravel(), y.ravel(), -np.ones(x.size)], axis=-1)
     return rays @ view.pose.rotation.as_matrix().T
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.textures import COLOUR, allocate
+from ...gpu.textures import COLOUR, NUMBER, allocate
 from ..warps._composite import DEPTH_FLOOR
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ Slot = tuple[moderngl.Texture, moderngl.Texture]
 # differ by less, as their detail is filtered by distance.
 TOLERANCE = 0.05
 COLOUR_MARGIN = (0.08, 0.25)
+_IDS = 1  # texture unit
 _COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  # image units
 
 
@@ -33,7 +34,7 @@ class Keeper:
         cells = (-(-size[0] // 2), -(-size[1] // 2))
         self._depths = allocate(gpu.gl, cells, (2, "f4"))
         self._lowest, self._highest = (allocate(gpu.gl, cells, COLOUR) for _ in range(2))
-        self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), (1, "u2")), allocate(gpu.gl, (1, 1), COLOUR)
+        self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), NUMBER), allocate(gpu.gl, (1, 1), COLOUR)
         self._no_ids.write(bytes(2), alignment=1)
         self._no_velocity.write(bytes(8))
 
@@ -43,10 +44,10 @@ class Keeper:
         self._bind_slot(slot, read=False)
         ids = late.ids if late.ids is not None else self._no_ids
         velocity = late.velocity if late.velocity is not None else self._no_velocity
-        ids.bind_to_image(_FIRST, read=True, write=False)
+        ids.use(_IDS)
         velocity.bind_to_image(_SECOND, read=True, write=False)
         units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH}
-        self._run(self._keep, self._size, ids=_FIRST, velocity=_SECOND, late_size=self._size, **units)
+        self._run(self._keep, self._size, ids=_IDS, velocity=_SECOND, late_size=self._size, **units)
 
     def look_at(self, late: EyeImage) -> None:
         """The picture that forget() goes by."""
