@@ -21,11 +21,12 @@ SAME_PLANE_M = 1e-3
 
 @attrs.frozen(eq=False)
 class SceneMirror:
-    """A mirror in world coordinates, the meshes it is made of, and the scene's texture that disturbs it (-1: none)."""
+    """A mirror in world coordinates, the meshes it is made of, and the scene's texture that disturbs it (-1: none), by how much."""
 
     shape: Mirror
     meshes: tuple[Mesh, ...]
     normal_map: int
+    normal_scale: float
 
 
 def mirrors_of(scene: Scene) -> tuple[SceneMirror, ...]:
@@ -39,13 +40,17 @@ def mirrors_of(scene: Scene) -> tuple[SceneMirror, ...]:
             continue
         if mesh.body or mesh.deformation is not None:
             raise SceneError(f"mesh '{mesh.name}': a mirror that moves; wanted one that stands still, or no reflectivity")
-        what = mesh.material.reflectivity, mesh.material.normal_map
+        what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
         key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
         groups.setdefault((*key, *what), []).append(mesh)
     if len(groups) > MOST_MIRRORS:
         raise SceneError(f"scene '{scene.name}' has {len(groups)} mirrors: wanted at most {MOST_MIRRORS}; what lies in one plane counts once")
     ordered = sorted(groups.values(), key=lambda meshes: meshes[0].material.curved)
-    return tuple(SceneMirror(_shape(meshes, scene.origin_m), tuple(meshes), meshes[0].material.normal_map) for meshes in ordered)
+    materials = [meshes[0].material for meshes in ordered]
+    return tuple(
+        SceneMirror(_shape(meshes, scene.origin_m), tuple(meshes), material.normal_map, material.normal_scale)
+        for meshes, material in zip(ordered, materials, strict=True)
+    )
 
 
 def _plane_of(mesh: Mesh) -> NDArray[np.float64]:

@@ -139,7 +139,7 @@ class MirrorSurface:
         told = {"reflectivity": self.mirror.shape.reflectivity, "shown_inverse_depth": 1, "keep": 1 - SAME_SURFACE}
         if self.mirror.normal_map >= 0:
             self._easel.textures[self.mirror.normal_map].use(0)
-            told["normal_map"] = 0
+            told |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}
         eye.inverse_depth.use(1)
         self._surface.uniforms.set(clip_from_scene=clip, **told)
         with gl.scope(framebuffer, moderngl.CULL_FACE):

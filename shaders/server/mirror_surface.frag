@@ -6,6 +6,7 @@ uniform float keep;                    // a little below 1: a surface does not h
 uniform float reflectivity;
 #ifdef NORMAL_MAP
 uniform sampler2D normal_map;
+uniform float normal_scale;
 in vec2 uv;
 #endif
 
@@ -15,7 +16,7 @@ void main() {
     vec2 tilt = vec2(0.0);
 #ifdef NORMAL_MAP
     vec3 normal = texture(normal_map, uv).xyz * 2.0 - 254.0 / 255.0; // before a discard; byte 127 is 0
-    tilt = normalize(normal).xy;
+    tilt = normalize(normal * vec3(normal_scale, normal_scale, 1.0)).xy;
 #endif
     if (gl_FragCoord.w < texelFetch(shown_inverse_depth, ivec2(gl_FragCoord.xy), 0).r * keep) discard;
     surface = vec4(reflectivity, tilt, 1.0);

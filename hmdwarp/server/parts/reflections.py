@@ -73,13 +73,15 @@ class Reflections(Part):
         for one in chosen:
             one.draw_surface(eye, onto)
         mirrors = uniforms_of([one.mirror for one in chosen], eye.view, eye.size)
+        # Plane ones come first and do not ask for balls: at the rim of a ball's triangles something else is seen after all.
+        planes = mirrors | {"mirror_count": sum(not one.mirror.shape.is_curved for one in chosen)}
         for number, one in enumerate(chosen):
             if isinstance(one, Ball):
                 side = FACE_PIXELS + 2
                 around = self._own(f"around {id(one)}", (3 * side, 2 * side))
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
             elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
-                self._draw_behind(eye, one, number, mirrors, bounds, seen)
+                self._draw_behind(eye, one, number, planes, bounds, seen)
 
     def _draw_behind(self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
         if self._mirrored is None:
