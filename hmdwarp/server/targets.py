@@ -90,6 +90,8 @@ class Framebuffers:
         if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
             size = textures[0].size
             self.reserve(size)
+            if framebuffer is not None:
+                framebuffer.release()
             framebuffer = self._gl.framebuffer(list(textures), self._depth[size])
             self._made[key] = (textures, framebuffer)
         return framebuffer

@@ -6,26 +6,40 @@ import itertools
 
 import attrs
 import moderngl
-import numpy as np
 import pytest
+from client_scene import ClientScene
 from hypothesis import given
 from hypothesis import strategies as st
 from worlds import World
 
+from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
+from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.given import Given
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import CLIENT_DEPTH, LATE, PANEL, SHOWN, Plan, build_plan, needs_of
+from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, LATE, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.shaders import ShaderLibrary
+from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.scenes.effects import SceneEffect
 
-ALL = list(itertools.product(warps.names(), fills.names(), lenses.names(), [True, False]))
-POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or CLIENT_DEPTH not in warps.get(w).reads]
+# Each warp with and without a fill, each fill after a warp that carries depth and one that cannot, chains; each lens; geometry or not.
+_PAIRS = [*itertools.product(warps.names(), ("none", "interpolate")), *itertools.product(("forward", "environment"), fills.names())]
+_PAIRS += [("iterative", "memory+pyramid"), ("none", "wide+interpolate_full+constant"), ("rotation", "memory+model:share=0.05")]
+ALL = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS), lenses.names(), (True, False))]
+
+
+def _draws(warp: str, fill: str) -> bool:
+    """Whether it wants the scene's triangles on the client."""
+    return CLIENT_DEPTH in warps.get(warp).reads or any(CLIENT_MODEL in one.entry.reads for one in parse_fills(fill))
+
+
+POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or not _draws(w, f)]
 
 
 def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
@@ -38,7 +52,7 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_everything_read_was_written_before(choice):
     plan = plan_of(*choice)
-    known = set(LATE)
+    known = {*LATE, *((CLIENT_MODEL,) if choice[3] else ())}
     for step in plan.steps:
         assert set(step.reads) <= known, step.name
         known |= set(step.writes)
@@ -51,7 +65,10 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     plan = plan_of(*choice)
     stages = [step.stage for step in plan.steps]
     left_out = dict(plan.left_out)
-    assert stages == [s for s in ("client_depth", "warp", "fill", "lens") if s in stages], "in this order, none twice"
+    order = [stage for stage in ("client_depth", "warp", "fill", "lens") if stage in stages]
+    assert list(dict.fromkeys(stages)) == order and stages == sorted(stages, key=order.index), "in this order"
+    chain, depth = len(parse_fills(fill)), plan.writes(SHOWN_DEPTH) and any(step.name == "shown depth" for step in plan.steps)
+    assert stages.count("fill") == chain + depth and all(stages.count(stage) == 1 for stage in order if stage != "fill")
     assert set(stages) | set(left_out) == {"client_depth", "warp", "fill", "lens", *effects.names()}
     assert not set(stages) & set(left_out)
     assert all(reason.strip() for reason in [*left_out.values(), *(step.reason for step in plan.steps)])
@@ -66,7 +83,10 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
-    wanted = {name for name in warps.get(choice[0]).reads if name in LATE}
+    entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
+    wanted = {name for entry in entries for name in entry.reads if name in LATE}
+    if any(step.name == "shown depth" for step in plan.steps):
+        wanted.add("late.inverse_depth")
     assert set(plan.layers) == wanted
 
 
@@ -82,7 +102,7 @@ def test_reasons_speak_of_what_was_asked_for(warp):
 
 @pytest.mark.parametrize("registry", [warps, fills, lenses], ids=lambda r: r.kind)
 def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
-    known = {*LATE, CLIENT_DEPTH, SHOWN, PANEL}
+    known = {*LATE, CLIENT_DEPTH, CLIENT_MODEL, SHOWN, SHOWN_DEPTH, PANEL}
     for entry in registry:
         assert entry.summary
         assert entry.source
@@ -98,7 +118,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
 # --- what is refused -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("fill", "lens"), list(itertools.product(fills.names(), lenses.names())))
+@pytest.mark.parametrize(("fill", "lens"), list(itertools.product(("none", "interpolate", "pyramid"), lenses.names())))
 def test_backward_without_geometry_is_refused(fill, lens):
     with pytest.raises(PlanError) as caught:
         plan_of("backward", fill, lens, False)
@@ -115,10 +135,12 @@ def test_one_run_keeps_older_frames_one_way():
         needs_of(plans)
 
 
-def test_what_is_impossible_is_only_that():
+def test_what_is_impossible_is_only_what_draws_without_geometry():
     refused = set(ALL) - set(POSSIBLE)
-    assert {choice[0] for choice in refused} == {"backward"}
-    assert all(not choice[3] for choice in refused)
+    assert refused and all(_draws(warp, fill) and not geometry for warp, fill, _, geometry in refused)
+    for choice in refused:
+        with pytest.raises(PlanError, match="needs the scene's geometry on the client"):
+            plan_of(*choice)
 
 
 @pytest.mark.parametrize(
@@ -187,47 +209,72 @@ class Costs:
 
 
 def given_for(gpu, warp: str) -> Given:
-    """All that this warp reads, for LATE_SIZE and SHOWN_SIZE."""
+    """All that this warp and any fill read, for LATE_SIZE and SHOWN_SIZE."""
     world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
-    return attrs.evolve(world.given(warps.get(warp)), client_inverse_depth=None)
+    given = attrs.evolve(world.given(warps.get(warp)), client_inverse_depth=None)
+    return attrs.evolve(given, late=attrs.evolve(given.late, wide=world.late))
 
 
-class HalfMetre:
-    """A client whose whole world is 2 m away."""
+@pytest.fixture(scope="module")
+def geometry(gpu):
+    """Everything the client can draw, drawn once, so that what is compiled and allocated for it is there already."""
+    scene = ClientScene(gpu)
+    scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
+    return scene
 
-    def draw_depth(self, view, size, into, time_ns) -> None:
-        into.write(np.full(size[::-1], 0.5, np.float32).tobytes(), alignment=1)
+
+def alone(gpu, monkeypatch, choice, geometry) -> Costs:
+    """What the warp and the fills ask for by themselves, and the shown depth where a fill reads it."""
+    costs = Costs(gpu, monkeypatch)
+    warp = warps.get(choice[0])(gpu, LATE_SIZE, SHOWN_SIZE)
+    chain = parse_fills(choice[1])
+    made = [warp, *(one.entry(gpu, LATE_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
+    if any(SHOWN_DEPTH in one.entry.reads for one in chain):
+        made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), LATE_SIZE, SHOWN_SIZE))
+    for one in made:
+        one.close()
+    return costs
 
 
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
-def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice):
+def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     warp, fill, lens, _ = choice
-    plan, given = plan_of(*choice), given_for(gpu, warp)
-    alone = Costs(gpu, monkeypatch)
-    warps.get(warp)(gpu, LATE_SIZE, SHOWN_SIZE).close()
-    own = alone.counts
+    plan, given, chain = plan_of(*choice), given_for(gpu, warp), parse_fills(fill)
+    once = Costs(gpu, monkeypatch)  # what the client's model makes at its first use belongs to the geometry
+    alone(gpu, monkeypatch, choice, geometry)
+    del once
+    own = alone(gpu, monkeypatch, choice, geometry)
+    own_counts, own_paths = own.counts, own.paths()
     costs = Costs(gpu, monkeypatch)
-    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, HalfMetre())
-    # A canvas per eye for the warp, one more for each pass after it, and the client's depth once.
-    canvases = 2 * (1 + (fill != "none") + (lens != "none"))
-    assert len(costs.made["texture"]) == own["texture"] + canvases + plan.draws_client_depth
-    assert len(costs.made["framebuffer"]) == own["framebuffer"] + canvases
-    assert len(costs.made["buffer"]) == own["buffer"]
-    others = {path for path in costs.paths() if path not in alone.paths()}
-    assert {path.split("/")[0] for path in others} == ({"fills"} if fill != "none" else set()) | ({"lens"} if lens != "none" else set())
+    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, geometry)
+    # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the warp, and one more after each fill that
+    # writes one, where anybody reads it; the client's depth once.
+    canvases = 2 * (1 + len(chain) + (lens != "none"))
+    has_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
+    depths = 2 * (1 + sum(SHOWN_DEPTH in one.entry.writes for one in chain)) if has_depth else 0
+    assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths + plan.draws_client_depth
+    assert len(costs.made["framebuffer"]) == own_counts["framebuffer"] + canvases
+    assert len(costs.made["buffer"]) == own_counts["buffer"]
+    others = {path for path in costs.paths() if path not in own_paths}
+    assert {path.split("/")[0] for path in others} == ({"lens"} if lens != "none" else set())
 
+    result = [compensator.run(attrs.evolve(given, eye=eye)) for eye in (0, 1)][-1]
     before = costs.counts
+    gpu.timer.collect()
     for eye in (0, 1, 0):
         result = compensator.run(attrs.evolve(given, eye=eye))
     assert costs.counts == before, "run() compiles and allocates nothing"
     assert (result.shown is result.warped) == (fill == "none")
     assert (result.panel is result.shown) == (lens == "none")
+    assert [name for name, _ in result.filled] == [one.entry.name for one in chain]
     stages = [name for name, _ in gpu.timer.collect()]
     assert stages == [step.stage for step in plan.steps] * 3
 
     compensator.close()
-    assert costs.alive() == [], "close() frees everything"
+    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry, which is not closed.
+    left = [thing for thing in costs.alive() if not (_draws(warp, fill) and isinstance(thing, moderngl.Framebuffer))]
+    assert left == [], "close() frees everything"
 
 
 def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
