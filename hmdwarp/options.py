@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import Literal
 
 import attrs
 
@@ -13,7 +14,7 @@ from .errors import InputError
 from .link import LinkOptions
 from .poses.options import TraceOptions
 
-AUTO = "auto"  # the warp that chooses among the others
+AUTO = "auto"  # the warp that chooses among the others, and the guard band that fits the trace
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -47,6 +48,21 @@ def number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False
     return check
 
 
+def _guard(instance: object, attribute: attrs.Attribute, value: float | str) -> None:
+    if value != AUTO:
+        number("guard", least=1.0)(instance, attribute, value)
+
+
+def parse_guard(text: str) -> float | Literal["auto"]:
+    """'auto' or a number. Errors: InputError."""
+    if text.strip() == AUTO:
+        return AUTO
+    try:
+        return float(text)
+    except ValueError as error:
+        raise InputError(f"guard '{text}': wanted a number of at least 1, or {AUTO}") from error
+
+
 @attrs.frozen
 class RunOptions:
     """One run: the same names and defaults as the command line's.
@@ -55,7 +71,8 @@ class RunOptions:
     scenes.effects.asked_effects has it, "auto" for what the scene calls for, else what is forced or forbidden.
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
-    draws. predict, horizon_ms: what pose the server is asked for. against: the warp compared with, "" for none.
+    draws; "auto" for what the trace calls for (border.settled, which replay does first). predict, horizon_ms: what pose the server is
+    asked for. against: the warp compared with, "" for none.
     fused: warp and lens in one resample. scanout_ms: from the first row of the display to its last, 0 for a display that lights up at
     once. follow_scanout: whether warps that can give every row a view of its own do so; others show all as in the middle of the scan-out.
     budget_ms: per eye, for warp "auto" alone, which takes the most accurate warp and fill within it and keeps to it (`fill` does not
@@ -78,7 +95,7 @@ class RunOptions:
     rate_hz: float | None = attrs.field(default=None, validator=number("rate", " Hz", above=True, most=1000))
     start_s: float = attrs.field(default=0.0, validator=number("start", " s"))
     seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
-    guard: float = attrs.field(default=1.0, validator=number("guard", least=1.0))
+    guard: float | Literal["auto"] = attrs.field(default=1.0, validator=_guard)
     predict: str = "none"
     horizon_ms: float = attrs.field(default=100.0, validator=number("horizon", " ms"))
     against: str = "none"

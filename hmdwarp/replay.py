@@ -8,6 +8,7 @@ from contextlib import nullcontext
 
 import numpy as np
 
+from .border import settled
 from .colour import picture_from_linear
 from .errors import InputError
 from .gpu.textures import download
@@ -36,9 +37,10 @@ def replay(
     progress(done, total) is called after each refresh; say() gets a sentence before warp "auto" tries what it chooses from.
     Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
+    options, told = settled(options)
     ladder = ladder_for(options, say)
     with build_rig(options, rungs=ladder.rungs) as rig, OutputFolder(options.out, owned=OWNED) as out:
-        rig.notes.extend(ladder.notes_on(rig.gpu.renderer, os.cpu_count() or 1))
+        rig.notes.extend((*told, *ladder.notes_on(rig.gpu.renderer, os.cpu_count() or 1)))
         workers = worker_count(options.workers)
         with QualityPool(workers, rig.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(rig, key)) as pool:
             probe = Probe(rig, pool, _keep_every(rig))

@@ -37,7 +37,7 @@ FLOORS = [
     {"options", "frame_files", "catalogue", "loop"},
     {"client_scene"},
     {"rig", "image"},
-    {"truth"},
+    {"truth", "border"},
     {"measuring", "runlog", "ladder", "autolog"},
     {"outcome"},
     {"bench", "doctor", "_probes"},

@@ -39,6 +39,10 @@ Headset = Annotated[str, typer.Option("--headset", help=f"{names_in('headsets', 
 Size = Annotated[str | None, typer.Option("--size", help="WxH pixels of one eye; by default the headset's.", show_default=False)]
 Rate = Annotated[float | None, typer.Option("--rate", help="Refreshes a second; by default the headset's.", show_default=False)]
 Guard = Annotated[float, typer.Option("--guard", help="How many times as large (in tangents) the server draws the field of view.")]
+ChosenGuard = Annotated[
+    str, typer.Option("--guard", help="How many times as large (in tangents) the server draws the field of view; auto: as the trace wants.")
+]
+Wide = Annotated[bool, typer.Option("--wide", help="A second, wide and coarse view with every frame: fill wide before the others.")]
 Fused = Annotated[bool, typer.Option("--fused", help="Warp and lens in one resample; for gather warps, without fill.")]
 Scanout = Annotated[float, typer.Option("--scanout", help="Milliseconds the display takes from its first row to its last.")]
 FollowScanout = Annotated[
@@ -62,18 +66,22 @@ TraceRate = Annotated[float | None, typer.Option("--trace-rate", help="Samples p
 Segment = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.", show_default=False)]
 
 
-def fill_for(warp: str, fill: str | None, fused: bool = False) -> str:
-    """The fill asked for, or the usual one, which is none for a warp fused with the lens.
+def fill_for(warp: str, fill: str | None, fused: bool = False, wide: bool = False) -> str:
+    """The fill asked for, or the usual one, which is none for a warp fused with the lens; with a wide view that one before it.
 
     Errors: InputError for one beside warp auto, which chooses its own.
     """
     from ..errors import InputError
     from ..options import AUTO
 
-    if warp == AUTO and fill is not None:
-        raise InputError(f"--fill {fill}: warp auto chooses the fill too; leave one of the two out")
+    if warp == AUTO and (fill is not None or wide):
+        asked = "--wide" if fill is None else f"--fill {fill}"
+        raise InputError(f"{asked}: warp auto chooses the fill too; leave one of the two out")
     usual = "none" if fused else "interpolate"
-    return usual if fill is None else fill
+    asked = usual if fill is None else fill
+    if not wide:
+        return asked
+    return "wide" if asked == "none" else f"wide+{asked}"
 
 
 def lens_for(lens: str | None, headset: str) -> str:

@@ -27,7 +27,8 @@ def replay(
     rate: o.Rate = None,
     start: Annotated[float, typer.Option("--start", help="Seconds into the trace to show first.")] = 0.0,
     seconds: Annotated[float | None, typer.Option("--seconds", help="Seconds to show; by default all.", show_default=False)] = None,
-    guard: o.Guard = 1.0,
+    guard: o.ChosenGuard = "1",
+    wide: o.Wide = False,
     fused: o.Fused = False,
     scanout: o.Scanout = 0.0,
     follow_scanout: o.FollowScanout = True,
@@ -59,7 +60,7 @@ def replay(
 ) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it against no latency at all."""
     from ..codec import Coding
-    from ..options import RunOptions, parse_size
+    from ..options import RunOptions, parse_guard, parse_size
     from ..poses.options import TraceOptions
 
     options = RunOptions(
@@ -67,7 +68,7 @@ def replay(
         scene=scene,
         latency_ms=latency,
         warp=warp,
-        fill=o.fill_for(warp, fill, fused),
+        fill=o.fill_for(warp, fill, fused, wide),
         effects=effects,
         network=o.network_of(jitter, delay_trace, loss, bandwidth, link_seed),
         coding=Coding(codec, crf, bitrate),
@@ -79,7 +80,7 @@ def replay(
         rate_hz=rate,
         start_s=start,
         seconds=seconds,
-        guard=guard,
+        guard=parse_guard(guard),
         fused=fused,
         scanout_ms=scanout,
         follow_scanout=follow_scanout,

@@ -28,7 +28,7 @@ class Keyframe:
 
 
 def directions(view: View) -> NDArray[np.float64]:
-    """(n, 3) in the world: an even grid over the view's tangents. None lies on its border, where the least motion would lose a whole row."""
+    """(n, 3) in the world: an even grid over the view's tangents. None lies on its border: the least motion would lose a whole row."""
     left, right, down, up = view.fov.tangents
     share = (np.arange(SAMPLES) + 0.5) / SAMPLES
     x, y = np.meshgrid(left + share * (right - left), down + share * (up - down))
