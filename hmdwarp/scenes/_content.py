@@ -17,9 +17,10 @@ class Material:
 
     reflectivity: share of the light it mirrors when looked at straight on, 0 for matt; it rises to 1 at grazing angles (Schlick 1994).
     curved: a mirror that is no plane. normal_map: index of a linear texture of tangent-space normals that disturb the reflection, -1 for
-    none; normal_scale: its x and y times this (as glTF's normalTexture.scale). see_through: drawn by its opacity times its texture's alpha over what lies behind, whose light passes the rest of it by `tint`
-    (the share of each linear colour; coloured glass). head_locked: fixed to the head, positions in metres from between the eyes (head
-    axes), seen by both eyes, drawn over everything by the same opacity and never warped.
+    none; normal_scale: its x and y times this (as glTF's normalTexture.scale). see_through: drawn by its opacity times its texture's
+    alpha over what lies behind, whose light passes the rest of it by `tint` (the share of each linear colour; coloured glass).
+    head_locked: fixed to the head, positions in metres from between the eyes (head axes), seen by both eyes, drawn over everything by the
+    same opacity and never warped.
     Errors: SceneError for shares outside 0..1 and for contradictions.
     """
 

@@ -44,7 +44,9 @@ def mirrors_of(scene: Scene) -> tuple[SceneMirror, ...]:
         key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
         groups.setdefault((*key, *what), []).append(mesh)
     if len(groups) > MOST_MIRRORS:
-        raise SceneError(f"scene '{scene.name}' has {len(groups)} mirrors: wanted at most {MOST_MIRRORS}; what lies in one plane counts once")
+        raise SceneError(
+            f"scene '{scene.name}' has {len(groups)} mirrors: wanted at most {MOST_MIRRORS}; what lies in one plane counts once"
+        )
     ordered = sorted(groups.values(), key=lambda meshes: meshes[0].material.curved)
     materials = [meshes[0].material for meshes in ordered]
     return tuple(
