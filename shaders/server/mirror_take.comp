@@ -12,8 +12,9 @@ uniform int taken;            // the mirror
 
 void main() {
     ivec2 p = first_pixel() + from;
+    if (p.x >= to.x) return;
     for (int row = 0; row < ROWS; ++row, ++p.y) {
-        if (p.x >= to.x || p.y >= to.y) break;
+        if (p.y >= to.y) break;
         if (meet_mirror(ray_of(vec2(p) + 0.5)).mirror == taken) {
             imageStore(seen_colour, p, imageLoad(behind_colour, p));
             imageStore(seen_inverse_depth, p, imageLoad(behind_inverse_depth, p));

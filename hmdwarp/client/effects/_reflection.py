@@ -24,7 +24,8 @@ GLOSSY = "glossy_reflections"
 
 
 class Reflections(ShownPass):
-    """Three warps more: of what the mirrors show, by its own depth; for glossy ones of that depth; of what the surfaces are, with the picture.
+    """Three warps more: of what the mirrors show, by its own depth; for glossy ones of that depth; with the picture, of what the surfaces
+    are.
 
     What the mirrors show is gathered (`iterative`), and its holes are closed from around them. Under scan-out it is shown as in the middle
     of it. Holes of the picture that a fill has closed mirror as much as what is around them.

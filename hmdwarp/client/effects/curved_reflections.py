@@ -10,7 +10,7 @@ from ._reflection import Reflections
 effects.register(
     Effect(
         flag=SceneEffect.CURVED_REFLECTIONS,
-        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula, half the radius behind it for far things",
+        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula: half the radius for far things",
         made_by=Reflections,
         needs=Needs(curved_reflections=True),
         without="reflections stick to the ball, as if painted on it",

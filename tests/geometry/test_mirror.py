@@ -1,0 +1,60 @@
+"""How much a mirror throws back, where a ball's image stands, and mirrors in the axes of an eye."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.geometry import Fov, Mirror, Pose, View
+from hmdwarp.geometry.mirror import MOST_MIRRORS, fresnel, image_behind_ball, mirrors_in_eye, tangents_of_pixels
+from hmdwarp.reference.reflection import image_by_two_rays
+
+
+def test_a_mirror_throws_back_its_share_straight_on_and_all_at_grazing_angles():
+    assert fresnel(0.3, 1.0) == 0.3
+    assert fresnel(0.3, 0.0) == 1.0
+    assert (np.diff(fresnel(0.3, np.linspace(0, 1, 50))) < 0).all()
+
+
+def test_far_things_stand_half_the_radius_behind_and_stick_to_the_rim():
+    assert image_behind_ball(np.inf, 0.3, 1.0) == pytest.approx(0.15)
+    assert image_behind_ball(np.inf, 0.3, 0.0) < 1e-6
+    assert image_behind_ball(1e-3, 0.3, 1.0) == pytest.approx(1e-3, rel=0.02)  # before a nearly flat mirror as far as before it
+
+
+@given(st.floats(0.05, 50), st.floats(0.05, 2), st.floats(0, 1.4))
+def test_the_formula_is_where_two_neighbouring_lines_of_sight_meet(away, radius, incidence):
+    # The second ray is 1e-5 rad beside: the image of a finite step is off by about that share, over the cosine where it grazes.
+    found = image_by_two_rays(away, radius, incidence)
+    assert found == pytest.approx(float(image_behind_ball(away, radius, np.cos(incidence))), rel=3e-4 / np.cos(incidence) ** 2)
+
+
+def test_mirrors_in_an_eye_keep_their_shape_far_from_the_origin():
+    far = np.array([1e6, -1e6, 1e6])
+    turn = (0.1, -0.4, 0.2, 0.8)
+    mirrors = [Mirror((0.5, 1, -2), (0.3, 0, 0.1), (0, 0.7, 0), reflectivity=0.4), Mirror((0, 1, -1), radius_m=0.2)]
+    moved = [Mirror(m.centre_m + far, m.right_m, m.up_m, m.radius_m, m.reflectivity) for m in mirrors]
+    fov = Fov(-0.5, 0.6, -0.7, 0.4)
+    here = mirrors_in_eye(mirrors, View(Pose((0.1, 1.5, 0.2), turn), fov))
+    there = mirrors_in_eye(moved, View(Pose(far + (0.1, 1.5, 0.2), turn), fov))
+    assert here["mirror_count"] == there["mirror_count"] == 2
+    for name in ("mirror_centre", "mirror_right", "mirror_up", "mirror_reflectivity"):
+        assert np.abs(here[name] - there[name]).max() < 1e-9, name  # 1e6 m have steps of 1e-10 m
+    assert np.linalg.norm(here["mirror_right"][0, :3]) == pytest.approx(1)
+    assert here["mirror_right"][0, 3] == pytest.approx(np.hypot(0.3, 0.1))
+    assert here["mirror_centre"][1, 3] == 0.2
+
+
+def test_too_many_mirrors_are_refused():
+    with pytest.raises(ValueError, match="9 mirrors"):
+        mirrors_in_eye([Mirror((0, 0, 0), radius_m=1.0)] * (MOST_MIRRORS + 1), View(Pose(), Fov(-1, 1, -1, 1)))
+
+
+def test_pixels_run_over_the_tangents():
+    view = View(Pose(), Fov(-0.5, 0.6, -0.7, 0.4))
+    found = tangents_of_pixels(view, (97, 61))
+    rays = view.rays((97, 61))
+    expected = np.array(found["tangent_start"]) + (np.array([3, 7]) + 0.5) * found["tangent_step"]
+    assert np.abs(rays[7, 3, :2] - expected).max() < 1e-12

@@ -1,0 +1,104 @@
+"""Which meshes are mirrors, and what a mirror that is none gets told."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.errors import SceneError
+from hmdwarp.geometry import Pose, RigidState
+from hmdwarp.scenes import Mesh, Scene, SceneEffect, Texture, load_scene
+from hmdwarp.scenes._content import Body, Material
+from hmdwarp.scenes.library._shapes import Ball, Quad
+
+GREY = Texture("grey", np.full((2, 2, 3), 90, np.uint8))
+
+
+def mirror(centre=(0, 0, -2), right=(1, 0, 0), up=(0, 0.5, 0), **material) -> Mesh:
+    return attrs.evolve(Quad(centre, right, up).mesh("glass"), material=Material(**({"reflectivity": 0.5} | material)))
+
+
+def scene_of(*meshes: Mesh, origin=(0.0, 0.0, 0.0), bodies=()) -> Scene:
+    return Scene("mirrors", "", meshes, (GREY,), origin_m=origin, bodies=bodies)
+
+
+def test_a_plane_mirror_is_its_rectangle_in_the_world():
+    (found,) = scene_of(mirror(right=(0.6, 0, 0.8)), origin=(10.0, 20.0, 30.0)).mirrors
+    assert np.allclose(found.shape.centre_m, (10, 20, 28))
+    assert np.allclose(found.shape.right_m, (0.6, 0, 0.8))
+    assert np.allclose(found.shape.up_m, (0, 0.5, 0))
+    assert not found.shape.is_curved
+
+
+def test_what_lies_in_one_plane_and_mirrors_alike_is_one_mirror():
+    left, right = mirror((-1, 0, -2)), mirror((3, 0, -2))
+    (found,) = scene_of(left, right).mirrors
+    assert len(found.meshes) == 2
+    assert np.allclose(found.shape.centre_m, (1, 0, -2))
+    assert np.allclose(found.shape.right_m, (3, 0, 0))
+    assert len(scene_of(left, mirror((3, 0, -2.1))).mirrors) == 2
+    assert len(scene_of(left, mirror((3, 0, -2), reflectivity=0.7)).mirrors) == 2
+
+
+def test_the_right_of_a_mirror_is_where_its_u_grows():
+    turned = attrs.evolve(mirror(), uv=mirror().uv[[1, 2, 3, 0]])
+    (found,) = scene_of(turned).mirrors
+    assert np.allclose(found.shape.right_m, (0, -0.5, 0))
+    assert np.allclose(found.shape.normal, (0, 0, 1))
+
+
+def test_a_curved_mirror_is_the_ball_around_it():
+    ball = attrs.evolve(Ball((1, 2, 3), 0.4).mesh("ball"), material=Material(reflectivity=0.8, curved=True))
+    (found,) = scene_of(ball).mirrors
+    assert np.allclose(found.shape.centre_m, (1, 2, 3), atol=1e-6)
+    assert found.shape.radius_m == pytest.approx(0.4, rel=1e-6)
+
+
+def bent_up(mesh: Mesh) -> Mesh:
+    return attrs.evolve(mesh, positions=mesh.positions + np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0.1), (0, 0, 0)]))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "message"),
+    [
+        (attrs.evolve(mirror(), normals=np.zeros((4, 3))), "mesh 'glass': a mirror without a normal: .* not of length 1"),
+        (attrs.evolve(mirror(), normals=[(0, 0, 1), (0, 0, 1), (0, 1, 0), (0, 0, 1)]), "without a normal: its normals differ by up to .* deg"),
+        (bent_up(mirror()), "without a normal: its vertices leave a plane by 100 mm"),
+        (attrs.evolve(mirror(), normals=-mirror().normals), "without a normal: some triangles face the other way"),
+        (attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivity=0.5)), r"differ by up to .*\(curved=True\)"),
+        (attrs.evolve(mirror(curved=True), positions=np.zeros((4, 3))), "a curved mirror of no size"),
+    ],
+)
+def test_a_mirror_without_a_normal_is_told(mesh, message):
+    with pytest.raises(SceneError, match=message):
+        scene_of(mesh)
+
+
+class Still:
+    def state(self, time_ns: int) -> RigidState:
+        return RigidState(Pose())
+
+
+def test_a_mirror_that_moves_is_told():
+    with pytest.raises(SceneError, match="a mirror that moves"):
+        scene_of(attrs.evolve(mirror(), body=1), bodies=(Body("cart", Still()),))
+
+
+def test_too_many_mirrors_are_told():
+    with pytest.raises(SceneError, match="9 mirrors: wanted at most 8"):
+        scene_of(*(mirror((0, 0, -k)) for k in range(9)))
+
+
+def test_the_gallery_has_a_floor_a_wall_mirror_and_a_ball():
+    gallery = load_scene("gallery")
+    wanted = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
+    assert gallery.effects == wanted
+    assert [found.shape.is_curved for found in gallery.mirrors] == [False, False, True]
+    assert gallery.triangle_count <= 40_000
+
+
+def test_the_gallerys_floor_is_level_in_the_mean():
+    normals = load_scene("gallery").textures[-1].image.astype(np.float64) / 255 * 2 - 254 / 255
+    assert np.abs(normals[..., :2].mean(axis=(0, 1))).max() < 0.01  # a byte is 0.008
+    assert 0.15 < np.hypot(*np.moveaxis(normals[..., :2], -1, 0)).mean() < 0.3
