@@ -76,6 +76,8 @@ class Server:
         if self._depth is None:
             self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
         self._depth.draw(view, self._framebuffers.over(into), time_ns)
+        for part in self._parts_for(Needs()):
+            part.add_depth(view, time_ns, into)
         return into
 
     def draw_frame(self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None) -> Frame:

@@ -11,6 +11,8 @@ import attrs
 from ...frame import Needs
 
 if TYPE_CHECKING:
+    import moderngl
+
     from ...frame import EyeImage
     from ...geometry import View
     from ...gpu.context import Gpu
@@ -65,6 +67,9 @@ class Part(ABC):
     @abstractmethod
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         """Draw into the eye's colour and inverse depth what is not wanted as a layer; the eye with the layers that are."""
+
+    def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:  # noqa: B027 (most have none)
+        """Draw into an inverse depth, of all plain surfaces so far, what has a depth of its own in the picture."""
 
     @abstractmethod
     def close(self) -> None:

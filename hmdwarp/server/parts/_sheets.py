@@ -54,21 +54,20 @@ class Sheets:
         self._order: tuple[tuple, list[_Run], list[NDArray]] | None = None
 
     def draw(self, program: Draw, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending | None) -> None:
-        """All sheets of `view` at that instant, farthest first; blending: None takes the largest value."""
+        """All sheets of `view` at that instant, farthest first; blending: None for surfaces, with the depth test instead."""
         runs, eye_from = self._ordered(view, time_ns)
         gl, clip = self._easel.gpu.gl, clip_from_eye(view.fov)
         vertices = self._array(program)
-        with gl.scope(framebuffer, moderngl.BLEND):
-            gl.blend_equation = moderngl.MAX if blending is None else moderngl.FUNC_ADD
-            gl.blend_func = (moderngl.ONE, moderngl.ONE) if blending is None else blending
+        with gl.scope(framebuffer, moderngl.DEPTH_TEST if blending is None else moderngl.BLEND):
+            if blending is not None:
+                gl.blend_func = blending
             for run in runs:
                 mesh = self._meshes[run.mesh]
                 (gl.disable if mesh.double_sided else gl.enable)(moderngl.CULL_FACE)
                 self._easel.textures[mesh.texture].use(0)
-                told = {"opacity": mesh.material.opacity, "tint": mesh.material.tint}
-                program.uniforms.set(clip_from_scene=clip @ eye_from[run.mesh], surface=0, **told)
+                told = {"tint": mesh.material.tint} if program.uniforms.declares("tint") else {}
+                program.uniforms.set(clip_from_scene=clip @ eye_from[run.mesh], surface=0, opacity=mesh.material.opacity, **told)
                 vertices.render(moderngl.TRIANGLES, vertices=run.count, first=run.first)
-            gl.blend_equation = moderngl.FUNC_ADD
             gl.blend_func = moderngl.DEFAULT_BLENDING  # Mesa refuses to draw into two textures while a second source is set, blended or not
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
