@@ -1,0 +1,190 @@
+"""Reflections after the warp: nothing lost where nothing moved, better than glued on where something did, and no black in mirrors."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from mirrored import VIEW, mirrored_scene, moved
+from worlds import read
+
+from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.effects import effects
+from hmdwarp.client.effects._closing import Closing
+from hmdwarp.client.given import Given
+from hmdwarp.client.plan import build_plan
+from hmdwarp.errors import PlanError
+from hmdwarp.frame import Needs
+from hmdwarp.gpu.textures import COLOUR, allocate
+from hmdwarp.reference.picture import HALF_UNIT
+from hmdwarp.scenes.effects import SceneEffect
+from hmdwarp.server import Server
+
+SIZE = (160, 144)
+EVERY = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
+NAMES = ("planar_reflections", "glossy_reflections", "curved_reflections")
+
+
+@pytest.fixture(scope="module")
+def server(gpu):
+    made = Server(gpu, mirrored_scene())
+    yield made
+    made.close()
+
+
+def shown(gpu, server: Server, view, effects: SceneEffect = EVERY, warp: str = "iterative", fill: str = "none", **given):
+    """(colour, coverage after the warp) of the late picture of VIEW in `view`."""
+    plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in given)
+    frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)
+    compensator = Compensator(gpu, plan, None, SIZE, SIZE)
+    result = compensator.run(Given(frame.eyes[0], view, **given))
+    out = read(result.shown.texture), read(result.warped.texture)[..., 3] > 0
+    server.recycle(frame)
+    compensator.close()
+    return out
+
+
+def mirrors_of(server: Server, view, needs: Needs) -> np.ndarray:
+    frame = server.draw_frame([view], 0, SIZE, needs=needs)
+    found = read(frame.eyes[0].reflection.surface)[..., 0] > 0
+    server.recycle(frame)
+    return found
+
+
+def truth_of(server: Server, view) -> np.ndarray:
+    eye = server.draw(view, SIZE)
+    found = read(eye.colour)
+    server.pool(SIZE).release(eye.colour)
+    return found
+
+
+@pytest.mark.parametrize("warp", ["iterative", "forward", "mesh", "none", "layered", "splat"])
+def test_an_unmoved_view_is_the_whole_picture(gpu, server, warp):
+    found, _ = shown(gpu, server, VIEW, warp=warp)
+    truth = truth_of(server, VIEW)
+    # What mirrors show, the surface, its depth and the picture each pass through one more half float, and the sum is stored as one; a
+    # disturbed look that moves by the depth's share (2^-10 of a few pixels) meets a contrast of at most 1.
+    apart = np.abs(found - truth).max(axis=-1)
+    assert np.median(apart) == 0
+    assert (apart <= 4 * HALF_UNIT * truth.max() + 0.01).mean() > 0.995
+
+
+def error(found: np.ndarray, truth: np.ndarray, where: np.ndarray) -> float:
+    apart = np.clip(found, 0, 1) ** (1 / 2.2) - np.clip(truth, 0, 1) ** (1 / 2.2)
+    return float((apart[where][:, :3] ** 2).mean())
+
+
+MOVES = [((0.12, 0.02, 0.0), 0.05), ((0.0, -0.1, 0.1), -0.1), ((-0.2, 0.05, 0.1), 0.1)]
+
+
+@pytest.mark.parametrize(("by", "turn"), MOVES)
+def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
+    view = moved(by, turn)
+    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflections=True))
+    glued, covered = shown(gpu, server, view, SceneEffect.NONE)
+    where &= covered
+    even, _ = shown(gpu, server, view, EVERY & ~SceneEffect.GLOSSY_REFLECTIONS)
+    found, _ = shown(gpu, server, view)
+    assert error(found, truth, where) < 0.5 * error(glued, truth, where)
+    assert error(found, truth, where) < error(even, truth, where)
+
+
+@pytest.mark.parametrize(("by", "turn"), MOVES)
+def test_a_curved_mirror_is_never_worse_than_glued_on(gpu, server, by, turn):
+    view = moved(by, turn)
+    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(curved_reflections=True))
+    glued, covered = shown(gpu, server, view, EVERY & ~SceneEffect.CURVED_REFLECTIONS)
+    found, _ = shown(gpu, server, view)
+    assert error(found, truth, where & covered) <= error(glued, truth, where & covered)
+
+
+@pytest.mark.parametrize("warp", ["forward", "iterative", "mesh"])
+def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
+    """Every mirror of this scene shows something bright, its own colour is what is dark."""
+    view = moved((0.25, 0.1, 0.15), 0.15)
+    found, covered = shown(gpu, server, view, warp=warp)
+    wall = mirrors_of(server, view, Needs(reflections=True)) & covered
+    assert np.isfinite(found).all()
+    assert (found[~covered] == 0).all()
+    assert set(np.unique(found[..., 3])) <= {0, 1}
+    bright = truth_of(server, view)[..., :3].max(axis=-1)
+    dark = wall & (found[..., :3].max(axis=-1) < 0.3 * bright)
+    assert dark.sum() <= 0.02 * wall.sum()
+
+
+def test_scan_out_shows_the_mirrors_as_in_its_middle(gpu, server):
+    first, last = moved((0, 0, 0)), moved((0.02, 0, 0), 0.02)
+    found, _ = shown(gpu, server, first, shown_last=last)
+    middle, covered = shown(gpu, server, Given(None, first, shown_last=last).middle)
+    assert found.shape == middle.shape
+    where = mirrors_of(server, first, Needs(reflections=True)) & covered
+    assert error(found, middle, where) < 0.01
+
+
+def test_running_compiles_and_allocates_nothing(gpu, server):
+    plan = build_plan(EVERY, "multi", "interpolate", "none", client_geometry=False)
+    frames = [server.draw_frame([VIEW], 0, SIZE, needs=plan.needs) for _ in range(2)]
+    compensator = Compensator(gpu, plan, None, SIZE, SIZE)
+    given = Given(frames[0].eyes[0], moved((0.1, 0, 0)), others=(frames[1].eyes[0],) * plan.needs.past)
+    before = gpu.shaders.compiled
+    for _ in range(2):
+        compensator.run(given)
+    assert gpu.shaders.compiled == before
+    compensator.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_effect_is_an_entry_of_the_one_pass(name):
+    effect = effects.get(name)
+    assert effect.made_by.name == "reflections"
+    assert effect.needs.reflections or effect.needs.curved_reflections
+    plan = build_plan(effect.flag, "iterative", "none", "none", client_geometry=False)
+    passes = [step for step in plan.steps if step.stage == "effects"]
+    assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
+    assert ("late.reflection" in plan.layers) == bool(passes)
+
+
+def test_a_warp_that_carries_nothing_leaves_reflections_glued_on():
+    plan = build_plan(EVERY, "environment", "none", "none", client_geometry=False)
+    assert not plan.effect_passes
+    assert all("carries nothing" in reason for name, reason in plan.left_out if name in NAMES[::2])
+
+
+def test_a_frame_without_the_layer_is_told(gpu, server):
+    plan = build_plan(EVERY, "iterative", "none", "none", client_geometry=False)
+    compensator = Compensator(gpu, plan, None, SIZE, SIZE)
+    eye = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs).eyes[0]
+    with pytest.raises(PlanError, match="no layer of them"):
+        compensator.run(Given(attrs.evolve(eye, reflection=None), VIEW))
+    compensator.close()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (7, 5), (64, 33)])
+def test_closing_keeps_what_is_covered_and_closes_the_rest(gpu, size):
+    rng = np.random.default_rng(5)
+    picture = rng.uniform(0.2, 1, (size[1], size[0], 4)).astype(np.float16)
+    picture[..., 3] = 1
+    holes = rng.uniform(size=size[::-1]) < 0.7
+    holes[0, 0] = False
+    picture[holes] = 0
+    texture = allocate(gpu.gl, size, COLOUR)
+    texture.write(picture.tobytes(), alignment=1)
+    closing = Closing(gpu, size)
+    closing.run(texture)
+    found = read(texture)
+    closing.close()
+    assert np.array_equal(found[~holes], picture[~holes].astype(np.float64))
+    # Halves of each level lose 2^-10, twice for each of at most 7 levels.
+    assert np.abs(found[..., 3] - 1).max() < 14 * HALF_UNIT
+    low, high = (extreme(picture[~holes][:, :3]) for extreme in (np.min, np.max))
+    assert (found[holes][:, :3] > low * 0.97).all()
+    assert (found[holes][:, :3] < high * 1.03).all()
+
+
+def test_closing_leaves_nothing_where_nothing_is_known(gpu):
+    texture = allocate(gpu.gl, (9, 6), COLOUR)
+    texture.write(np.zeros((6, 9, 4), np.float16).tobytes(), alignment=1)
+    closing = Closing(gpu, (9, 6))
+    closing.run(texture)
+    closing.close()
+    assert (read(texture) == 0).all()
