@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 from client_scene import ClientScene
 from worlds import World, read
@@ -9,7 +10,10 @@ from worlds import World, read
 from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.plan import CLIENT_MODEL
+from hmdwarp.frame import EyeImage
+from hmdwarp.geometry.wide import wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.reference.picture import LatePicture
 
 
 class Holed:
@@ -23,7 +27,14 @@ class Holed:
         self.colour[..., 3] = 1
         self.inverse_depth = np.maximum(world.inverse_depth, 0).astype(np.float32).astype(np.float64)
         self.empty(holes)
-        self.given = world.given(None)
+        given = world.given(None)
+        self.given = attrs.evolve(given, late=attrs.evolve(given.late, wide=self._wide(gpu)))
+
+    def _wide(self, gpu) -> EyeImage:
+        """Another picture of the same eye, wider and of any size."""
+        (colour, depth), view = self.world._picture(), wide_view(self.world.late_view)
+        self.wide = LatePicture(colour, depth, view)
+        return EyeImage(view, *self.world._textures(gpu, colour, depth))
 
     def empty(self, holes: np.ndarray) -> None:
         """Make these pixels holes."""

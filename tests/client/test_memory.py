@@ -1,0 +1,308 @@
+"""The memory: what was seen before comes back, what moved is forgotten, and it stays within its bounds."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from holed import Holed
+from scipy.spatial.transform import Rotation
+from worlds import World, read
+
+from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
+from hmdwarp.client.choices import parse_fills
+from hmdwarp.client.fills._keyframes import Keyframe, covered, is_new, most_redundant, most_useful
+from hmdwarp.client.fills._memory_passes import Keeper
+from hmdwarp.client.fills._remembered import HoleFiller
+from hmdwarp.client.given import Given
+from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.warps._composite import Picture
+from hmdwarp.errors import InputError
+from hmdwarp.frame import EyeImage
+from hmdwarp.geometry import Pose, View
+from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, Canvas, allocate
+from hmdwarp.reference.memory import fill_from, forgotten
+from hmdwarp.reference.picture import LatePicture
+
+SIZE = (120, 96)
+
+
+class Client:
+    """A memory and an empty shown picture: what it fills is what it knows."""
+
+    def __init__(self, gpu, spec: str = "memory", size=SIZE) -> None:
+        (choice,) = parse_fills(spec)
+        self.gpu, self.fill = gpu, choice.entry(gpu, size, size, choice.settings)
+        self.empty, self.into = (ShownPicture(Canvas(gpu.gl, size), allocate(gpu.gl, size, SCALAR)) for _ in range(2))
+        self.empty.colour.clear()
+        self.empty.inverse_depth.write(np.full(size[::-1], -1, np.float32).tobytes(), alignment=1)
+
+    def sees(self, late: EyeImage, shown: View, eye: int = 0) -> np.ndarray:
+        """Colour and coverage after one refresh."""
+        self.fill.run(Given(late, shown, eye), self.empty, self.into)
+        self.gpu.gl.memory_barrier()
+        return read(self.into.colour.texture)
+
+    def depth(self) -> np.ndarray:
+        return read(self.into.inverse_depth)[..., 0]
+
+    def close(self) -> None:
+        self.fill.close()
+
+
+@pytest.fixture
+def client(gpu):
+    made = Client(gpu)
+    yield made
+    made.close()
+
+
+def seconds(image: EyeImage, s: float) -> EyeImage:
+    return attrs.evolve(image, drawn_ns=round(s * 1e9))
+
+
+def turned(degrees: float, x: float = 0) -> View:
+    """To the left."""
+    return View(Pose((x, 0, 0), Rotation.from_euler("y", degrees, degrees=True).as_quat()), at(0).fov)
+
+
+def test_scenery_that_was_seen_comes_back(gpu, client):
+    """The head looks left, right and left again: at the last look the late picture still shows the right."""
+    scene = scene_of(square(2, (-1.5, 0.2), 0.5, 0.5), WALL)
+    left, right = (drawn(gpu, scene, turned(angle)) for angle in (0, -50))
+    client.sees(seconds(left, 0), left.view)
+    alone = Client(gpu)
+    without, with_memory = (one.sees(seconds(right, 1), turned(0)) for one in (alone, client))
+    alone.close()
+    truth = read(drawn(gpu, scene, turned(0)).colour)
+    assert (without[..., 3] == 0).mean() > 0.3
+    assert (with_memory[..., 3] == 0).mean() < 0.01
+    assert (np.abs(with_memory - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.03, "all but outlines, which are half a pixel off"
+
+
+def test_what_an_edge_hides_now_is_remembered_from_where_it_was_seen(gpu, client):
+    """A step to the right saw the wall behind the square."""
+    client.sees(seconds(drawn(gpu, BEFORE_A_WALL, at(0.35)), 0), at(0.35))
+    newest = seconds(drawn(gpu, BEFORE_A_WALL, at(-0.1)), 1)
+    alone = Client(gpu)
+    without, with_memory = (inner(one.sees(newest, at(0.15))) for one in (alone, client))
+    alone.close()
+    assert (without[..., 3] == 0).mean() > 0.01
+    assert (with_memory[..., 3] == 0).mean() < 0.2 * (without[..., 3] == 0).mean()
+
+
+def test_the_depth_of_what_is_remembered_is_that_in_the_shown_view(gpu, client):
+    wall = scene_of(WALL)
+    client.sees(seconds(drawn(gpu, wall, turned(0)), 0), turned(0))
+    out = client.sees(seconds(drawn(gpu, wall, turned(-50)), 1), at(0, 0, -1))
+    # The wall stands at 3 m, the shown eye a metre nearer. A point is found by some ten float32 operations.
+    assert np.abs(client.depth()[out[..., 3] > 0] - 0.5).max() < 1e-4
+    assert (client.depth()[out[..., 3] == 0] == -1).all()
+
+
+def test_what_has_left_is_forgotten_once_a_newer_frame_looks_through_its_place(gpu, client):
+    """A square before the wall is seen, goes while it is looked at, and is not put back when the head has turned away from it."""
+    with_it, without = drawn(gpu, BEFORE_A_WALL, turned(0)), drawn(gpu, scene_of(WALL), turned(0))
+    away = drawn(gpu, scene_of(WALL), turned(-60))
+    client.sees(seconds(with_it, 0), turned(0))
+    remembered = client.sees(seconds(away, 0.1), turned(0))
+    assert np.abs(remembered[..., 0] - 0.5).min() <= HALF_FLOAT, "the square is remembered as long as nobody looks"
+    client.sees(seconds(without, 0.2), turned(0))
+    out = client.sees(seconds(away, 0.3), turned(0))
+    known = out[..., 3] > 0
+    assert np.abs(out[known][:, :3] - 0.25).max() <= HALF_FLOAT
+    assert known.mean() > 0.9, "what stayed is still known"
+
+
+def test_what_changed_its_colour_is_forgotten(gpu, client):
+    """A lamp before the wall was dark and is bright."""
+    dark, bright = (scene_of(square(1, (0, 0), 0.25, level), WALL) for level in (0.05, 0.9))
+    client.sees(seconds(drawn(gpu, dark, turned(0)), 0), turned(0))
+    client.sees(seconds(drawn(gpu, bright, turned(2)), 0.1), turned(0))
+    out = client.sees(seconds(drawn(gpu, bright, turned(-60)), 0.2), turned(0))
+    middle = out[SIZE[1] // 2 - 6 : SIZE[1] // 2 + 6, SIZE[0] // 2 - 6 : SIZE[0] // 2 + 6]
+    assert not (np.abs(middle[..., 0] - 0.05) < 0.01).any()
+
+
+def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
+    """20 looks at the same things from places a little apart: outlines move by parts of a pixel each time."""
+    rng = np.random.default_rng(4)
+    first = drawn(gpu, BEFORE_A_WALL, turned(0))
+    client.sees(seconds(first, 0), turned(0))
+    for k in range(20):
+        view = turned(rng.uniform(-3, 3), x=rng.uniform(-0.02, 0.02))
+        client.sees(seconds(drawn(gpu, BEFORE_A_WALL, view), 0.1 * (k + 1)), view)
+    out = client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(-60)), 3), turned(0))
+    truth = read(first.colour)
+    assert (np.abs(out - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.05
+
+
+@pytest.mark.parametrize("what", ["ids", "velocity"])
+def test_what_moves_by_itself_is_never_remembered(gpu, client, what):
+    """The square is a body of its own, or deforms."""
+    image = drawn(gpu, BEFORE_A_WALL, turned(0))
+    moving = np.abs(read(image.colour)[..., 0] - 0.5) <= HALF_FLOAT
+    assert moving.sum() > 100
+    if what == "ids":
+        texture = allocate(gpu.gl, SIZE, NUMBER)
+        texture.write(moving.astype(np.uint16).tobytes(), alignment=1)
+    else:
+        texture = allocate(gpu.gl, SIZE, COLOUR)
+        texture.write((moving[..., None] * np.array([0, 0, 0, 1.0])).astype(np.float16).tobytes(), alignment=1)
+    client.sees(attrs.evolve(image, **{what: texture}), turned(0))
+    out = client.sees(seconds(drawn(gpu, scene_of(WALL), turned(-60)), 1), turned(0))
+    assert not (np.abs(out[..., 0] - 0.5) <= HALF_FLOAT).any()
+    assert (out[..., 3] > 0).mean() > 0.8
+
+
+def test_the_newest_picture_is_not_overruled(gpu, client):
+    """A square that stood before the newest picture's empty wall has gone; memory fills holes in what that picture shows from it."""
+    client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(0)), 0), turned(0))
+    late = seconds(drawn(gpu, scene_of(WALL), turned(1)), 0.1)
+    out = inner(client.sees(late, turned(1)))
+    assert np.abs(out[..., :3] - 0.25).max() <= HALF_FLOAT
+
+
+def test_both_eyes_share_what_they_saw(gpu, client):
+    wall = scene_of(WALL)
+    client.sees(seconds(drawn(gpu, wall, turned(0)), 0), turned(0), eye=0)
+    out = client.sees(seconds(drawn(gpu, wall, turned(-60, x=0.06)), 1), turned(0, x=0.06), eye=1)
+    assert (out[..., 3] > 0).mean() > 0.9
+
+
+def test_what_is_too_old_is_forgotten_and_so_is_what_was_seen_in_another_run(gpu):
+    wall = scene_of(WALL)
+    for later, known in ((1.9, True), (2.1, False), (-1.0, False)):
+        client = Client(gpu, "memory:age=2")
+        client.sees(seconds(drawn(gpu, wall, turned(0)), 5), turned(0))
+        out = client.sees(seconds(drawn(gpu, wall, turned(-60)), 5 + later), turned(0))
+        assert ((out[..., 3] > 0).mean() > 0.9) == known, later
+        client.close()
+
+
+def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
+    from hmdwarp.client.fills import memory as module
+
+    client = Client(gpu, "memory:frames=3")
+    learned, learn = [], module.Memory._learn
+    monkeypatch.setattr(module.Memory, "_learn", lambda self, given: (learned.append(given), learn(self, given)))
+
+    def refuse(*_, **__):
+        raise AssertionError("run() allocates")
+
+    frames = [seconds(drawn(gpu, scene_of(WALL), turned(20 * k)), k) for k in range(8)]
+    monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
+    for module_name in ("hmdwarp.client.fills._memory_passes", "hmdwarp.client.fills._remembered", "hmdwarp.client.fills.memory"):
+        monkeypatch.setattr(f"{module_name}.allocate", refuse)
+    for late in frames:
+        for _ in range(2):
+            client.sees(late, late.view)
+    assert len(learned) == len(frames)
+    assert len(client.fill._kept) == 3
+    assert len({one.slot for one in client.fill._kept}) == 3
+    client.close()
+
+
+def test_two_runs_of_the_same_frames_give_the_same_bits(gpu):
+    outs = []
+    for _ in range(2):
+        client = Client(gpu)
+        outs.append([client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(25 * k)), k), turned(25 * k - 20)) for k in range(4)])
+        client.close()
+    assert all(np.array_equal(a, b) for a, b in zip(*outs, strict=True))
+
+
+def test_mb_bounds_how_many_are_kept_and_too_few_are_told(gpu):
+    (choice,) = parse_fills("memory:mb=1")
+    fill = choice.entry(gpu, (200, 100), (20, 10), choice.settings)
+    assert len(fill._slots) == 4  # of 0.24 MB each
+    fill.close()
+    with pytest.raises(InputError, match=r"mb=1': one late picture of 400x300 takes 1 MB; give it more"):
+        choice.entry(gpu, (400, 300), (20, 10), choice.settings)
+    for wrong in ("frames=0", "use=0", "age=0", "mb=nan", "frames=65"):
+        with pytest.raises(InputError, match=wrong.partition("=")[0]):
+            parse_fills(f"memory:{wrong}")
+
+
+# --- which pictures are kept and looked into -----------------------------------------------------------------------------
+
+
+def keyframe(slot: int, degrees: float, x: float = 0, s: float = 0) -> Keyframe:
+    return Keyframe(slot, turned(degrees, x), round(s * 1e9))
+
+
+def test_a_view_is_new_if_no_near_one_covers_it():
+    kept = [keyframe(0, 0)]
+    assert not is_new(turned(2), kept)
+    assert is_new(turned(30), kept)
+    assert is_new(turned(0, x=0.4), kept)
+    assert is_new(turned(180), [])
+    assert covered(turned(0), kept).all()
+
+
+def test_room_is_made_by_what_the_others_cover():
+    kept = [keyframe(0, -40, s=1), keyframe(1, 0, s=2), keyframe(2, 20, s=3), keyframe(3, 45, s=4)]
+    assert most_redundant(kept, turned(60)).slot in (1, 2)
+    same = [keyframe(0, 0, s=1), keyframe(1, 0, s=2), keyframe(2, 90, s=3)]
+    assert most_redundant(same, turned(-90)).slot == 0, "of equals the oldest"
+
+
+def test_what_is_looked_into_sees_what_the_late_view_does_not():
+    kept = [keyframe(0, 60, s=1), keyframe(1, -30, s=2), keyframe(2, 180, s=3), keyframe(3, 0, s=4)]
+    chosen = most_useful(kept, turned(30), turned(0), 1)
+    assert [one.slot for one in chosen] == [0]
+    chosen = most_useful(kept, turned(30), turned(0), 4)
+    assert 2 not in [one.slot for one in chosen], "it looks the other way"
+    assert [one.drawn_ns for one in chosen] == sorted((one.drawn_ns for one in chosen), reverse=True)
+
+
+# --- the twins ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("seed", "cell"), [(1, 1), (2, 1), (3, 4), (4, 3)])
+def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell):
+    holed = Holed(gpu, seed, (67, 53), empty=0.6)
+    world = holed.world
+    pictures = [LatePicture(world.colour, world.inverse_depth, world.late_view)]
+    pictures += [LatePicture(*world._picture(), world._beside()) for _ in range(2)]
+    holes, picture, into = HoleFiller(gpu, holed.size, cell), holed.picture(gpu), holed.picture(gpu)
+    holes.start(picture, into)
+    for number, one in enumerate(pictures):
+        textures = world._textures(gpu, one.colour, one.inverse_depth)
+        holes.add(Picture(*textures, one.view), world.shown_view, newest=number == 0)
+    gpu.gl.memory_barrier()
+    got, depth = read(into.colour.texture), read(into.inverse_depth)[..., 0]
+    told = {"newest": True, "cell": cell, "sampler_pixels": world.sampler_pixels}
+    wanted = fill_from(holed.colour, holed.inverse_depth, world.shown_view, tuple(pictures), **told)
+    sure = ~wanted.picture.undecided
+    assert sure.mean() > 0.8
+    off = np.abs(got - wanted.picture.colour).max(axis=-1)
+    assert (off <= wanted.picture.tolerance + 1e-6)[sure].all()
+    # A depth is found by a few dozen float32 operations.
+    assert (np.abs(depth - wanted.inverse_depth) <= 1e-4 * (1 + np.abs(wanted.inverse_depth)))[sure].all()
+    filled = sure & (holed.colour[..., 3] == 0) & (got[..., 3] > 0)
+    assert filled.sum() > 300
+    holes.close()
+
+
+@pytest.mark.parametrize("seed", [5, 6])
+def test_what_is_forgotten_equals_its_twin(gpu, seed):
+    """Of one random world against another from near by, and against itself, which disproves nothing that the twin lets stand."""
+    world = World(gpu, seed, (66, 53))
+    late = LatePicture(*world._picture(), world._beside())
+    kept = LatePicture(world.colour, world.inverse_depth, world.late_view)
+    keeper = Keeper(gpu, world.size)
+    slot = allocate(gpu.gl, world.size, COLOUR), allocate(gpu.gl, world.size, SCALAR)
+    keeper.keep(world.late, slot)
+    gpu.gl.memory_barrier()
+    assert np.array_equal(read(slot[1])[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))
+    keeper.look_at(EyeImage(late.view, *world._textures(gpu, late.colour, late.inverse_depth)))
+    keeper.forget(slot, kept.view, late.view)
+    gpu.gl.memory_barrier()
+    got = (read(slot[1])[..., 0] < 0) & (kept.inverse_depth >= 0)
+    wanted, unsure = forgotten(kept, late)
+    assert unsure.mean() < 0.2
+    assert np.array_equal(got[~unsure], (wanted & (kept.inverse_depth >= 0))[~unsure])
+    assert 20 < got.sum() < got.size
+    assert (read(slot[0])[got] == 0).all()
+    keeper.close()

@@ -1,0 +1,133 @@
+"""The second, wide and coarse view: how large it is, what the server draws, and what the fill makes of it."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+import pytest
+from holed import Holed
+from scipy.spatial.transform import Rotation
+from worlds import read
+
+from client.test_multi import HALF_FLOAT, WALL, scene_of, square
+from hmdwarp.client.choices import parse_fills
+from hmdwarp.client.given import Given
+from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.weight import EyeSizes, eye_bytes
+from hmdwarp.frame import Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view
+from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.headsets import load_headset
+from hmdwarp.options import RunOptions
+from hmdwarp.reference.memory import fill_from
+from hmdwarp.rig import eye_sizes
+from hmdwarp.server import Server
+
+SIZE = (120, 96)
+FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
+
+
+def turned(degrees: float) -> View:
+    return View(Pose((0, 0, 0), Rotation.from_euler("y", degrees, degrees=True).as_quat()), FOV)
+
+
+def test_it_is_150_by_140_degrees_or_the_eyes_own_where_that_is_more():
+    wide = wide_fov(FOV)
+    assert math.degrees(wide.right - wide.left) == pytest.approx(150)
+    assert math.degrees(wide.up - wide.down) == pytest.approx(140)
+    wider = Fov(-1.5, 0.5, -0.1, 0.1)
+    assert wide_fov(wider).left == pytest.approx(-1.5)
+    assert wide_fov(wider).right == pytest.approx(math.radians(75))
+
+
+def test_its_pixels_are_a_quarter_as_dense_and_half_as_many():
+    headset = load_headset("rift-dk1")
+    fov, size = headset.fov(0), headset.eye_size_px
+    wide, own = wide_fov(fov), fov.tangents
+    density = size[0] / (own[1] - own[0])
+    assert wide_size(fov, size)[0] / (wide.tangents[1] - wide.tangents[0]) == pytest.approx(density / COARSER, rel=0.01)
+    share = math.prod(wide_size(fov, size)) / math.prod(size)
+    assert 0.3 < share < 0.6
+    assert wide_size(headset.fov(0), size) == wide_size(headset.fov(1), size)
+
+
+def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
+    server = Server(gpu, scene_of(WALL))
+    assert all(eye.wide is None for eye in server.draw_frame([turned(0)], 0, SIZE).eyes)
+    for _ in range(2):
+        frame = server.draw_frame([turned(0), turned(3)], 70, SIZE, 1.5, Needs(wide=True))
+        for eye, view in zip(frame.eyes, (turned(0), turned(3)), strict=True):
+            assert eye.wide.size == wide_size(FOV, SIZE)
+            assert eye.wide.view.fov == wide_view(view).fov
+            assert eye.wide.view.pose.isclose(view.pose)
+            assert eye.wide.drawn_ns == 70
+            assert (read(eye.wide.colour)[..., 3] == 1).all()
+        server.recycle(frame)
+    assert server.pool(wide_size(FOV, SIZE)).made == 2
+    assert server.pool(wide_size(FOV, SIZE)).live == 0
+    server.close()
+
+
+def test_its_bytes_count():
+    headset, options = load_headset("rift-dk1"), RunOptions(trace="", size=(480, 600))
+    sizes = eye_sizes(options, headset)
+    wide, high = sizes.wide
+    assert eye_bytes(Needs(wide=True), sizes)["late.wide"] == 12 * wide * high
+    assert "late.wide" not in eye_bytes(Needs(), EyeSizes((8, 8), (8, 8), wide=sizes.wide))
+
+
+def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):
+    """45 degrees to the side the late picture has ended; a wall with a square on it stands there."""
+    scene = scene_of(square(2.9, (-3.5, 0), 0.6, 0.5), WALL)
+    server = Server(gpu, scene)
+    frame = server.draw_frame([turned(0)], 0, SIZE, 1.0, Needs(wide=True))
+    shown = turned(45)
+    truth = read(server.draw(shown, SIZE).colour)
+    (choice,) = parse_fills("wide")
+    fill = choice.entry(gpu, SIZE, SIZE, choice.settings)
+    empty, into = (ShownPicture(Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)) for _ in range(2))
+    empty.colour.clear()
+    fill.run(Given(frame.eyes[0], shown), empty, into)
+    gpu.gl.memory_barrier()
+    out = read(into.colour.texture)
+    within = out[..., 3] > 0
+    # 75 degrees are in the wide view; the shown one reaches to 90, whose tangents are none.
+    assert within.mean() > 0.6
+    assert (np.abs(out - truth).max(axis=-1) <= HALF_FLOAT)[within].mean() > 0.97, "all but the outline, a few shown pixels wide"
+    assert ((truth[..., 0] == 0.5) & within).sum() > 100
+    fill.close()
+    server.close()
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_fill_equals_its_twin(gpu, seed):
+    holed = Holed(gpu, seed, (67, 53), empty=0.6)
+    got, depth = holed.fill(gpu, "wide")
+    told = {"newest": False, "cell": COARSER, "sampler_pixels": holed.world.sampler_pixels}
+    wanted = fill_from(holed.colour, holed.inverse_depth, holed.given.shown, (holed.wide,), **told)
+    sure = ~wanted.picture.undecided
+    assert sure.mean() > 0.8
+    assert (np.abs(got - wanted.picture.colour).max(axis=-1) <= wanted.picture.tolerance + 1e-6)[sure].all()
+    # A depth is found by a few dozen float32 operations.
+    assert (np.abs(depth - wanted.inverse_depth) <= 1e-4 * (1 + np.abs(wanted.inverse_depth)))[sure].all()
+    assert (sure & (holed.colour[..., 3] == 0) & (got[..., 3] > 0)).sum() > 100
+
+
+def test_fill_without_depth_asked_for(gpu):
+    """Colour is the same where no pass of the plan wants to know how far things are."""
+    holed = Holed(gpu, 3, (40, 33), empty=0.5)
+    outs = []
+    for depth in (True, False):
+        (choice,) = parse_fills("wide")
+        fill = choice.entry(gpu, holed.size, holed.size, choice.settings)
+        picture, into = holed.picture(gpu), holed.picture(gpu)
+        if not depth:
+            picture, into = (attrs.evolve(one, inverse_depth=None) for one in (picture, into))
+        fill.run(holed.given, picture, into)
+        gpu.gl.memory_barrier()
+        outs.append(read(into.colour.texture))
+        fill.close()
+    assert np.array_equal(*outs)
