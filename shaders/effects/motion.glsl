@@ -1,16 +1,30 @@
 // Which late pixels move by themselves until they are shown, and where to: p_moved ~ H p + e * inverse_depth, p in late pixels (centres
 // at i + 0.5), as lib/warp_map.glsl has it. RIGID: one map for each body; a number beyond the table is taken for what stands still.
-// SOFT: H is the unit matrix, e the way in pixels times metres, of each pixel.
+// SOFT: H is the unit matrix, e the way in pixels times metres, of each pixel. IMAGES: read by imageLoad, which costs llvmpipe a fifth.
+#if IMAGES
+layout(r32f) readonly uniform image2D late_inverse_depth;
+#define AT(picture, pixel) imageLoad(picture, pixel)
+#else
 uniform sampler2D late_inverse_depth;
+#define AT(picture, pixel) texelFetch(picture, pixel, 0)
+#endif
 uniform ivec2 late_size;
 uniform vec2 steepest; // part of itself by which the inverse depth of one surface may change from one pixel to the next on each axis
 #if RIGID
+#if IMAGES
+layout(r16ui, binding = 2) readonly uniform uimage2D late_ids; // moderngl 5.13 knows no uniforms of this type, so it is bound here
+#else
 uniform usampler2D late_ids;
+#endif
 uniform int body_count;
 layout(std430, binding = 0) readonly buffer Bodies { vec4 body_maps[]; }; // columns of H, and e; w of the first: 1 if it moves at all
 #endif
 #if SOFT
+#if IMAGES
+layout(rgba16f) readonly uniform image2D late_velocity;
+#else
 uniform sampler2D late_velocity; // m/s along the eye's axes, coverage
+#endif
 uniform mat3 pixel_from_eye;     // metres along the eye's axes to homogeneous pixels
 uniform float seconds;           // that motion goes on as it was
 uniform float reach_m;           // the farthest it goes
@@ -19,26 +33,33 @@ const uint SOFT_KEY = 0x10000u;  // one more than any body
 
 const float LARGEST = 3.402823466e38; // the largest finite float32
 
+bool is_depth(float r) { return r >= 0.0 && r <= LARGEST; }
+
 // 1/m, -1 for a pixel without depth.
 float known_inverse_depth(ivec2 pixel) {
-    float r = texelFetch(late_inverse_depth, clamp(pixel, ivec2(0), late_size - 1), 0).r;
-    return r >= 0.0 && r <= LARGEST ? r : -1.0;
+    float r = AT(late_inverse_depth, clamp(pixel, ivec2(0), late_size - 1)).r;
+    return is_depth(r) ? r : -1.0;
 }
 
-// What a pixel moves with: 0 nothing, else its body, or SOFT_KEY. Beside the picture nothing moves.
-uint moves_with(ivec2 pixel) {
-    ivec2 within = clamp(pixel, ivec2(0), late_size - 1);
+// What a pixel of the picture moves with, if it has depth: 0 nothing, else its body, or SOFT_KEY.
+uint key_of(ivec2 pixel) {
     uint key = 0u;
 #if RIGID
-    uint id = texelFetch(late_ids, within, 0).r;
+    uint id = AT(late_ids, pixel).r;
     uint slot = clamp(id, 1u, uint(max(body_count, 1))) - 1u;
     if (id == slot + 1u && body_count > 0 && body_maps[4u * slot].w > 0.0) key = id;
 #endif
 #if SOFT
-    vec4 velocity = texelFetch(late_velocity, within, 0);
+    vec4 velocity = AT(late_velocity, pixel);
     if (key == 0u && velocity.a >= 0.5 && dot(abs(velocity.rgb), vec3(1.0)) > 0.0) key = SOFT_KEY;
 #endif
-    return within == pixel && known_inverse_depth(pixel) >= 0.0 ? key : 0u;
+    return key;
+}
+
+// The same for any pixel. Beside the picture nothing moves.
+uint moves_with(ivec2 pixel) {
+    ivec2 within = clamp(pixel, ivec2(0), late_size - 1);
+    return within == pixel && known_inverse_depth(pixel) >= 0.0 ? key_of(within) : 0u;
 }
 
 // Whether two pixels `apart` show one surface of one thing that moves.

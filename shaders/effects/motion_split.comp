@@ -17,10 +17,10 @@ void main() {
     for (int row = 0; row < ROWS; ++row) {
         ivec2 pixel = first + ivec2(0, row);
         if (pixel.y >= late_size.y) break;
-        bool moves = moves_with(pixel) != 0u;
-        mask |= uint(moves) << uint(row);
+        float r = imageLoad(late_inverse_depth, pixel).r;
         vec4 colour = imageLoad(late_colour, pixel);
-        float r = texelFetch(late_inverse_depth, pixel, 0).r;
+        bool moves = is_depth(r) && key_of(pixel) != 0u;
+        mask |= uint(moves) << uint(row);
         imageStore(still_colour, pixel, moves ? vec4(0.0) : colour);
         imageStore(still_inverse_depth, pixel, vec4(moves ? -1.0 : r));
     }

@@ -32,6 +32,7 @@ MOST_BODIES = 4096
 MOST_SIDE = 2**16 - 1  # pixels are listed by 16 bits a side
 QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
 ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
+SPLIT_UNITS = {"still_colour": 4, "still_inverse_depth": 5}  # images; those that are read have the units of their textures
 STILL = 1e-9  # pixels: what rounding leaves of a body that rests, far below any motion
 RIGID, SOFT = "rigid_motion", "soft_motion"
 
@@ -87,9 +88,9 @@ class MotionPass(LatePass):
         _check(self.gpu, self.late_size)
         defines = {"RIGID": int(RIGID in self.parts), "SOFT": int(SOFT in self.parts)}
         shaders, gl, (wide, high) = self.gpu.shaders, self.gpu.gl, self.late_size
-        self._split = shaders.compute("effects/motion_split.comp", **defines)
+        self._split = shaders.compute("effects/motion_split.comp", IMAGES=1, **defines)
         self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
-        self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", **defines)
+        self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
         # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in the shaders.
         sizes = (4 * MAP_FLOATS * MOST_BODIES, 4 * self._words, 4 * self._words, DRAW_BYTES * self._draws, 4 * wide * high)
@@ -120,7 +121,7 @@ class MotionPass(LatePass):
         into = next(free)
         named = self._named(image, maps, age_ns)
         self._bind(image, maps, into)
-        self._run(self._split, named, self.late_size)
+        self._run(self._split, named | SPLIT_UNITS, self.late_size)
         self._run(self._order, named, (1, 1))
         self._run(self._list, named, self.late_size)
         self._draw_moving(named, into)
@@ -135,8 +136,6 @@ class MotionPass(LatePass):
             "late_inverse_depth": 1,
             "late_ids": 2,
             "late_velocity": 3,
-            "still_colour": 1,
-            "still_inverse_depth": 2,
             "body_count": len(maps),
             "pixel_from_eye": image.view.fov.pixel_from_tangent(self.late_size) @ np.diag([1.0, 1.0, -1.0]),
             "seconds": float(np.clip(age_ns * 1e-9, -REACH_S, REACH_S)),
@@ -151,9 +150,9 @@ class MotionPass(LatePass):
         for unit, texture in enumerate((image.colour, image.inverse_depth, image.ids, image.velocity)):
             if texture is not None:
                 texture.use(unit)
-        image.colour.bind_to_image(0, read=True, write=False)
-        into.colour.bind_to_image(1, read=False, write=True)
-        into.inverse_depth.bind_to_image(2, read=False, write=True)
+                texture.bind_to_image(unit, read=True, write=False)
+        into.colour.bind_to_image(SPLIT_UNITS["still_colour"], read=False, write=True)
+        into.inverse_depth.bind_to_image(SPLIT_UNITS["still_inverse_depth"], read=False, write=True)
         if maps:
             self._buffers[0].write(_table(maps).tobytes())
         for binding, buffer in enumerate(self._buffers):

@@ -1,0 +1,331 @@
+"""Late pixels that move by themselves: against rays and moved squares in float64, and against what the server draws later."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from worlds import read
+
+from hmdwarp.client.effects import Tools
+from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, REACH_S, RIGID, SOFT, STEEPEST_DEG, MotionPass
+from hmdwarp.client.given import Given
+from hmdwarp.client.warps._mesh import steepest
+from hmdwarp.errors import InputError
+from hmdwarp.frame import EyeImage, Needs
+from hmdwarp.geometry import Fov, Pose, RigidState, View
+from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, allocate
+from hmdwarp.reference.motion import MotionAsked, moved_picture
+from hmdwarp.reference.picture import HALF_UNIT
+from hmdwarp.scenes import Body, Mesh, Scene, Texture
+from hmdwarp.scenes.motions import Spinning, Thrown
+from hmdwarp.server import Server
+
+MS = 1_000_000
+
+
+def textured(gpu, array: np.ndarray, kind: tuple[int, str]):
+    texture = allocate(gpu.gl, array.shape[1::-1], kind)
+    dtype = {"f2": np.float16, "f4": np.float32, "u2": np.uint16}[kind[1]]
+    texture.write(np.ascontiguousarray(array, dtype).tobytes(), alignment=1)
+    return texture
+
+
+class MovingWorld:
+    """A late picture of still planes with holes, and before and behind them patches of bodies and of what deforms."""
+
+    def __init__(self, seed: int, size: tuple[int, int] = (26, 19), bodies: int = 3) -> None:
+        self.rng = rng = np.random.default_rng(seed)
+        wide, high = self.size = size
+        fov = Fov(*np.deg2rad([-rng.uniform(25, 45), rng.uniform(25, 45), -rng.uniform(25, 40), rng.uniform(25, 40)]))
+        self.view = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
+        y, x = np.mgrid[:high, :wide] / max(size)
+        self.inverse_depth = np.full((high, wide), 0.2) + 0.1 * x
+        self.inverse_depth[(x + y) % 0.4 < 0.06] = 0
+        self.inverse_depth[rng.uniform(size=(high, wide)) < 0.03] = -1
+        self.ids = np.zeros((high, wide), np.int64)
+        self.velocity = np.zeros((high, wide, 4))
+        for number in range(1, bodies + 2):
+            self._patch(number if number <= bodies else 0, x, y)
+        colour = rng.uniform(0.2, 1.5, (high, wide, 3))
+        covered = self.inverse_depth >= 0
+        self.colour = np.dstack([colour * covered[..., None], covered]).astype(np.float16).astype(np.float64)
+        self.inverse_depth = self.inverse_depth.astype(np.float32).astype(np.float64)
+        self.states = tuple(self._state() for _ in range(bodies))
+
+    def _patch(self, number: int, x: np.ndarray, y: np.ndarray) -> None:
+        """Of body `number`, or of what deforms for 0: a slanted plane, half of the time with a step in it."""
+        rng = self.rng
+        inside = (abs(x - rng.uniform(0.2, 0.8)) < rng.uniform(0.08, 0.2)) & (abs(y - rng.uniform(0.15, 0.6)) < rng.uniform(0.08, 0.2))
+        plane = rng.uniform(0.3, 1.2) + rng.normal(scale=0.15) * x + rng.normal(scale=0.15) * y
+        plane = plane + np.where(x + 0.3 * y > rng.uniform(0.2, 1.2), rng.choice([0.0, 0.4]), 0.0)
+        self.inverse_depth = np.where(inside, plane, self.inverse_depth)
+        self.ids = np.where(inside, number, self.ids)
+        even, sheared = rng.normal(scale=0.8, size=3), rng.normal(scale=0.8, size=3)
+        speed = even + sheared * np.dstack([x, x - y, y])
+        self.velocity[inside] = np.concatenate([speed[inside], np.ones((inside.sum(), 1))], axis=1) if number == 0 else 0
+        self.velocity = self.velocity.astype(np.float16).astype(np.float64)
+
+    def _state(self) -> RigidState:
+        rng = self.rng
+        pose = Pose(self.view.pose.transform((rng.normal(scale=0.3), rng.normal(scale=0.3), -2.0)), rng.normal(size=4))
+        return RigidState(pose, rng.normal(scale=0.4, size=3), rng.normal(scale=0.8, size=3), rng.normal(scale=0.5, size=3))
+
+    def image(self, gpu, parts: set[str], drawn_ns: int = 0) -> EyeImage:
+        image = EyeImage(self.view, textured(gpu, self.colour, COLOUR), textured(gpu, self.inverse_depth, SCALAR), drawn_ns=drawn_ns)
+        if RIGID in parts:
+            image = attrs.evolve(image, ids=textured(gpu, self.ids, NUMBER), bodies=self.states)
+        if SOFT in parts:
+            image = attrs.evolve(image, velocity=textured(gpu, self.velocity, COLOUR))
+        return image
+
+    def asked(self, parts: set[str], age_ns: int) -> MotionAsked:
+        poses = [(state.pose, state.after(age_ns)) for state in self.states] if RIGID in parts else []
+        way = None
+        if SOFT in parts:
+            way = self.velocity[..., :3] * np.clip(age_ns * 1e-9, -REACH_S, REACH_S)
+            far = np.linalg.norm(way, axis=-1, keepdims=True)
+            way = np.where(self.velocity[..., 3:] > 0, way * np.minimum(1, REACH_M / np.maximum(far, 1e-12)), np.nan)
+        edge = steepest(self.view, self.size, STEEPEST_DEG)
+        return MotionAsked(self.colour, self.inverse_depth, self.ids, self.view, edge, poses, way)
+
+
+def pass_for(gpu, size: tuple[int, int], *parts: str, images: int = 1) -> MotionPass:
+    return MotionPass(gpu, frozenset(parts), size, size, Tools(None, 1, images))
+
+
+def given_at(image: EyeImage, shown_ns: int, *others: EyeImage) -> Given:
+    return Given(image, image.view, others=others, shown_ns=shown_ns)
+
+
+def run(gpu, image: EyeImage, shown_ns: int, *parts: str) -> tuple[np.ndarray, np.ndarray]:
+    made = pass_for(gpu, image.size, *parts)
+    moved = made.run(given_at(image, shown_ns)).late
+    found = read(moved.colour), read(moved.inverse_depth)[..., 0]
+    made.close()
+    return found
+
+
+@pytest.mark.parametrize("parts", [(RIGID,), (SOFT,), (RIGID, SOFT)], ids="+".join)
+@pytest.mark.parametrize("seed", [0, 1, 2, 4, 5])
+def test_the_shader_does_what_rays_and_moved_squares_do(gpu, seed, parts):
+    world, age = MovingWorld(seed), (120 + 60 * seed) * MS
+    colour, inverse_depth = run(gpu, world.image(gpu, set(parts)), age, *parts)
+    twin = moved_picture(world.asked(set(parts), age))
+    sure = ~twin.picture.undecided
+    assert sure.mean() > 0.97  # 4 SNAP_PX of a square's rim, of which a tenth of the picture has some
+    assert np.array_equal(colour[..., 3][sure], twin.picture.colour[..., 3][sure])
+    off = np.abs(colour - twin.picture.colour)[..., :3].max(axis=-1)
+    assert (off <= twin.picture.tolerance)[sure].all()
+    assert (np.abs(inverse_depth - twin.inverse_depth) <= twin.depth_tolerance)[sure].all()
+    keys = world.asked(set(parts), age).keys()
+    came = (twin.inverse_depth != np.where(keys == 0, world.inverse_depth, -1)) & sure
+    assert came.sum() > 10  # something moved, and was seen again
+    assert ((inverse_depth == -1) == (colour[..., 3] == 0)).all()
+    assert (colour[colour[..., 3] == 0] == 0).all()
+    assert np.isfinite(colour).all()
+
+
+@pytest.mark.parametrize("parts", [(RIGID,), (SOFT,), (RIGID, SOFT)], ids="+".join)
+def test_nothing_has_moved_at_the_instant_it_was_drawn(gpu, parts):
+    image, made = MovingWorld(7).image(gpu, set(parts), 40 * MS), pass_for(gpu, (26, 19), *parts)
+    assert made.run(given_at(image, 40 * MS)).late is image
+    made.close()
+
+
+def test_two_runs_are_equal_to_the_last_bit(gpu):
+    image, made = MovingWorld(8, (131, 77)).image(gpu, {RIGID, SOFT}), pass_for(gpu, (131, 77), RIGID, SOFT)
+    found = []
+    for _ in range(3):
+        moved = made.run(given_at(image, 150 * MS)).late
+        found.append((moved.colour.read(), moved.inverse_depth.read()))
+    made.close()
+    assert found[0] == found[1] == found[2]
+
+
+def test_what_stands_still_keeps_its_bits(gpu):
+    world = MovingWorld(9)
+    colour, inverse_depth = run(gpu, world.image(gpu, {RIGID, SOFT}), 200 * MS, RIGID, SOFT)
+    keys = world.asked({RIGID, SOFT}, 200 * MS).keys()
+    kept = (keys == 0) & (inverse_depth == world.inverse_depth)
+    assert kept.sum() > 150
+    assert np.array_equal(colour[kept], world.colour[kept])
+    assert ((inverse_depth >= world.inverse_depth) | (keys > 0) | (keys == -1)).all()  # only what is nearer comes before it
+
+
+def test_a_body_at_rest_keeps_its_bits(gpu):
+    world = MovingWorld(10)
+    resting = attrs.evolve(world.image(gpu, {RIGID}), bodies=(RigidState(Pose((1, 2, 3))), *world.states[1:]))
+    colour, _ = run(gpu, resting, 300 * MS, RIGID)
+    untouched = (world.ids == 1) & (world.inverse_depth > 0)
+    moved_there = np.abs(colour - world.colour).max(axis=-1) > 0
+    assert untouched.any()
+    assert np.array_equal(colour[untouched & ~moved_there], world.colour[untouched & ~moved_there])
+    assert (colour[untouched][:, 3] == 1).all()
+    every = attrs.evolve(resting, bodies=(resting.bodies[0],) * 3)
+    made = pass_for(gpu, (26, 19), RIGID)
+    assert made.run(given_at(every, 300 * MS)).late is every
+    made.close()
+
+
+def test_a_number_beyond_the_table_stands_still(gpu):
+    world = MovingWorld(11)
+    image = attrs.evolve(world.image(gpu, {RIGID}), bodies=world.states[:1])
+    colour, inverse_depth = run(gpu, image, 250 * MS, RIGID)
+    beyond = (world.ids > 1) & (inverse_depth == world.inverse_depth)
+    assert beyond.sum() > 20
+    assert np.array_equal(colour[beyond], world.colour[beyond])
+    none = attrs.evolve(image, bodies=())
+    made = pass_for(gpu, (26, 19), RIGID)
+    assert made.run(given_at(none, 250 * MS)).late is none
+    with pytest.raises(InputError, match=f"{MOST_BODIES + 1} bodies: 'motion' takes {MOST_BODIES} at most"):
+        made.run(given_at(attrs.evolve(image, bodies=world.states[:1] * (MOST_BODIES + 1)), 250 * MS))
+    made.close()
+
+
+def test_older_pictures_move_by_their_own_age(gpu):
+    world = MovingWorld(12)
+    late, older = world.image(gpu, {RIGID}, 200 * MS), world.image(gpu, {RIGID}, 50 * MS)
+    made = pass_for(gpu, (26, 19), RIGID, images=2)
+    out = made.run(given_at(late, 300 * MS, older))
+    found = [read(one.colour) for one in (out.late, *out.others)]
+    made.close()
+    for image, age in zip(found, (100 * MS, 250 * MS), strict=True):
+        assert np.array_equal(image, run(gpu, world.image(gpu, {RIGID}), age, RIGID)[0])
+    assert out.late.ids is None
+    assert out.others[0].bodies == ()
+
+
+# --- what a user would notice -------------------------------------------------------------------------------------------------------
+
+SIZE = (120, 100)
+EYE = View(Pose(), Fov(-0.7, 0.7, -0.6, 0.6))
+
+
+def one_body(gpu, state: RigidState, *, seen: tuple = (0.3, 0.0, 0.0), inverse_depth: float = 0.5) -> EyeImage:
+    """A body of one colour, 40 pixels square in the middle, before something green."""
+    wide, high = SIZE
+    y, x = np.mgrid[:high, :wide]
+    inside = (abs(x - wide / 2 + 0.5) < 20) & (abs(y - high / 2 + 0.5) < 20)
+    colour = np.where(inside[..., None], (*seen, 1.0), (0.0, 0.8, 0.0, 1.0))
+    depth = np.where(inside, inverse_depth, 0.1)
+    return EyeImage(
+        EYE, textured(gpu, colour, COLOUR), textured(gpu, depth, SCALAR), ids=textured(gpu, inside.astype(int), NUMBER), bodies=(state,)
+    )
+
+
+def area_after(image: EyeImage, age_ns: int) -> float:
+    """Pixels that the square covers then: its four corners moved and projected."""
+    (wide, high), (state,) = SIZE, image.bodies
+    left, right, down, up = EYE.fov.tangents
+    half = np.array([20 / wide * (right - left), 20 / high * (up - down)]) * 2.0
+    corners = np.array([(x * half[0], y * half[1], -2.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    x, y, z = state.after(age_ns).transform(state.pose.inverse().transform(corners)).T
+    x, y = x / -z * wide / (right - left), y / -z * high / (up - down)
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+
+
+@pytest.mark.parametrize("angular", [(0, 0, 0), (0, 0, 2.0), (0, 1.5, 0), (1.0, 0.7, 2.5)], ids=str)
+@pytest.mark.parametrize("towards", [0.0, 2.2])
+def test_a_body_that_comes_nearer_and_turns_has_no_cracks_and_no_other_colours(gpu, angular, towards):
+    image = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (0, 0, towards), angular))
+    colour, inverse_depth = run(gpu, image, 400 * MS, RIGID)
+    red, green = colour[..., 0] > 0, colour[..., 1] > 0
+    assert not (red & green).any()
+    assert np.abs(colour[red][:, 0] / float(np.float16(0.3)) - 1).max() <= HALF_UNIT  # as stored: weights may sum to a little less than 1
+    # A convex body without cracks: all of each row of it between its ends.
+    for row in red:
+        places = np.flatnonzero(row)
+        assert not len(places) or len(places) == places[-1] - places[0] + 1
+    assert red.sum() == pytest.approx(area_after(image, 400 * MS), abs=0.5 * 4 * np.sqrt(red.sum()))  # half a pixel along its rim
+    assert inverse_depth[red].max() < 2.5
+
+
+def test_a_body_that_turned_its_back_is_not_shown_from_behind(gpu):
+    image = one_body(gpu, RigidState(Pose((0, 0, -2.0)), angular_velocity_rad_s=(0, np.pi / 0.4, 0)))
+    colour, _ = run(gpu, image, 400 * MS, RIGID)
+    assert (colour[..., 0] == 0).all()
+    assert (colour[..., 3] == 0).sum() == 1600
+
+
+def test_a_body_that_goes_behind_something_is_hidden(gpu):
+    """It goes from 2 m to 20 m, behind what is 10 m away."""
+    image = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (0, 0, -18.0)))
+    colour, _ = run(gpu, image, 1000 * MS, RIGID)
+    wide = 40 * 2 / 20  # what is left of it, in its own hole, where nothing stands before it
+    hole = read_ids(image) == 1
+    assert (colour[~hole] == read(image.colour)[~hole]).all()
+    assert (colour[hole][:, 0] > 0).sum() == pytest.approx(wide**2, abs=2 * wide)
+    assert (colour[hole][:, 3] == 0).sum() > 1550
+    # Half a metre to the side it is behind what is 10 m away, or beside it.
+    aside = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (15.0, 0, -18.0)))
+    assert (run(gpu, aside, 1000 * MS, RIGID)[0][..., 0] == 0).all()
+
+
+def test_a_body_that_passes_behind_the_eye_is_gone(gpu):
+    image = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (0, 0, 6.0)))
+    colour, inverse_depth = run(gpu, image, 400 * MS, RIGID)
+    assert (colour[..., 0] == 0).all()
+    assert np.isfinite(inverse_depth).all()
+
+
+def test_a_ghost_far_from_the_origin_of_the_world_moves_as_one_near_it(gpu):
+    near = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)))
+    away = np.array([1e6, 0, -3e5])
+    far = attrs.evolve(near, view=View(Pose(away), EYE.fov), bodies=(RigidState(Pose(away + (0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)),))
+    one, other = (run(gpu, image, 350 * MS, RIGID)[1] for image in (near, far))
+    # Positions of 1e6 m hold 1e-10 m; a float32 map rounds the same numbers alike unless they lie on a border of rounding.
+    assert np.abs(one - other).max() < 1e-5
+
+
+def test_soft_motion_is_limited_in_reach(gpu):
+    """10 m/s for 10 s is 100 m; the way is REACH_M."""
+    image = one_body(gpu, RigidState(Pose()))
+    velocity = np.zeros((*SIZE[::-1], 4))
+    velocity[read_ids(image) == 1] = (10.0, 0, 0, 1)
+    soft = attrs.evolve(image, ids=None, bodies=(), velocity=textured(gpu, velocity, COLOUR))
+    colour, _ = run(gpu, soft, 10_000 * MS, SOFT)
+    left = np.flatnonzero((colour[..., 0] > 0).any(axis=0))[0]
+    per_metre = 0.5 * SIZE[0] / (2 * np.tan(0.7))
+    assert left - 40 == pytest.approx(REACH_M * per_metre, abs=1)
+
+
+def read_ids(image: EyeImage) -> np.ndarray:
+    return np.frombuffer(image.ids.read(alignment=1), np.uint16).reshape(SIZE[::-1])
+
+
+def checkered(body: int) -> Mesh:
+    """A square of 0.6 m, facing +z, of 12 x 12 fields."""
+    positions = np.array([(-0.3, -0.3, 0), (0.3, -0.3, 0), (0.3, 0.3, 0), (-0.3, 0.3, 0)])
+    uv = (positions[:, :2] + 0.3) / 0.6
+    return Mesh("square", positions, np.tile((0, 0, 1.0), (4, 1)), uv, np.ones((4, 3)), [(0, 1, 2), (0, 2, 3)], 0, body=body)
+
+
+@pytest.mark.parametrize(
+    ("motion", "least_db"),
+    [
+        (Spinning(Pose((0, 0, -1.5)), (0, 0, 1), 2.0), 25),
+        (Spinning(Pose((0, 0, -1.5)), (0, 1, 0.3), 1.2), 22),
+        (Thrown(Pose((-0.4, -0.5, -1.5)), (0.8, 3.0, -0.5), 5.0, spin_rad_s=(0, 0, 1.0)), 25),
+    ],
+    ids=["fan", "door", "thrown"],
+)
+def test_what_is_moved_is_what_the_server_draws_then(gpu, motion, least_db):
+    """Where both show the body: a checked square, resampled once. Without the pass less than 15 dB is left of it."""
+    y, x = np.mgrid[:96, :96] // 8 % 2
+    image = np.where(((x + y) % 2)[..., None] == 1, (230, 200, 60), (40, 60, 160)).astype(np.uint8)
+    scene = Scene("square", "", [checkered(1)], [Texture("checks", image)], bodies=[Body("square", motion)])
+    server, drawn_ns, shown_ns = Server(gpu, scene), 100 * MS, 400 * MS
+    frame = server.draw_frame([EYE], drawn_ns, (240, 200), needs=Needs(ids=True))
+    made = pass_for(gpu, (240, 200), RIGID)
+    moved = made.run(given_at(frame.eyes[0], shown_ns)).late
+    truth = server.draw(EYE, (240, 200), time_ns=shown_ns)
+    found, exact, before = (read(one.colour)[..., :3] for one in (moved, truth, frame.eyes[0]))
+    body = read(truth.inverse_depth)[..., 0] > 0
+    both = body & (read(moved.inverse_depth)[..., 0] > 0)
+    made.close()
+    server.close()
+    assert both.sum() > 0.97 * body.sum()
+    psnr, unmoved = (-10 * np.log10(np.mean((one - exact)[both] ** 2)) for one in (found, before))
+    assert psnr > least_db
+    assert unmoved < 15
