@@ -1,0 +1,213 @@
+"""Motions and deformations: where things are, how fast they say they are, and what a broken one is told."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import SceneError
+from hmdwarp.geometry import Pose
+from hmdwarp.scenes import Body, Mesh, Scene, load_scene
+from hmdwarp.scenes.deformations import Joint, Skinned, Waving
+from hmdwarp.scenes.motions import Spinning, Thrown, Track
+
+S = 1_000_000_000
+SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (0, 0, 0)], np.float64)
+TURNS = Rotation.from_euler("y", np.array([[0.0], [1.5], [3.0], [4.5], [2 * np.pi]]))
+MOTIONS = {
+    "spinning": Spinning(Pose((1, 2, 3), (0.1, 0.2, 0.3, 0.9)), (1, 2, -2), 4.0),
+    "thrown": Thrown(Pose((0, 1, 0)), (1.0, 4.0, -0.5), 1.3, spin_rad_s=(1, -2, 3)),
+    "track": Track([0, 1, 2.5, 3, 4], SQUARE, TURNS),
+    "track, once": Track([0.5, 1, 2.5, 3, 4], SQUARE + np.arange(5)[:, None], TURNS, loops=False),
+}
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("time_ns", [0, 123_456_789, 700 * S // 1000, 2_700_000_000, 3_700_000_000])
+def test_a_motion_is_as_fast_as_it_says(name, time_ns):
+    """Central differences over 2 x 10 us: of positions within h^2 / 6 times the third derivative, far below 1e-5 m/s."""
+    motion, step = MOTIONS[name], 10_000
+    before, now, after = (motion.state(time_ns + k * step) for k in (-1, 0, 1))
+    seconds = 2 * step * 1e-9
+    if time_ns == 0:  # a loop begins anew here
+        before, seconds = now, seconds / 2
+    speed = (after.pose.position_m - before.pose.position_m) / seconds
+    spin = (after.pose.rotation * before.pose.rotation.inv()).as_rotvec() / seconds
+    off = 2e-4 if time_ns == 0 else 1e-5  # one-sided: half a step times the acceleration
+    assert np.abs(speed - now.velocity_m_s).max() < off
+    assert np.abs(spin - now.angular_velocity_rad_s).max() < 1e-5
+
+
+@pytest.mark.parametrize("name", ["spinning", "thrown"])
+def test_what_spins_or_flies_is_foretold_exactly(name):
+    motion = MOTIONS[name]
+    for time_ns, age_ns in ((0, S), (200_000_000, 800_000_000), (S, 250_000_000)):
+        assert motion.state(time_ns).after(age_ns).isclose(motion.state(time_ns + age_ns).pose)
+
+
+def test_what_is_thrown_is_thrown_again():
+    motion = MOTIONS["thrown"]
+    assert motion.state(100).pose.isclose(motion.state(1_300_000_100).pose)
+    assert motion.state(1_299_999_999).pose.position_m[0] == pytest.approx(1.3)
+
+
+def test_a_track_goes_through_its_keys_and_repeats():
+    motion = MOTIONS["track"]
+    for second, place, turn in zip((0, 1, 2.5, 3), SQUARE, TURNS, strict=False):
+        for lap in (0, 4, -4):
+            state = motion.state(round((second + lap) * S))
+            assert state.pose.isclose(Pose(place, turn.as_quat()), 1e-8)
+
+
+def test_a_track_that_ends_stands_still_there():
+    motion = MOTIONS["track, once"]
+    for time_ns, key in ((0, 0), (9 * S, 4)):
+        state = motion.state(time_ns)
+        assert np.allclose(state.pose.position_m, SQUARE[key] + key)
+        assert not state.velocity_m_s.any()
+        assert not state.angular_velocity_rad_s.any()
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        (lambda: Track([0, 1, 1, 2, 3], SQUARE), "key 2 is at 1 s, the one before at 1 s: key times must increase"),
+        (lambda: Track([0, 2, 1, 3, 4], SQUARE), "key 2 is at 1 s, the one before at 2 s"),
+        (lambda: Track([0, np.nan, 2, 3, 4], SQUARE), "key 1 is not made of finite numbers"),
+        (lambda: Track([0, 1, 2, 3, 4], SQUARE * np.array([1, np.inf, 1])), "key 0 is not made of finite numbers"),
+        (lambda: Track([0], SQUARE[:1]), "2 keys at least"),
+        (lambda: Track([0, 1, 2], SQUARE), r"\(3,\) key times and \(5, 3\) positions"),
+        (lambda: Track([0, 1, 2, 3, 4], SQUARE, TURNS[:4]), "5 key times and 4 turns"),
+        (lambda: Track([0, 1, 2, 3, 4], SQUARE + np.arange(5)[:, None]), "the last key of a loop must be the pose of the first"),
+        (lambda: Track([0, 1, 2, 3, 4], SQUARE, Rotation.from_rotvec(np.eye(5, 3))), "the last key of a loop"),
+        (lambda: Spinning(Pose(), (0, 0, 0), 1.0), "an axis longer than 0"),
+        (lambda: Spinning(Pose(), (0, 0, 1), np.nan), "a finite speed"),
+        (lambda: Thrown(Pose(), (0, 1, 0), 0.0), "period_s 0.0: wanted a time above 0"),
+        (lambda: Thrown(Pose(), (0, np.nan, 0), 1.0), "three finite numbers"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value")  # inf * 0 in making the broken key
+def test_a_broken_motion_is_told_what_is_wrong_with_it(broken, message):
+    with pytest.raises(SceneError, match=message):
+        broken()
+
+
+# --- what deforms -------------------------------------------------------------------------------------------------------------------
+
+
+def arm() -> Skinned:
+    """An upper arm and a forearm along -y; the elbow's vertices hang on both."""
+    y = np.linspace(0, -1, 21)
+    rest = np.stack([0.1 * np.cos(9 * y), y, 0.1 * np.sin(9 * y)], axis=1)
+    joints = (
+        Joint("shoulder", -1, (0, 0, 0), (0, 0, 1), swing_rad=0.8, period_s=1.7, phase=0.2),
+        Joint("elbow", 0, (0, -0.5, 0), (1, 0, 0.2), swing_rad=0.6, middle_rad=0.4, period_s=0.9),
+    )
+    share = np.clip((-y - 0.4) / 0.2, 0, 1)
+    return Skinned(rest, joints, np.tile((0, 1), (21, 1)), np.stack([1 - share, share], axis=1))
+
+
+def cloth() -> Waving:
+    away = np.linspace(0, 1.2, 15)
+    rest = np.stack([away, 0 * away, 0 * away], axis=1)
+    return Waving(rest, away, (0, 0.3, 1), height_m=0.2, length_m=0.9, period_s=1.4, lag=0.1 * away)
+
+
+@pytest.mark.parametrize("made", [arm, cloth])
+@pytest.mark.parametrize("time_ns", [0, 333_333_333, 5 * S])
+def test_a_deformation_is_as_fast_as_it_says(made, time_ns):
+    one, step = made(), 10_000
+    speed = (one.positions(time_ns + step) - one.positions(time_ns - step)) / (2 * step * 1e-9)
+    assert np.abs(speed - one.velocities(time_ns)).max() < 1e-6
+    assert np.abs(speed).max() > 0.1
+
+
+def test_a_skin_follows_its_bones():
+    """Ends that hang on one joint alone keep their shape; the forearm is turned by both joints, about the moved elbow."""
+    skin, time_ns = arm(), 400_000_000
+    found = skin.positions(time_ns)
+    shoulder, elbow = (joint.turn(time_ns)[0] for joint in skin.joints)
+    for part, matrix in ((slice(0, 8), shoulder), (slice(13, 21), shoulder @ elbow)):
+        assert np.allclose(found[part], skin.rest[part] @ matrix[:3, :3].T + matrix[:3, 3])
+    assert np.allclose(shoulder @ (0, 0, 0, 1), (0, 0, 0, 1))
+    assert np.allclose(elbow @ (0, -0.5, 0, 1), (0, -0.5, 0, 1))
+
+
+def test_cloth_is_held_at_its_edge():
+    one = cloth()
+    for time_ns in (0, 200_000_000, 900_000_000):
+        assert np.array_equal(one.positions(time_ns)[0], one.rest[0])
+    assert np.allclose(one.positions(0), one.positions(1_400_000_000))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"weights": np.full((21, 2), 0.4)}, r"weights \[0.4 0.4\] of vertex 0: wanted 0 or more each, with sum 1"),
+        ({"weights": np.tile((1.5, -0.5), (21, 1))}, "of vertex 0: wanted 0 or more"),
+        ({"weights": np.full((21, 2), np.nan)}, "of vertex 0"),
+        ({"weights": np.ones((21, 1))}, r"weights \(21, 1\): wanted \(n, k\) for both"),
+        ({"which": np.tile((0, 2), (21, 1))}, "vertex 0 wants joint 2, there are 2"),
+        ({"which": np.tile((0, -1), (21, 1))}, "vertex 0 wants joint 0"),
+        ({"joints": (arm().joints[1],)}, "joint 'elbow' hangs from joint 0: wanted -1 or one before it"),
+        ({"rest": np.full((21, 3), np.inf)}, "finite numbers"),
+    ],
+)
+def test_a_broken_skin_is_told_what_is_wrong_with_it(change, message):
+    with pytest.raises(SceneError, match=message):
+        attrs.evolve(arm(), **change)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"away": np.ones(3)}, "15 points and distances of shape"),
+        ({"period_s": 0.0}, "period 0 s: wanted both above 0"),
+        ({"out": (0, 0, 0)}, "longer than 0"),
+    ],
+)
+def test_broken_cloth_is_told_what_is_wrong_with_it(change, message):
+    with pytest.raises(SceneError, match=message):
+        attrs.evolve(cloth(), **change)
+
+
+def test_a_joint_wants_a_period():
+    with pytest.raises(SceneError, match="joint 'knee': wanted finite angles and a period above 0, found period 0 s"):
+        Joint("knee", -1, (0, 0, 0), (1, 0, 0), period_s=0.0)
+
+
+# --- what a scene makes of them -------------------------------------------------------------------------------------------------------
+
+
+def triangle(**settings) -> Mesh:
+    ones = np.ones((3, 3))
+    return Mesh("triangle", np.eye(3), ones, np.ones((3, 2)), ones, [(0, 1, 2)], **settings)
+
+
+def test_a_body_beyond_the_table_and_a_body_that_deforms_are_refused():
+    with pytest.raises(SceneError, match="mesh 'triangle' belongs to body 2, the scene has 1"):
+        Scene("bent", "", [triangle(body=2)], bodies=[Body("one", MOTIONS["spinning"])])
+    with pytest.raises(SceneError, match="belongs to body 1 and deforms by itself: wanted one of the two"):
+        triangle(body=1, deformation=cloth())
+
+
+def test_the_workshop_closes_its_loops():
+    """What is foretold from one key pose is what comes, except where the ball is thrown anew."""
+    scene = load_scene("workshop")
+    assert [body.name for body in scene.bodies] == ["fan", "cart", "ball"]
+    for body in scene.bodies:
+        for time_ns in (0, 350_000_000, 5 * S):
+            told, is_there = body.motion.state(time_ns).after(30_000_000), body.motion.state(time_ns + 30_000_000).pose
+            assert told.isclose(is_there, 5e-3)
+
+
+def test_the_parade_stays_in_its_place():
+    scene = load_scene("parade")
+    deforming = [mesh for mesh in scene.meshes if mesh.deformation is not None]
+    assert {mesh.name for mesh in deforming} == {"flag", "figure-fabric", "figure-speckle"}
+    for mesh in deforming:
+        for time_ns in range(0, 4 * S, S // 4):
+            away = np.linalg.norm(mesh.deformation.positions(time_ns) - mesh.positions, axis=1)
+            assert away.max() < 1.4  # a hand that is raised
