@@ -68,7 +68,8 @@ class RunOptions:
     """One run: the same names and defaults as the command line's.
 
     network: what lies between, beside the latency. coding: whether frames are encoded and decoded on the way. effects: as
-    scenes.effects.asked_effects has it, "auto" for what the scene calls for, else what is forced or forbidden.
+    scenes.effects.asked_effects has it, "auto" for what the scene calls for, else what is forced or forbidden. mirrors:
+    "geometry" or "screen", how the server draws plane mirrors (server.Server).
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
     draws; "auto" for what the trace calls for (border.settled, which replay does first). predict, horizon_ms: what pose the server is
@@ -89,6 +90,7 @@ class RunOptions:
     network: LinkOptions = attrs.field(factory=LinkOptions)
     coding: Coding = attrs.field(factory=Coding)
     effects: str = "auto"
+    mirrors: str = "geometry"
     lens: str = "radial"
     headset: str = "rift-dk1"
     size: tuple[int, int] | None = None

@@ -222,7 +222,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         check_room(gpu, options, headset, needs)
-        server = Server(gpu, scene)
+        server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)

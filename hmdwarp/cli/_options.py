@@ -29,6 +29,7 @@ Effects = Annotated[
         "--effects", help=f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids."
     ),
 ]
+Mirrors = Annotated[str, typer.Option("--mirrors", help="Plane mirrors by geometry, or from what is on the screen (misses stay empty).")]
 Budget = Annotated[float | None, typer.Option("--budget", help="Milliseconds for one eye that --warp auto keeps to.", show_default=False)]
 Bench = Annotated[
     Path | None, typer.Option("--bench", help="bench.json to choose from; by default all are tried on this run first.", show_default=False)

@@ -12,6 +12,7 @@ from ..frame import EyeImage, Frame, Needs
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
+from ..registry import unknown_name
 from ..scenes import Scene
 from .cube import checked_cube_size, draw_cube
 from .moving import Moving, moving_parts, stands_still
@@ -23,17 +24,20 @@ from .upload import SceneBuffers, SceneTextures
 from .wide import draw_wide
 
 Size = tuple[int, int]
+MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
 
 
 class Server:
     """One scene on the GPU, uploaded once, drawn for any view and instant.
 
     Rows of what it draws run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not missing.
-    What the scene has not, and nobody needs, is never compiled or allocated.
+    What the scene has not, and nobody needs, is never compiled or allocated. mirrors: how plane mirrors are drawn in frames, "geometry"
+    (the scene once more, mirrored) or "screen" (rays marched through the picture itself; what it does not show is missing); draw(), which
+    is the truth, always takes the first. Errors: UnknownNameError for another word.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene) -> None:
-        self.gpu, self.scene = gpu, scene
+    def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY) -> None:
+        self.gpu, self.scene, self._marched = gpu, scene, _is_marched(mirrors)
         self._textures = SceneTextures(gpu, scene)
         still = [mesh for mesh in scene.meshes if mesh.is_surface and stands_still(mesh)]
         self._buffers = SceneBuffers(gpu, still, self._textures)
@@ -89,7 +93,7 @@ class Server:
         eyes, needs = [], needs if needs is not None else Needs()
         for view in views:
             fov, grown = view.fov.guarded(guard, size)
-            drawing = Drawing(view, size, drawn_ns, needs)
+            drawing = Drawing(view, size, drawn_ns, needs, self._marched)
             eye = self._draw(attrs.evolve(view, fov=fov), grown, drawing)
             wide = draw_wide(self._draw, drawing) if needs.wide else None
             eyes.append(attrs.evolve(self._with_surroundings(eye, needs), wide=wide))
@@ -153,6 +157,12 @@ class Server:
         for owner in (self._buffers, *self._moving):
             owner.close()
         self._textures.close()
+
+
+def _is_marched(mirrors: str) -> bool:
+    if mirrors not in MIRRORS:
+        raise unknown_name("kind of mirrors", mirrors, list(MIRRORS))
+    return mirrors == SCREEN
 
 
 def _check_same_size(found: Size, wanted: Size) -> None:

@@ -32,6 +32,7 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--bitrate", "5"), "without a codec"),
         (("--effects", "overlai"), "did you mean 'overlay'?"),
         (("--effects", "overlay,no-overlay"), "both forced and forbidden"),
+        (("--mirrors", "scren"), "did you mean 'screen'?"),
         (("--fill", "none+interpolate"), "means nothing"),
         (("--fill", "interpolate+interpolate"), "the same fill twice"),
         (("--fill", "interpolate+"), "unknown fill ''"),

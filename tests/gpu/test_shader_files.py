@@ -27,6 +27,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.resources import folder
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
+from hmdwarp.server.draw import MIRRORS
 
 from .preprocessor import Sides, value_of, walk
 
@@ -104,10 +105,12 @@ def _draw_every_content(gpu: Gpu) -> None:
     everything = Needs(**{field.name: field.type in (bool, "bool") for field in attrs.fields(Needs)})
     for source in scenes:
         if source.effects:
-            server, view = Server(gpu, source.build()), View(source.build().viewpoint, Fov(-0.7, 0.7, -0.7, 0.7))
-            for needs in (Needs(), everything):
-                server.recycle(server.draw_frame([view], 0, (8, 6), needs=needs))
-            server.close()
+            scene = source.build()
+            for mirrors in MIRRORS:
+                server, view = Server(gpu, scene, mirrors), View(scene.viewpoint, Fov(-0.7, 0.7, -0.7, 0.7))
+                for needs in (Needs(), everything):
+                    server.recycle(server.draw_frame([view], 0, (8, 6), needs=needs))
+                server.close()
 
 
 def lacking(gpu: Gpu, name: str) -> set[str]:

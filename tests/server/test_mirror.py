@@ -8,6 +8,7 @@ import pytest
 from mirrored import BACK, BALLS, CHROME, FLOOR, PLAIN_SHAPES, VIEW, WALL, mirrored_scene, moved
 from worlds import read
 
+from hmdwarp.errors import UnknownNameError
 from hmdwarp.frame import Needs
 from hmdwarp.geometry.mirror import image_behind_ball
 from hmdwarp.reference._rays import world_directions
@@ -195,6 +196,26 @@ def test_no_mirror_shows_what_stands_behind_it(gpu):
         server.close()
     assert len(pictures[0]) > 100
     assert np.array_equal(*pictures)
+
+
+def test_a_marched_mirror_shows_what_the_picture_shows_and_nothing_else(gpu, server):
+    marched = Server(gpu, mirrored_scene(), mirrors="screen")
+    exact, found = layered(server).reflection, layered(marched).reflection
+    depth, marched_depth = (read(each.seen.inverse_depth)[..., 0] for each in (exact, found))
+    floor = np.abs(read(exact.surface)[..., 0] - 0.3) < 1e-2
+    hit = floor & (marched_depth >= 0) & (depth >= 0)
+    assert 0.2 < hit.sum() / floor.sum() < 1
+    # The late picture's own pixels and the thickness allowed limit it; silhouettes go either way.
+    assert (np.abs(marched_depth - depth)[hit] <= 0.03 * depth[hit] + 1e-3).mean() > 0.85
+    missed = marched_depth < 0
+    assert (read(found.seen.colour)[missed & floor] == 0).all()
+    assert np.array_equal(read(marched.draw(VIEW, SIZE).colour), read(server.draw(VIEW, SIZE).colour)), "the truth is never marched"
+    marched.close()
+
+
+def test_another_kind_of_mirrors_is_told(gpu):
+    with pytest.raises(UnknownNameError, match="kind of mirrors 'scren'"):
+        Server(gpu, mirrored_scene(), mirrors="scren")
 
 
 def test_plain_shapes_are_all_in_the_scene():

@@ -37,12 +37,16 @@ class Easel:
 
 @attrs.frozen(eq=False)
 class Drawing:
-    """What is asked for: the view as the eye has it, without guard band, (w, h) pixels of it, the layers wanted, the scene's clock."""
+    """What is asked for: the view as the eye has it, without guard band, (w, h) pixels of it, the layers wanted, the scene's clock.
+
+    marched: plane mirrors show only what the picture itself shows, see Server.
+    """
 
     view: View
     size: tuple[int, int]
     time_ns: int = 0
     needs: Needs = Needs()
+    marched: bool = False
 
 
 class Part(ABC):

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ...frame import EyeImage, Needs
+    from ...gpu.shaders import Compute
     from ...scenes import Scene
     from ..mirror import Bounds
 
@@ -37,6 +38,7 @@ class Reflections(Part):
         self._mirrored: MirroredPasses | None = None
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
+        self._march: Compute | None = None
         self._scratch: dict[tuple, Target] = {}
         self._pools: list[TargetPool] = []
 
@@ -54,16 +56,16 @@ class Reflections(Part):
         baked = [one for one in self._surfaces if one not in layered]
         if baked:
             seen, surface = self._own("seen", eye.size), self._own("surface", eye.size, depth=False)
-            self._draw(eye, baked, seen, surface)
+            self._draw(eye, baked, seen, surface, drawing.marched)
             self._compose_into(eye, baked, seen, surface)
         if not self.wanted(needs):
             return eye
         seen, surface = self.easel.acquire(eye.size), self.easel.acquire(eye.size, COLOUR, depth=False)
-        self._draw(eye, layered, seen, surface)
+        self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(one.mirror.shape for one in layered)
         return attrs.evolve(eye, reflection=Reflection(Layer(seen.colour, seen.inverse_depth), surface.colour, shapes))
 
-    def _draw(self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target) -> None:
+    def _draw(self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool) -> None:
         """What the chosen mirrors show, and what they are."""
         over = self.easel.framebuffers.over
         over(seen.colour).clear()
@@ -81,7 +83,10 @@ class Reflections(Part):
                 around = self._own(f"around {id(one)}", (3 * side, 2 * side))
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
             elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
-                self._draw_behind(eye, one, number, planes, bounds, seen)
+                if marched:
+                    self._march_through(eye, number, planes, bounds, seen)
+                else:
+                    self._draw_behind(eye, one, number, planes, bounds, seen)
 
     def _draw_behind(self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
         if self._mirrored is None:
@@ -89,15 +94,24 @@ class Reflections(Part):
         behind = self._own("behind", eye.size)
         framebuffer = self.easel.framebuffers.over(behind.colour, behind.inverse_depth)
         self._mirrored.draw_behind(one.mirror.shape, eye.view, framebuffer, bounds, eye.drawn_ns)
+        self._store(self._take, behind, number, mirrors, bounds, seen)
+
+    def _march_through(self, eye: EyeImage, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
+        if self._march is None:
+            self._march = self.easel.gpu.shaders.compute("server/mirror_march.comp")
+        self._store(self._march, Target(eye.colour, eye.inverse_depth), number, mirrors, bounds, seen)
+
+    def _store(self, program: Compute, behind: Target, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
+        """What mirror `number` shows, made by `program` from `behind`, into `seen`."""
         for unit, texture in enumerate((seen.colour, seen.inverse_depth)):
             texture.bind_to_image(unit, read=False, write=True)
         for unit, texture in enumerate((behind.colour, behind.inverse_depth), start=2):
             texture.bind_to_image(unit, read=True, write=False)
         units = {"seen_colour": 0, "seen_inverse_depth": 1, "behind_colour": 2, "behind_inverse_depth": 3}
         places = {"from": bounds[:2], "to": bounds[2:]}
-        self._take.uniforms.set(taken=number, **units, **places, **mirrors)
+        program.uniforms.set(taken=number, **units, **places, **mirrors)
         self._barrier()
-        self._take.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
+        program.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
         self._barrier()
 
     def _compose_into(self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target) -> None:
