@@ -34,15 +34,17 @@ def fill_from(
     newest: bool,
     sampler_pixels: float,
     cell: int = 1,
+    halved: bool = False,
 ) -> Filled:
     """The shown picture, its holes filled from `pictures` in turn. newest: the first of them is not overruled by the others.
-    cell: shown pixels on each axis that share their guesses."""
+    cell: shown pixels on each axis that share their guesses. halved: guesses come from the nearest of each 2 x 2 pixels alone."""
     high, wide = colour.shape[:2]
     out, depth_out, tolerance = colour.copy(), inverse_depth.copy(), np.zeros((high, wide))
     empty = colour[..., 3] == 0
     depth, confidence, undecided = np.full((high, wide), -1.0), np.zeros((high, wide)), np.zeros((high, wide), bool)
     for number, picture in enumerate(pictures):
-        one = _met_by(picture, shown, (wide, high), cell, sampler_pixels)
+        guessed = attrs.evolve(picture, inverse_depth=_nearest_of_blocks(picture.inverse_depth)) if halved else picture
+        one = _met_by(picture, guessed, shown, (wide, high), cell, sampler_pixels)
         found, sure = one.meetings, _confidence(one.rays, one.meetings.depth)
         better, unsure = _is_better(found.depth, sure, depth, confidence)
         worth, unsure_worth = _is_better(one.nearest_guess, _confidence(one.rays, one.nearest_guess), depth, confidence)
@@ -56,11 +58,18 @@ def fill_from(
     return Filled(ReferencePicture(out, tolerance, undecided), depth_out)
 
 
-def _met_by(picture: LatePicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float) -> Found:
+def _nearest_of_blocks(depth: Array) -> Array:
+    """Half the size, rounded up; a last column or row that is alone counts twice."""
+    high, wide = depth.shape
+    even = np.pad(depth, ((0, high % 2), (0, wide % 2)), mode="edge")
+    return even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2).max(axis=(1, 3))
+
+
+def _met_by(picture: LatePicture, guessed: LatePicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float) -> Found:
     """As _meeting.met_by, with guesses for cells of the shown picture instead of its pixels."""
     cells = (-(-size[0] // cell), -(-size[1] // cell))
     rays = Rays.between(shown, size, picture.view, picture.inverse_depth.shape[1::-1])
-    tried, unsure = guesses(picture, shown, cells)
+    tried, unsure = guesses(guessed, shown, cells)
     column, row = (np.floor((np.arange(n) + 0.5) * c / n).astype(int) for n, c in zip(size, cells, strict=True))
     here = np.ix_(row, column)
     found = first_of([meet(picture, rays, guess[here]) for guess in tried])

@@ -13,6 +13,7 @@ layout(rg32f) uniform image2D best; // r: inverse depth of what fills the pixel,
 uniform ivec2 cells;                // of the guesses; the picture itself may be coarser than the shown one
 uniform vec2 cells_per_pixel;
 uniform int guesses; // 3; a constant would be unrolled
+uniform int once;    // 1: llvmpipe leaves a loop out where none of eight neighbours enters it, but runs both sides of every `if`
 uniform bool is_first;
 uniform bool is_newest; // what the newest picture holds, no older one overrules
 
@@ -42,13 +43,11 @@ uvec3 keys_around(ivec2 pixel) {
     return found;
 }
 
-void fill(ivec2 pixel, vec3 base) {
-    bool empty = imageLoad(shown_colour, pixel).a == 0.0;
-    vec2 before = is_first ? vec2(-1.0, 0.0) : imageLoad(best, pixel).rg;
+void fill(ivec2 pixel, vec3 base, vec2 before) {
     uvec3 keys = keys_around(pixel);
     Ray ray = ray_of(base, e);
     float guess = seed_depth(keys.x);
-    bool pending = empty && keys.x != 0u && is_better(guess, density_of(ray, guess), before);
+    bool pending = keys.x != 0u && is_better(guess, density_of(ray, guess), before);
     Meeting found = Meeting(-1.0, vec2(0.0), vec2(0.0), bvec2(false));
     for (int tried = 0; tried < guesses && pending; ++tried) {
         found = meet(ray, guess);
@@ -57,7 +56,7 @@ void fill(ivec2 pixel, vec3 base) {
     }
     vec4 sum = textureLod(late_colour, found.look * late_pixel, 0.0);
     float density = density_of(ray, found.depth);
-    bool shows = empty && found.depth >= 0.0 && found.depth <= LARGEST && sum.a >= 0.5 && is_better(found.depth, density, before);
+    bool shows = found.depth >= 0.0 && found.depth <= LARGEST && sum.a >= 0.5 && is_better(found.depth, density, before);
     if (shows) {
         imageStore(filled_colour, pixel, vec4(sum.rgb / sum.a, 1.0));
         imageStore(filled_depth, pixel, vec4(found.depth));
@@ -73,7 +72,10 @@ void main() {
     if (first.x >= shown_size.x) return;
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
     for (int row = 0; row < ROWS; ++row) {
-        if (first.y + row >= shown_size.y) break;
-        fill(first + ivec2(0, row), base + H[1] * float(row));
+        ivec2 pixel = first + ivec2(0, row);
+        if (pixel.y >= shown_size.y) break;
+        vec2 before = is_first ? vec2(-1.0, 0.0) : imageLoad(best, pixel).rg;
+        bool open = imageLoad(shown_colour, pixel).a == 0.0 && before.r < SETTLED;
+        for (int turn = open ? 0 : once; turn < once; ++turn) fill(pixel, base + H[1] * float(row), before);
     }
 }

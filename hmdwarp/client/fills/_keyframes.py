@@ -60,6 +60,12 @@ def covered(view: View, by: Sequence[Keyframe]) -> Mask:
     return found
 
 
+def overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
+    """Those that look in some of the view's directions."""
+    towards = directions(view)
+    return [one for one in kept if sees(one.view, towards).any()]
+
+
 def is_new(view: View, kept: Sequence[Keyframe]) -> bool:
     """Whether the view shows enough that none of the kept pictures does."""
     return float(1 - covered(view, kept).mean()) >= NOVELTY

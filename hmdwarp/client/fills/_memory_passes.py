@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import attrs
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.textures import COLOUR, NUMBER, allocate
+from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate
 from ..warps._composite import DEPTH_FLOOR
 
 if TYPE_CHECKING:
     from ...frame import EyeImage
     from ...gpu.context import Gpu
 
-Slot = tuple[moderngl.Texture, moderngl.Texture]
+BYTES_PER_PIXEL = 13  # of a kept picture
 
 # "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest shows in 4 x 4 pixels around it; and by
 # how much darker or brighter than all of them, absolute in linear light and as a share of the brightest. Textures seen from elsewhere
@@ -25,12 +26,36 @@ _IDS = 1  # texture unit
 _COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  # image units
 
 
+@attrs.frozen(eq=False)
+class Slot:
+    """Room for a picture: colour rgba16f, inverse depth r32f, and seeds, the nearest of each 2 x 2 of the latter."""
+
+    colour: moderngl.Texture
+    inverse_depth: moderngl.Texture
+    seeds: moderngl.Texture
+
+    @classmethod
+    def of(cls, gpu: Gpu, size: tuple[int, int]) -> Slot:
+        """An empty one."""
+        return cls(allocate(gpu.gl, size, COLOUR, linear=True), allocate(gpu.gl, size, SCALAR), seeds_for(gpu, size))
+
+    def release(self) -> None:
+        for texture in (self.colour, self.inverse_depth, self.seeds):
+            texture.release()
+
+
+def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
+    """The texture for the seeds of a picture of that size."""
+    return allocate(gpu.gl, (-(-size[0] // 2), -(-size[1] // 2)), SCALAR)
+
+
 class Keeper:
     """Programs and buffers for late pictures of one size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._gpu, self._size = gpu, size
         self._keep, self._bounds, self._forget = (gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget"))
+        self._seed = gpu.shaders.compute("fills/memory_seeds.comp")
         cells = (-(-size[0] // 2), -(-size[1] // 2))
         self._depths = allocate(gpu.gl, cells, (2, "f4"))
         self._lowest, self._highest = (allocate(gpu.gl, cells, COLOUR) for _ in range(2))
@@ -48,6 +73,13 @@ class Keeper:
         velocity.bind_to_image(_SECOND, read=True, write=False)
         units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH}
         self._run(self._keep, self._size, ids=_IDS, velocity=_SECOND, late_size=self._size, **units)
+        self.seed(slot.inverse_depth, slot.seeds)
+
+    def seed(self, inverse_depth: moderngl.Texture, seeds: moderngl.Texture) -> None:
+        """The nearest of each 2 x 2 pixels."""
+        inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+        seeds.bind_to_image(_FIRST, read=False, write=True)
+        self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
 
     def look_at(self, late: EyeImage) -> None:
         """The picture that forget() goes by."""
@@ -64,14 +96,15 @@ class Keeper:
         units = {"kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH, **self._bound_units()}
         limits = {"depth_tolerance": TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": COLOUR_MARGIN}
         self._run(self._forget, self._size, H=there.H, e=there.e, late_size=self._size, **units, **limits)
+        self.seed(slot.inverse_depth, slot.seeds)
 
     def _bind_late(self, late: EyeImage) -> None:
         late.colour.bind_to_image(_COLOUR, read=True, write=False)
         late.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
 
     def _bind_slot(self, slot: Slot, *, read: bool) -> None:
-        for texture, unit in zip(slot, (_KEPT_COLOUR, _KEPT_DEPTH), strict=True):
-            texture.bind_to_image(unit, read=read, write=True)
+        slot.colour.bind_to_image(_KEPT_COLOUR, read=read, write=True)
+        slot.inverse_depth.bind_to_image(_KEPT_DEPTH, read=read, write=True)
 
     def _bind_bounds(self, *, read: bool) -> None:
         for texture, unit in ((self._depths, _FIRST), (self._lowest, _SECOND), (self._highest, _THIRD)):

@@ -26,7 +26,7 @@ class HoleFiller:
     """Meets the rays of a shown picture's holes with pictures, one after the other; of several the nearer stays, of equals the one that
     sampled the place more densely. What the first picture knows nothing overrules if it is the newest.
 
-    cell: how many shown pixels a guess is for, on each axis: as many as a texel of the pictures covers.
+    cell: how many shown pixels a guess is for, on each axis: as many as a texel of what is guessed from covers.
     """
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
@@ -56,13 +56,14 @@ class HoleFiller:
         self._dispatch(self._start, self._size)
         self._picture, self._into = picture, into
 
-    def add(self, found: Picture, shown: View, *, newest: bool = False) -> None:
-        """What `found` holds, where the shown picture is empty."""
+    def add(self, found: Picture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False) -> None:
+        """What `found` holds, where the shown picture is empty. seeds: its inverse depth in fewer pixels (Reducer), to guess from."""
         if not self._first:
             self._empty_seeds(self._no_pieces)
-        size = found.colour.size
+        depth = found.inverse_depth if seeds is None else seeds
+        size = depth.size
         forward = WarpMap.between(found.view, size, shown, self._cells)
-        found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+        depth.bind_to_image(_DEPTH, read=True, write=False)
         self._seeds.bind_to_storage_buffer(0)
         self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self._cells)
         self._dispatch(self._seed, size)
@@ -72,6 +73,7 @@ class HoleFiller:
     def _meet(self, found: Picture, shown: View, newest: bool) -> None:
         size = found.colour.size
         back = WarpMap.between(shown, self._size, found.view, size)
+        found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         found.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
         found.colour.use(_LATE)
         self._bind(self._picture, self._into)
@@ -81,7 +83,7 @@ class HoleFiller:
         units |= {"late_colour": _LATE, "late_depth": _DEPTH}
         sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self._size, "cells": self._cells}
         sizes["cells_per_pixel"] = tuple(c / s for c, s in zip(self._cells, self._size, strict=True))
-        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES}
+        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES, "once": 1}
         self._gather.uniforms.set(H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits)
         self._barrier()
         self._gather.program.run_indirect(self._pieces)

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import InputError
-from ...gpu.textures import COLOUR, SCALAR, allocate
 from ..warps._composite import Picture
 from . import fills
 from ._base import Fill
-from ._keyframes import Keyframe, is_new, most_redundant, most_useful
-from ._memory_passes import Keeper
+from ._keyframes import Keyframe, is_new, most_redundant, most_useful, overlapping
+from ._memory_passes import BYTES_PER_PIXEL, Keeper, Slot, seeds_for
 from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
@@ -22,8 +21,7 @@ if TYPE_CHECKING:
     from ..picture import ShownPicture
 
 MOST_FRAMES = 64
-CHECKED = 2  # kept pictures that each new late picture is held against: all of 12 within three refreshes of two eyes
-_BYTES_PER_PIXEL = 12
+CELL = 2  # shown pixels on each axis that share first guesses, which come from every second pixel of a picture
 
 
 @attrs.frozen
@@ -51,9 +49,10 @@ class MemorySettings:
 class Memory(Fill):
     """Keeps late pictures that cover directions and places no other kept one does, and gathers from them where the warp left holes.
 
-    Both eyes share what is kept. Each new late picture is held against kept ones in turn: where it sees clearly farther than the place
-    that one remembers, or a clearly different colour at it, that pixel is forgotten. What moves by itself is never kept. The newest
-    late picture itself comes first: it closes cracks, and no older one overrules it.
+    Both eyes share what is kept. Each new late picture is held against one of the kept ones, in turn (all of 12 within six refreshes of
+    two eyes): where it sees clearly farther than the place that one remembers, or a clearly different colour at it, that pixel is
+    forgotten. What moves by itself is never kept. The newest late picture itself comes first: it closes cracks, and no older one
+    overrules it.
     """
 
     name = "memory"
@@ -65,14 +64,14 @@ class Memory(Fill):
 
     def prepare(self) -> None:
         wide, high = self.late_size
-        each = _BYTES_PER_PIXEL * wide * high
+        each = BYTES_PER_PIXEL * wide * high
         count = min(self.settings.frames, math.floor(self.settings.mb * 1e6 / each))
         if count < 1:
             wanted = f"one late picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
-        gl = self.gpu.gl
-        self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size), Keeper(self.gpu, self.late_size)
-        self._slots = [(allocate(gl, self.late_size, COLOUR, linear=True), allocate(gl, self.late_size, SCALAR)) for _ in range(count)]
+        self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.late_size)
+        self._slots = [Slot.of(self.gpu, self.late_size) for _ in range(count)]
+        self._seeds = seeds_for(self.gpu, self.late_size)
         self._kept: list[Keyframe] = []
         self._last: dict[int, tuple[View, int]] = {}
         self._turn = 0
@@ -83,22 +82,24 @@ class Memory(Fill):
         if before is None or before[0] is not late.view or before[1] != late.drawn_ns:
             self._last[given.eye] = late.view, late.drawn_ns
             self._learn(given)
+        self._keeper.seed(late.inverse_depth, self._seeds)
         self._holes.start(picture, into)
-        self._holes.add(Picture(late.colour, late.inverse_depth, late.view), shown, newest=True)
+        self._holes.add(Picture(late.colour, late.inverse_depth, late.view), shown, seeds=self._seeds, newest=True)
         others = [one for one in self._kept if one.view is not late.view]
         for one in most_useful(others, shown, late.view, self.settings.use):
-            self._holes.add(Picture(*self._slots[one.slot], one.view), shown)
+            slot = self._slots[one.slot]
+            self._holes.add(Picture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
 
     def _learn(self, given: Given) -> None:
         """From a late picture that is new: forget what it disproves, keep it if it shows enough that is new."""
         late = given.late
         self._drop_old(late.drawn_ns)
-        if self._kept:
+        concerned = overlapping(late.view, self._kept)
+        if concerned:
+            self._turn += 1
+            one = concerned[self._turn % len(concerned)]
             self._keeper.look_at(late)
-            for _ in range(min(CHECKED, len(self._kept))):
-                self._turn = (self._turn + 1) % len(self._kept)
-                one = self._kept[self._turn]
-                self._keeper.forget(self._slots[one.slot], one.view, late.view)
+            self._keeper.forget(self._slots[one.slot], one.view, late.view)
         if is_new(late.view, self._kept):
             slot = self._free_slot(late.view)
             self._keeper.keep(late, self._slots[slot])
@@ -118,14 +119,16 @@ class Memory(Fill):
     def close(self) -> None:
         self._holes.close()
         self._keeper.close()
-        for texture in (one for slot in self._slots for one in slot):
-            texture.release()
+        self._seeds.release()
+        for slot in self._slots:
+            slot.release()
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """The shown picture copied; of kept pictures of the same size, by its usual number, the depth read and the guesses emptied and
-        raised; the newest's and two kept ones' colour and depth read once to hold them against each other."""
+        """The shown picture copied; of the newest and the usual number of kept pictures, all of the same size, a quarter of the depth read
+        and guesses for a quarter of the pixels emptied, raised and read; the newest and a kept one read once to hold them against each
+        other."""
         looked = 1 + MemorySettings().use
-        return shown_pixels * (16 + looked * (4 + 4 * 3) + 12 * (1 + CHECKED))
+        return shown_pixels * (16 + looked * (4 + 4 * 4) // 4 + 12 * 2)
 
 
