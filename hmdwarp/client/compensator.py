@@ -108,6 +108,8 @@ class Compensator:
         """Every pass of the plan for eye 0 or 1, each timed as a stage of gpu.timer."""
         made = self._eyes[given.eye]
         given = given if self.plan.scanout else given.at_once()
+        if self._late:
+            given = attrs.evolve(given, drawn=given.late)
         for one in self._late:
             with self._stage("effects"):
                 given = one.run(given)

@@ -20,7 +20,7 @@ class Given:
     shown: the view when the first row lights up; shown_last: when the last one does, None for a display that lights up at once.
     others: further late pictures of the same scene with their own views: the other eye's, then this eye's older ones, newest
     first. shown_ns: when it is seen (the first row). client_inverse_depth: r32f of the shown size, the client's own depth in the shown
-    view, -1 where it has none.
+    view, -1 where it has none. drawn: the late picture as it came, None where no pass has changed `late` since.
     """
 
     late: EyeImage
@@ -30,11 +30,17 @@ class Given:
     shown_last: View | None = None
     client_inverse_depth: moderngl.Texture | None = None
     shown_ns: int = 0
+    drawn: EyeImage | None = None
 
     @property
     def age_ns(self) -> int:
         """How long before it is seen the late picture was drawn."""
         return self.shown_ns - self.late.drawn_ns
+
+    @property
+    def as_drawn(self) -> EyeImage:
+        """The late picture as it came: nothing in it has been moved to where it is by now."""
+        return self.late if self.drawn is None else self.drawn
 
     @property
     def middle(self) -> View:

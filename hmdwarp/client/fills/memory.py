@@ -92,7 +92,7 @@ class Memory(Fill):
 
     def _learn(self, given: Given) -> None:
         """From a late picture that is new: forget what it disproves, keep it if it shows enough that is new."""
-        late = given.late
+        late = given.as_drawn  # in which what moves is still told apart
         self._drop_old(late.drawn_ns)
         concerned = overlapping(late.view, self._kept)
         if concerned:
