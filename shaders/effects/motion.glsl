@@ -26,7 +26,7 @@ layout(rgba16f) readonly uniform image2D late_velocity;
 uniform sampler2D late_velocity; // m/s along the eye's axes, coverage
 #endif
 uniform mat3 pixel_from_eye;     // metres along the eye's axes to homogeneous pixels
-uniform float seconds;           // that motion goes on as it was
+uniform float seconds;           // for which motion goes on as it was
 uniform float reach_m;           // the farthest it goes
 const uint SOFT_KEY = 0x10000u;  // one more than any body
 #endif

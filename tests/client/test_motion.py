@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import attrs
+import moderngl
 import numpy as np
 import pytest
 from worlds import read
 
+from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.effects import Tools
-from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, REACH_S, RIGID, SOFT, STEEPEST_DEG, MotionPass
+from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
 from hmdwarp.client.given import Given
+from hmdwarp.client.plan import build_plan
 from hmdwarp.client.warps._mesh import steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frame import EyeImage, Needs
@@ -17,7 +20,7 @@ from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, allocate
 from hmdwarp.reference.motion import MotionAsked, moved_picture
 from hmdwarp.reference.picture import HALF_UNIT
-from hmdwarp.scenes import Body, Mesh, Scene, Texture
+from hmdwarp.scenes import Body, Mesh, Scene, SceneEffect, Texture
 from hmdwarp.scenes.motions import Spinning, Thrown
 from hmdwarp.server import Server
 
@@ -83,7 +86,8 @@ class MovingWorld:
         poses = [(state.pose, state.after(age_ns)) for state in self.states] if RIGID in parts else []
         way = None
         if SOFT in parts:
-            way = self.velocity[..., :3] * np.clip(age_ns * 1e-9, -REACH_S, REACH_S)
+            age = age_ns * 1e-9
+            way = self.velocity[..., :3] * (age - 2 * age**2 / SWING_S)
             far = np.linalg.norm(way, axis=-1, keepdims=True)
             way = np.where(self.velocity[..., 3:] > 0, way * np.minimum(1, REACH_M / np.maximum(far, 1e-12)), np.nan)
         edge = steepest(self.view, self.size, STEEPEST_DEG)
@@ -279,15 +283,19 @@ def test_a_ghost_far_from_the_origin_of_the_world_moves_as_one_near_it(gpu):
 
 
 def test_soft_motion_is_limited_in_reach(gpu):
-    """10 m/s for 10 s is 100 m; the way is REACH_M."""
+    """20 m/s for an eighth of a swing is 5 m; the way is REACH_M. After half a swing nobody knows."""
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
-    velocity[read_ids(image) == 1] = (10.0, 0, 0, 1)
+    velocity[read_ids(image) == 1] = (20.0, 0, 0, 1)
     soft = attrs.evolve(image, ids=None, bodies=(), velocity=textured(gpu, velocity, COLOUR))
-    colour, _ = run(gpu, soft, 10_000 * MS, SOFT)
+    colour, _ = run(gpu, soft, round(250 * SWING_S) * MS, SOFT)
     left = np.flatnonzero((colour[..., 0] > 0).any(axis=0))[0]
     per_metre = 0.5 * SIZE[0] / (2 * np.tan(0.7))
     assert left - 40 == pytest.approx(REACH_M * per_metre, abs=1)
+    made = pass_for(gpu, SIZE, SOFT)
+    for age_s in (SWING_S / 2, 10.0):
+        assert made.run(given_at(soft, round(1000 * age_s) * MS)).late is soft
+    made.close()
 
 
 def read_ids(image: EyeImage) -> np.ndarray:
@@ -329,3 +337,54 @@ def test_what_is_moved_is_what_the_server_draws_then(gpu, motion, least_db):
     psnr, unmoved = (-10 * np.log10(np.mean((one - exact)[both] ** 2)) for one in (found, before))
     assert psnr > least_db
     assert unmoved < 15
+
+
+class Made:
+    """Counts what a context is asked to make."""
+
+    def __init__(self, monkeypatch) -> None:
+        self.texture = self.buffer = self.framebuffer = self.program = 0
+        for kind in vars(self):
+            monkeypatch.setattr(moderngl.Context, kind, self._counting(kind, getattr(moderngl.Context, kind)))
+
+    def _counting(self, kind: str, make):
+        def counted(*args, **kwargs):
+            setattr(self, kind, getattr(self, kind) + 1)
+            return make(*args, **kwargs)
+
+        return counted
+
+
+@pytest.mark.parametrize(
+    ("declared", "layer", "other"),
+    [(SceneEffect.RIGID_MOTION, "late.ids", "late.velocity"), (SceneEffect.SOFT_MOTION, "late.velocity", "late.ids")],
+    ids=["rigid", "soft"],
+)
+def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, monkeypatch, declared, layer, other):
+    plan = build_plan(declared, "forward", "none", "none", client_geometry=True)
+    assert layer in plan.layers
+    assert other not in plan.layers
+    assert (plan.needs.ids, plan.needs.velocity) == (layer == "late.ids", layer == "late.velocity")
+    world = MovingWorld(13)
+    image, made = world.image(gpu, {RIGID} if plan.needs.ids else {SOFT}), Made(monkeypatch)
+    compensator = Compensator(gpu, plan, None, world.size, world.size)
+    assert made.texture == 2 + 2  # a canvas for each eye, colour and depth of what has moved
+    before = dict(vars(made))
+    for eye in (0, 1, 0):
+        result = compensator.run(attrs.evolve(given_at(image, 200 * MS), eye=eye))
+    assert vars(made) == before, "run() compiles and allocates nothing"
+    # The eye has not moved, so forward copies what the pass has made.
+    assert np.array_equal(read(result.shown.texture), run(gpu, image, 200 * MS, *(one.name for one in plan.effect_passes[0].effects))[0])
+    assert [name for name, _ in gpu.timer.collect()] == ["effects", "warp"] * 3
+    compensator.close()
+
+
+def test_older_frames_have_pictures_of_their_own_to_move_into(gpu):
+    plan = build_plan(SceneEffect.RIGID_MOTION, "multi", "none", "none", client_geometry=True)
+    world = MovingWorld(14)
+    image, others = world.image(gpu, {RIGID}, 200 * MS), plan.needs.past + plan.needs.other_eye
+    compensator = Compensator(gpu, plan, None, world.size, world.size)
+    older = [world.image(gpu, {RIGID}, k * 20 * MS) for k in range(others)]
+    shown = compensator.run(given_at(image, 300 * MS, *older)).shown
+    assert (read(shown.texture)[..., 3] == 1).mean() > 0.8
+    compensator.close()

@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..given import Given
 
-# What deforms is taken to go on as it was for so long and so far at most. A swing of period T is best told from its speed for
-# T sin(w L) / (2 pi) at a latency of L: of 2 s that is 0.19 s at 200 ms, 0.30 at 400, 0.19 at 800; longer, and it overshoots.
-REACH_S = 0.25
+# What deforms swings: limbs and cloth come and go about once in SWING_S. How far a swing has gone after a latency L is best told from its
+# speed for sin(w L) / w seconds; the parabola L (1 - 2 L / SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms,
+# 0.24 at 400, 0.16 at 800, and nothing from half a swing on, where the speed says nothing. Held at 0.25 s instead, 800 ms lost by it.
+SWING_S = 2.0
+REACH_S = SWING_S / 8  # the longest
 REACH_M = 0.3
 STEEPEST_DEG = 85.0  # from facing: planes seen more edge on than this come apart, as in the mesh warps
 NEAREST_M = 0.02
@@ -46,6 +48,12 @@ def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) 
     return WarpMap.between(View(after @ drawn.inverse(), view.fov), size, View(Pose(), view.fov), size)
 
 
+def swing_seconds(age_ns: int) -> float:
+    """For how long what deforms goes on with its velocity; see SWING_S."""
+    age = age_ns * 1e-9
+    return age * max(0.0, 1 - 2 * abs(age) / SWING_S)
+
+
 def rests(moved: WarpMap) -> bool:
     """Whether a map leaves every pixel where it is."""
     return bool(np.abs(moved.H - np.eye(3)).max() <= STILL and np.abs(moved.e).max() <= STILL)
@@ -65,7 +73,7 @@ class _Moved:
 
 
 class MotionPass(LatePass):
-    """Bodies go where their pose and speed take them, what deforms goes on as it was, for REACH_S and REACH_M at most.
+    """Bodies go where their pose and speed take them, what deforms goes on as it was for swing_seconds() and REACH_M at most.
 
     Every moving pixel is drawn as the square it covers, with a depth test against all else; it leaves a hole. Both at once, because
     what one of them moves the other's velocities and ids no longer fit.
@@ -115,7 +123,7 @@ class MotionPass(LatePass):
         maps = [body_map(state, age_ns, image.view, image.size) for state in image.bodies] if RIGID in self.parts else []
         if len(maps) > MOST_BODIES:
             raise InputError(f"a frame with {len(maps)} bodies: '{self.name}' takes {MOST_BODIES} at most")
-        soft = image.velocity is not None and SOFT in self.parts and age_ns != 0
+        soft = image.velocity is not None and SOFT in self.parts and swing_seconds(age_ns) != 0
         if not soft and all(map(rests, maps)):
             return image
         into = next(free)
@@ -138,7 +146,7 @@ class MotionPass(LatePass):
             "late_velocity": 3,
             "body_count": len(maps),
             "pixel_from_eye": image.view.fov.pixel_from_tangent(self.late_size) @ np.diag([1.0, 1.0, -1.0]),
-            "seconds": float(np.clip(age_ns * 1e-9, -REACH_S, REACH_S)),
+            "seconds": swing_seconds(age_ns),
             "reach_m": REACH_M,
             "nearest": 1 / NEAREST_M,
             "words": self._words,
