@@ -1,4 +1,4 @@
-"""Twin of the 3x3 median fill: NumPy's own median over the covered neighbours."""
+"""Twins of the 3x3 median fills: NumPy's own median over the covered neighbours."""
 
 from __future__ import annotations
 
@@ -19,3 +19,12 @@ def interpolate(colour: Array, minimum_count: int) -> Array:
         out[y, x, :3] = np.median(windows[y, x, :3][:, covered[y, x]], axis=1)
         out[y, x, 3] = 1
     return out
+
+
+def interpolate_full(colour: Array, minimum_count: int, reach: int) -> Array:
+    """The same again and again, on the whole picture: `reach` times, or until nothing changes."""
+    for _ in range(reach):
+        before, colour = colour, interpolate(colour, minimum_count)
+        if np.array_equal(before, colour):
+            break
+    return colour

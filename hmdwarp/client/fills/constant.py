@@ -1,0 +1,53 @@
+"""The last step of a chain: no pixel stays empty."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+import numpy as np
+
+from . import fills
+from ._base import Fill
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
+
+_HEADER_BYTES = 32  # three counts of work groups and one spare, then the mean
+
+
+@fills.register
+class Constant(Fill):
+    """Whatever is empty takes the mean colour of what is covered, black if nothing is; never leaves coverage 0."""
+
+    name = "constant"
+    summary = "whatever is left takes the mean colour of the picture: nothing stays empty"
+    source = "the last resort of a chain: coverage 1 whatever came before"
+    complete = True
+
+    def prepare(self) -> None:
+        self._sum, self._mean, self._fill = (self.gpu.shaders.compute("fills/constant.comp", PASS=k) for k in range(3))
+        self._groups = self._fill.groups(*self.shown_size)
+        self._columns = self.shown_size[0] * -(-self.shown_size[1] // self._sum.rows)
+        self._sums = self.gpu.gl.buffer(reserve=_HEADER_BYTES + 16 * self._columns)
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        picture.colour.texture.bind_to_image(1, read=True, write=False)
+        into.colour.bind_for_writing()
+        self._sums.write(np.array([*self._groups, 0, 0], np.uint32).tobytes())
+        self._sums.bind_to_storage_buffer(0)
+        for program in (self._sum, self._fill):
+            program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size)
+        self._mean.uniforms.set(columns=self._columns)
+        self._sum.run(*self.shown_size)
+        self._barrier()
+        self._mean.run(1)
+        self._barrier()
+        self._fill.program.run_indirect(self._sums)
+
+    def _barrier(self) -> None:
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        self._sums.release()

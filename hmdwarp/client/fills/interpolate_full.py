@@ -1,0 +1,84 @@
+"""The thesis's fill, repeated until no small hole is left."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+import numpy as np
+
+from ...gpu.textures import COLOUR, allocate
+from . import fills
+from ._base import Fill
+from ._holes import HolePieces
+from .interpolate import MINIMUM_COUNT
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
+
+MOST_REACH = 1024
+
+
+@attrs.frozen
+class InterpolateFullSettings:
+    """reach: passes at most, so pixels that a guess may lie from what is covered: a hole twice as wide is closed."""
+
+    reach: int = 16
+
+    def __attrs_post_init__(self) -> None:
+        if not 1 <= self.reach <= MOST_REACH:
+            raise ValueError(f"reach={self.reach}: wanted 1 to {MOST_REACH}")
+
+
+@fills.register
+class InterpolateFull(Fill):
+    """The pass of `interpolate` again and again, in the parts that still have holes; ends by itself where nothing more changes."""
+
+    name = "interpolate_full"
+    summary = "3x3 median passes until holes of up to 32 pixels are closed; wider ones get a rim"
+    source = "the 2014 thesis's interpolation step, repeated"
+    Settings = InterpolateFullSettings
+
+    def prepare(self) -> None:
+        gl, reach = self.gpu.gl, self.settings.reach
+        self._program = self.gpu.shaders.compute("fills/interpolate_full.comp")
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, twice=True)
+        self._other = allocate(gl, self.shown_size, COLOUR)
+        self._untouched = np.tile(np.array([0, 1, 0, 0], np.uint32), reach + 1).tobytes()
+        self._steps = gl.buffer(self._untouched)
+        self._lists = [gl.buffer(reserve=4 * self._pieces.count) for _ in range(2)]
+        self._listed, self._stamp = gl.buffer(bytes(4 * self._pieces.count)), 0
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        self._pieces.find(picture, into, self._other)
+        self._steps.write(self._untouched)
+        self._pieces.list.bind_to_storage_buffer(0)
+        self._steps.bind_to_storage_buffer(1)
+        self._listed.bind_to_storage_buffer(4)
+        reach = self.settings.reach
+        for number in range(reach):
+            # The last step writes `into`; where the steps end early both pictures are the same.
+            pictures = into.colour.texture, self._other
+            to = (reach - 1 - number) % 2
+            self._step(number, pictures[1 - to], pictures[to])
+
+    def _step(self, number: int, before: moderngl.Texture, after: moderngl.Texture) -> None:
+        self._stamp = self._stamp % (2**32 - 1) + 1
+        before.bind_to_image(1, read=True, write=False)
+        after.bind_to_image(0, read=False, write=True)
+        self._lists[number % 2].bind_to_storage_buffer(2)
+        self._lists[1 - number % 2].bind_to_storage_buffer(3)
+        told = {"shown_size": self.shown_size, "minimum_count": MINIMUM_COUNT, "step_number": number, "stamp": self._stamp}
+        self._program.uniforms.set(warped=1, filled=0, **told)
+        if number == 0:
+            self._program.program.run_indirect(self._pieces.list)
+        else:
+            self._program.program.run_indirect(self._steps, offset=16 * number)
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        self._pieces.close()
+        for thing in (self._other, self._steps, self._listed, *self._lists):
+            thing.release()

@@ -1,0 +1,145 @@
+"""Push-pull through a pyramid in which what lies behind counts alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+
+from ...gpu.textures import COLOUR, allocate
+from . import fills
+from ._base import Fill
+from ._holes import HolePieces
+
+if TYPE_CHECKING:
+    from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
+    from ..given import Given
+    from ..picture import ShownPicture
+
+DEPTH_AND_HOLES = (2, "f4")  # rg32f
+_FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
+_FILLED, _FILLED_DEPTH = 0, 5
+
+
+@attrs.frozen
+class PyramidSettings:
+    """holes: share of empty pixels in a part of the picture from which on what lies behind there is preferred to what is closer by.
+    tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
+
+    holes: float = 0.4
+    tolerance: float = 0.2
+    floor: float = 0.02
+
+    def __attrs_post_init__(self) -> None:
+        if not all(0 <= value < float("inf") for value in (self.tolerance, self.floor)):
+            raise ValueError("tolerance and floor must be 0 or more")
+        if not 0 < self.holes < float("inf"):
+            raise ValueError(f"holes={self.holes}: wanted more than 0; from 2 on nothing is preferred")
+
+
+@attrs.frozen(eq=False)
+class _Level:
+    """One level of the pyramid: rgba16f colour and weight; rg32f inverse depth (-1: none) and share of empty pixels."""
+
+    size: tuple[int, int]
+    colour: moderngl.Texture
+    depth: moderngl.Texture
+    framebuffer: moderngl.Framebuffer
+
+    @classmethod
+    def allocated(cls, gpu: Gpu, size: tuple[int, int]) -> _Level:
+        textures = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, DEPTH_AND_HOLES)
+        return cls(size, *textures, gpu.gl.framebuffer(list(textures)))
+
+    def bind(self, units: tuple[int, int], *, read: bool = True, write: bool = False) -> None:
+        self.colour.bind_to_image(units[0], read=read, write=write)
+        self.depth.bind_to_image(units[1], read=read, write=write)
+
+    def release(self) -> None:
+        for thing in (self.framebuffer, self.colour, self.depth):
+            thing.release()
+
+
+@fills.register
+class Pyramid(Fill):
+    """What borders on holes is averaged to ever coarser levels, and those fill the holes, of any width; the farther side is preferred."""
+
+    name = "pyramid"
+    summary = "fills holes of any width smoothly from what borders on them, from the background where there is one"
+    reads = ("shown.colour", "shown.inverse_depth")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "Gortler et al. 1996, The Lumigraph (push-pull); the preference for the background is this project's"
+    complete = True
+    Settings = PyramidSettings
+
+    def prepare(self) -> None:
+        shaders = self.gpu.shaders
+        self._first_pull, self._pull = (shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=k) for k in (1, 0))
+        self._last_push, self._push = (shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=k) for k in (1, 0))
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
+        self._levels, size = [], self.shown_size
+        while size != (1, 1) or not self._levels:
+            size = tuple(-(-n // 2) for n in size)
+            self._levels.append(_Level.allocated(self.gpu, size))
+
+    @classmethod
+    def bytes_moved(cls, shown_pixels: int) -> int:
+        """One colour and one inverse depth each way."""
+        return 24 * shown_pixels
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        self._pieces.find(picture, into)
+        self._pull_all(picture)
+        for below, above in reversed(list(zip(self._levels, self._levels[1:], strict=False))):
+            self._push_one(below, above)
+        picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
+        into.colour.bind_for_writing(_FILLED)
+        into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+        self._read_above(self._last_push, self._levels[0])
+        told = {"warped": _SECOND[0], "filled": _FILLED, "filled_depth": _FILLED_DEPTH, "shown_size": self.shown_size}
+        self._last_push.uniforms.set(**told)
+        self._pieces.run(self._last_push)
+
+    def _pull_all(self, picture: ShownPicture) -> None:
+        first = self._levels[0]
+        first.framebuffer.clear()  # what is not stored below has no hole and no weight
+        picture.colour.texture.bind_to_image(_FIRST[0], read=True, write=False)
+        picture.inverse_depth.bind_to_image(_FIRST[1], read=True, write=False)
+        self._write_level(self._first_pull, self.shown_size, first)
+        self._first_pull.uniforms.set(shown_size=self.shown_size)
+        self._pieces.run(self._first_pull)
+        for below, level in zip(self._levels, self._levels[1:], strict=False):
+            below.bind(_FIRST)
+            self._write_level(self._pull, below.size, level)
+            self._pull.run(*level.size)
+            self._barrier()
+
+    def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
+        level.bind(_SECOND, read=False, write=True)
+        units = {"below_colour": _FIRST[0], "below_depth": _FIRST[1], "level_colour": _SECOND[0], "level_depth": _SECOND[1]}
+        program.uniforms.set(below_size=below_size, level_size=level.size, **units, **self._limits())
+
+    def _push_one(self, level: _Level, above: _Level) -> None:
+        level.bind(_SECOND, write=True)
+        self._read_above(self._push, above)
+        told = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size, "least_holes": self.settings.holes}
+        self._push.uniforms.set(**told)
+        self._push.run(*level.size)
+        self._barrier()
+
+    def _read_above(self, program: Compute, above: _Level) -> None:
+        above.bind(_FIRST)
+        program.uniforms.set(above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits())
+
+    def _limits(self) -> dict[str, float]:
+        return {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
+
+    def _barrier(self) -> None:
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        self._pieces.close()
+        for level in self._levels:
+            level.release()

@@ -1,0 +1,81 @@
+"""The background, drawn into the hole from the side that it was hidden on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ...geometry import WarpMap
+from ...gpu.textures import COLOUR, allocate
+from . import fills
+from ._base import Fill
+from ._holes import HolePieces
+
+if TYPE_CHECKING:
+    from ..given import Given
+    from ..picture import ShownPicture
+
+LEAST_PARALLAX = 0.25  # pixels at 1 m; with less no hole is a pixel wide unless a thing is nearer than 25 cm
+_FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image units
+
+
+@attrs.frozen
+class StretchSettings:
+    """spread: how far streaks are smoothed, in pixels for each pixel from where they start; 0: one pixel on each side.
+    tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
+
+    spread: float = 0.1
+    tolerance: float = 0.1
+    floor: float = 0.02
+
+    def __attrs_post_init__(self) -> None:
+        if not all(0 <= value < float("inf") for value in (self.spread, self.tolerance, self.floor)):
+            raise ValueError("spread, tolerance and floor must be 0 or more")
+
+
+@fills.register
+class Stretch(Fill):
+    """From an empty pixel along its epipolar line to both edges of the hole; the farther one's colour, smoothed inside the hole alone.
+
+    What the late picture did not look at stays empty: it was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.
+    """
+
+    name = "stretch"
+    summary = "draws the background into the hole along the line on which things moved, then smooths it"
+    reads = ("shown.colour", "shown.inverse_depth")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "Mark 1999, Post-Rendering 3D Image Warping (UNC TR99-022); decaying weights as in YORO"
+    Settings = StretchSettings
+
+    def prepare(self) -> None:
+        self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
+        self._streaks = allocate(self.gpu.gl, self.shown_size, COLOUR)
+
+    @classmethod
+    def bytes_moved(cls, shown_pixels: int) -> int:
+        """One colour and one inverse depth each way."""
+        return 24 * shown_pixels
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        stamp = self._pieces.find(picture, into)
+        forward = WarpMap.between(given.late.view, self.late_size, given.middle, self.shown_size)
+        back = WarpMap.between(given.middle, self.shown_size, given.late.view, self.late_size)
+        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
+        picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
+        into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
+        self._streaks.bind_to_image(_STREAKS, read=True, write=True)
+        into.colour.bind_for_writing(_FILLED)
+        chosen = self.settings
+        told = {"warped": _WARPED, "filled_depth": _FILLED_DEPTH, "streaks": _STREAKS, "shown_size": self.shown_size, "e": forward.e}
+        told |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
+        views = {"back_H": back.H, "back_e": back.e, "late_size": self.late_size}
+        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **told)
+        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **told)
+        self._pieces.run(self._draw)
+        self._pieces.run(self._smooth)
+
+    def close(self) -> None:
+        self._pieces.close()
+        self._streaks.release()

@@ -1,0 +1,113 @@
+"""Twin of the fill `pyramid`: whole levels at once, as windows over arrays, and their completion by recursion from the picture upwards."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ._behind import Behind, as_stored, known_or_infinite
+from ._rays import Array
+
+CRACKS, GAIN, LEAST = 2.0**-20, 4.0, 2.0**-10
+KERNEL = np.outer([1, 3, 3, 1], [1, 3, 3, 1]) / 64
+
+
+@attrs.frozen(eq=False)
+class Level:
+    """colour (h, w, 3), weight, depth (np.inf: not known) and share of holes (h, w) of one level of the pyramid."""
+
+    colour: Array
+    weight: Array
+    depth: Array
+    holes: Array
+
+
+def pyramid(colour: Array, inverse_depth: Array, least_holes: float, behind: Behind) -> tuple[Array, Array]:
+    """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with every hole filled, if anything is covered."""
+    covered = colour[..., 3] > 0
+    picture = Level(colour[..., :3], covered * 1.0, known_or_infinite(inverse_depth), ~covered * 1.0)
+    guess = _completed(picture, least_holes, behind, is_picture=True)
+    found = np.concatenate([guess.colour, (guess.weight > 0)[..., None]], axis=-1)
+    return np.where(covered[..., None], colour, found), np.where(covered, inverse_depth, as_stored(guess.depth))
+
+
+def _completed(level: Level, least_holes: float, behind: Behind, *, is_picture: bool = False) -> Level:
+    """The level with what it has not, or should not have, taken from the level above it, itself completed."""
+    if level.weight.size == 1 and not is_picture:
+        return level
+    above = _completed(_pulled(level, behind, cracks_apart=is_picture), least_holes, behind)
+    up = _enlarged(above, level.weight.shape, behind)
+    own = level.weight > 0
+    if is_picture:
+        return up
+    not_nearer, not_farther = behind.share(level.depth, up.depth), behind.share(up.depth, level.depth)
+    x = np.clip((up.holes / least_holes - 0.5) if least_holes else np.ones_like(up.holes), 0, 1)
+    counts = x * x * (3 - 2 * x)
+    keep = (1 + (level.weight - 1) * not_nearer * not_farther) * (1 + (not_nearer - 1) * counts)
+    keep = np.where(own & (up.weight > 0), keep, own)
+    mixed = keep[..., None] * level.colour + (1 - keep)[..., None] * up.colour
+    with np.errstate(invalid="ignore"):
+        known = np.isfinite(level.depth) & np.isfinite(up.depth)
+        depth = np.where(keep == 1, level.depth, np.where(known, keep * level.depth + (1 - keep) * up.depth, up.depth))
+    return Level(mixed, (own | (up.weight > 0)) * 1.0, depth, level.holes)
+
+
+def _pulled(level: Level, behind: Behind, *, cracks_apart: bool) -> Level:
+    """The level above: each texel from the 4 x 4 below it, those that are farthest."""
+    colour, weight, depth, holes, inside = (
+        _windows(values, outside)
+        for values, outside in (
+            (level.colour, 0), (level.weight, 0), (level.depth, np.inf), (level.holes, 0), (np.ones_like(level.holes), 0),
+        )
+    )  # fmt: skip
+    farthest = np.where(weight > 0, depth, np.inf).min(axis=-1)
+    holes = (KERNEL.ravel() * holes).sum(axis=-1)
+    counts = KERNEL.ravel() * weight * behind.share(depth, farthest[..., None]) * (holes > 0)[..., None]
+    total = counts.sum(axis=-1)
+    pulled, mean_depth = _means(counts, colour, depth)
+    new_weight = np.where(total > 0, np.clip(GAIN * total, LEAST, 1), 0)
+    if cracks_apart:
+        holes = np.where((holes > 0) & (new_weight > 0), CRACKS, holes)
+    return Level(pulled, new_weight, mean_depth, holes / (KERNEL.ravel() * inside).sum(axis=-1))
+
+
+def _means(counts: Array, colour: Array, depth: Array) -> tuple[Array, Array]:
+    """Means of (..., n) by weights; 0 and np.inf where nothing counts."""
+    total = counts.sum(axis=-1)
+    over = np.divide(1.0, total, out=np.zeros_like(total), where=total > 0)
+    counted = np.where(counts > 0, depth, 0)
+    with np.errstate(invalid="ignore"):
+        mean_depth = np.where(total > 0, (counts * counted).sum(axis=-1) * over, np.inf)
+    unknown = ((counts > 0) & np.isinf(depth)).any(axis=-1)
+    return np.einsum("...n,...nc->...c", counts, colour) * over[..., None], np.where(unknown, np.inf, mean_depth)
+
+
+def _windows(values: Array, outside: float) -> Array:
+    """(h / 2, w / 2, 16[, c]): what each texel of the next level reaches over."""
+    high, wide = values.shape[:2]
+    rest = ((0, 0),) * (values.ndim - 2)
+    padded = np.pad(values, ((1, 2 + high % 2), (1, 2 + wide % 2), *rest), constant_values=outside)
+    windows = sliding_window_view(padded, (4, 4), axis=(0, 1))[::2, ::2][: -(-high // 2), : -(-wide // 2)]
+    return np.moveaxis(windows, 2, -1).reshape(*windows.shape[:2], 16, 3) if values.ndim == 3 else windows.reshape(*windows.shape[:2], 16)
+
+
+def _enlarged(above: Level, shape: tuple[int, int], behind: Behind) -> Level:
+    """What the level above says at each texel of a level of that shape: bilinear, of the farthest alone."""
+    rows, columns = (_two_nearest(n, m) for n, m in zip(shape, above.weight.shape, strict=True))
+    pairs = [(y, x, a * b) for y, a in zip(rows, (0.75, 0.25), strict=True) for x, b in zip(columns, (0.75, 0.25), strict=True)]
+    colour, weight, depth, holes = (
+        np.stack([values[np.ix_(y, x)] for y, x, _ in pairs], axis=2) for values in (above.colour, above.weight, above.depth, above.holes)
+    )
+    shares = np.array([share for *_, share in pairs])
+    farthest = np.where(weight > 0, depth, np.inf).min(axis=-1)
+    counts = shares * weight * behind.share(depth, farthest[..., None])
+    mean, mean_depth = _means(counts, colour, depth)
+    return Level(mean, (counts.sum(axis=-1) > 0) * 1.0, mean_depth, (shares * holes).sum(axis=-1))
+
+
+def _two_nearest(count: int, above: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of each of `count` texels in a row: the texel above it, and the one beside that which it is nearest to."""
+    place = np.arange(count)
+    own = place // 2
+    return own, np.clip(own + np.where(place % 2, 1, -1), 0, above - 1)

@@ -1,0 +1,109 @@
+// Completes one level of the pyramid from the one above, or (INTO_PICTURE 1) fills the empty pixels of the picture from the first one.
+// In: colour and weight, inverse depth in 1/m and share of empty pixels of the level above. Out: of this one; or the guesses.
+// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); that the farther one wins inside holes is this project's.
+#if INTO_PICTURE
+#define ROWS 4 // of a piece
+#include "lib/hole_columns.glsl"
+#else
+#define ROWS 4
+#include "lib/rows.glsl"
+#endif
+#include "lib/push_pull.glsl"
+layout(rgba16f) readonly uniform image2D above_colour;
+layout(rg32f) readonly uniform image2D above_depth;
+uniform ivec2 above_size;
+
+Texel above(ivec2 p) {
+    vec4 colour = imageLoad(above_colour, p);
+    vec2 depth = imageLoad(above_depth, p).rg;
+    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g);
+}
+
+// What the level above says: of the four nearest texels those that are farthest. holes is that of all four.
+Texel from_above(ivec2 texel) {
+    ivec2 own = texel / 2, other = own + 2 * (texel & 1) - 1;
+    other = clamp(other, ivec2(0), above_size - 1);
+    Texel a = above(own), b = above(ivec2(other.x, own.y)), c = above(ivec2(own.x, other.y)), d = above(other);
+    vec4 depths = vec4(a.depth, b.depth, c.depth, d.depth), weights = vec4(a.weight, b.weight, c.weight, d.weight);
+    depths = mix(vec4(UNKNOWN), depths, greaterThan(weights, vec4(0.0)));
+    float farthest = min(min(depths.x, depths.y), min(depths.z, depths.w));
+    Sum sum = Sum(vec3(0.0), 0.0, 0.0);
+    add(sum, a, 0.5625, farthest);
+    add(sum, b, 0.1875, farthest);
+    add(sum, c, 0.1875, farthest);
+    add(sum, d, 0.0625, farthest);
+    float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
+    float holes = dot(vec4(a.holes, b.holes, c.holes, d.holes), vec4(0.5625, 0.1875, 0.1875, 0.0625));
+    return Texel(sum.colour * over, sum.weight > 0.0 ? 1.0 : 0.0, sum.weight > 0.0 ? sum.depth * over : UNKNOWN, holes);
+}
+
+#if INTO_PICTURE
+layout(rgba16f) readonly uniform image2D warped;
+layout(rgba16f) writeonly uniform image2D filled;
+layout(r32f) writeonly uniform image2D filled_depth;
+
+ivec2 first_texel() {
+    return first_of_column();
+}
+
+ivec2 size_of_level() {
+    return shown_size;
+}
+
+bool is_wanted(ivec2 pixel) {
+    return pixel.y < shown_size.y && imageLoad(warped, pixel).a == 0.0;
+}
+
+void push(ivec2 pixel) {
+    Texel guess = from_above(pixel);
+    imageStore(filled, pixel, vec4(guess.colour, guess.weight));
+    imageStore(filled_depth, pixel, vec4(as_stored(guess.depth)));
+}
+#else
+layout(rgba16f) uniform image2D level_colour;
+layout(rg32f) uniform image2D level_depth;
+uniform ivec2 level_size;
+uniform float least_holes; // the share of holes from which on a level tells the one below what lies behind
+
+ivec2 first_texel() {
+    return first_pixel();
+}
+
+ivec2 size_of_level() {
+    return level_size;
+}
+
+// A texel without a hole below it is asked by no texel with one.
+bool is_wanted(ivec2 texel) {
+    return texel.y < level_size.y && imageLoad(level_depth, texel).g > 0.0;
+}
+
+void push(ivec2 texel) {
+    vec4 colour = imageLoad(level_colour, texel);
+    vec2 depth = imageLoad(level_depth, texel).rg;
+    float own = or_nearest(depth.r);
+    Texel up = from_above(texel);
+    // Of one surface both count. Where the level above is mostly hole, it shows what the two sides of that hole are, and the nearer one is
+    // not what was hidden.
+    float not_nearer = is_beside(own, up.depth), not_farther = is_beside(up.depth, own);
+    float behind_counts = smoothstep(0.5 * least_holes, 1.5 * least_holes, up.holes);
+    float keep = mix(1.0, colour.a, not_nearer * not_farther) * mix(1.0, not_nearer, behind_counts);
+    keep = colour.a == 0.0 || up.weight == 0.0 ? sign(colour.a) : keep;
+    bool both_known = max(own, up.depth) < MOST_KNOWN;
+    float both = keep == 1.0 ? own : both_known ? mix(up.depth, own, keep) : up.depth;
+    imageStore(level_colour, texel, vec4(mix(up.colour, colour.rgb, keep), max(sign(colour.a), up.weight)));
+    imageStore(level_depth, texel, vec4(as_stored(both), depth.g, 0.0, 0.0));
+}
+#endif
+
+void main() {
+    ivec2 p = first_texel(), size = size_of_level();
+    if (p.x >= size.x) return;
+    for (int row = 0; row < ROWS; ++row, ++p.y) {
+        bool pending = is_wanted(p);
+        while (pending) {
+            push(p);
+            pending = false;
+        }
+    }
+}

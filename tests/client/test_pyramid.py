@@ -1,0 +1,107 @@
+"""The push-pull fill: its twin, whose colours and depths fill a hole, and numbers that are hard on half floats."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from holed import Holed
+
+from hmdwarp.client.choices import parse_fills
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
+from hmdwarp.reference._behind import Behind
+from hmdwarp.reference.pyramid import pyramid
+
+from .filled import filled
+from .late_pictures import square_before_a_wall
+
+
+def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
+    (choice,) = parse_fills("pyramid")
+    chosen = choice.settings
+    return pyramid(holed.colour, holed.inverse_depth, chosen.holes, Behind(chosen.tolerance, chosen.floor))
+
+
+def tolerance(holed: Holed) -> float:
+    """Colours and weights are stored as half floats on the way up and down each level, truncated: 2^-10 of the colour each time, and
+    a weight that is off by as much moves a mean by at most twice that of the colours' spread, which may be twice the largest."""
+    levels = math.ceil(math.log2(max(holed.size))) + 1
+    return 2 * levels * 3 * np.abs(holed.colour).max(initial=0) * 2.0**-10
+
+
+@pytest.mark.parametrize(
+    ("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.3), ((31, 127), 0.9), ((129, 2), 0.5), ((31, 17), 0.99)], ids=str
+)
+@pytest.mark.parametrize("unknown", [1, 3, 0], ids=["no-depth", "some-depth", "depth"])
+def test_it_equals_its_twin(gpu, size, empty, unknown):
+    holed = Holed(gpu, 8, size, empty)
+    wide = np.zeros(size[::-1], bool)
+    wide[10:30, 8:50] = True
+    holed.empty(wide)
+    if unknown:
+        holed.inverse_depth[::unknown] = -1
+    holed.keep_one()
+    got, depth = holed.fill(gpu, "pyramid")
+    wanted, wanted_depth = wanted_of(holed)
+    assert np.array_equal(got[..., 3], wanted[..., 3])
+    assert np.abs(got - wanted).max() <= tolerance(holed)
+    assert np.array_equal(depth < 0, wanted_depth < 0)
+    assert np.abs(depth - wanted_depth).max() <= 1e-3  # weights are rounded as above, 2^-10 of depths of about 1
+
+
+def test_a_hole_between_near_and_far_takes_colour_and_depth_of_what_is_far(gpu):
+    """20 columns of hole, the red half of the picture at 1 m, the green one at 4 m: the share of red is that of x = 3.6 tolerances."""
+    holed = Holed(gpu, 1, (96, 80), empty=0)
+    holed.colour[:, :48], holed.inverse_depth[:, :48] = (1, 0, 0, 1), 1.0
+    holed.colour[:, 48:], holed.inverse_depth[:, 48:] = (0, 1, 0, 1), 0.25
+    hole = np.zeros((80, 96), bool)
+    hole[:, 38:58] = True
+    holed.empty(hole)
+    got, depth = holed.fill(gpu, "pyramid")
+    assert got[hole][:, 0].mean() < 0.1
+    assert (got[:, 42:58, 1] > 0.9).all()
+    assert np.abs(depth[:, 42:58] - 0.25).max() < 0.05
+
+
+def test_a_crack_in_what_is_near_stays_near(gpu):
+    """One pixel wide, beside a far surface a few pixels away: what shows through a crack is no hole's background."""
+    holed = Holed(gpu, 1, (64, 64), empty=0)
+    holed.colour[:], holed.inverse_depth[:] = (1, 0, 0, 1), 1.0
+    holed.colour[:, 40:], holed.inverse_depth[:, 40:] = (0, 1, 0, 1), 0.25
+    crack = np.zeros((64, 64), bool)
+    crack[:, 8:30:3] = True
+    holed.empty(crack)
+    got, depth = holed.fill(gpu, "pyramid")
+    assert np.abs(got[crack] - (1, 0, 0, 1)).max() <= 2.0**-8
+    assert np.abs(depth[crack] - 1).max() <= 1e-3
+
+
+def test_what_a_moving_head_uncovers_is_filled_from_the_wall_and_the_border_too(gpu):
+    colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
+    before, after = filled(gpu, "search", "pyramid", colour, depth, Pose((0.4, 0, 0)))
+    y, x = np.mgrid[:60, :60]
+    hole = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
+    assert (before[hole, 3] == 0).all()
+    assert (after[..., 3] == 1).all()
+    assert after[hole][:, 0].mean() < 0.35  # red: 1 the thing, 0.25 the wall
+    assert np.abs(after[:, 57:, 0] - 0.25).max() <= 2.0**-8
+
+
+def test_bright_and_negative_colours_stay_between_what_they_are_made_of(gpu):
+    holed = Holed(gpu, 1, (67, 53), empty=0.6)
+    bright = holed.world.rng.uniform(size=(53, 67)) < 0.5
+    covered = holed.colour[..., 3] > 0
+    holed.colour[covered & bright, :3], holed.colour[covered & ~bright, :3] = 6e4, -6e4
+    holed.colour = holed.colour.astype(np.float16).astype(np.float64)
+    got = holed.fill(gpu, "pyramid")[0]
+    assert np.isfinite(got).all()
+    assert np.abs(got[..., :3]).max() <= 6e4
+    assert np.abs(got - wanted_of(holed)[0]).max() <= tolerance(holed)
+
+
+def test_settings_out_of_range_are_refused():
+    for text, told in (("pyramid:holes=0", "wanted more than 0"), ("pyramid:tolerance=-1", "must be 0 or more")):
+        with pytest.raises(InputError, match=told):
+            parse_fills(text)

@@ -1,0 +1,66 @@
+"""The inverse depth of the shown picture: late depth seen from the shown eye, carried along by whichever warp is planned."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from worlds import World, read, twin_of
+
+from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
+from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.warps import warps
+from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.reference.shown_depth import shown_depth
+
+CARRYING = [warp.name for warp in warps if warp.carries]
+SIZE = (67, 53)
+
+
+def depth_of(gpu, world: World, name: str) -> np.ndarray:
+    choice = parse_warp(name)
+    world.bring(gpu, choice.entry)
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings)
+    depth = ShownDepth(gpu, Carry(warp), pictures_read(choice.entry.needs(choice.settings)), world.size, world.shown_size)
+    into = allocate(gpu.gl, world.shown_size, SCALAR)
+    depth.run(world.given(choice.entry), into)
+    gpu.gl.memory_barrier()
+    found = read(into)[..., 0]
+    for thing in (depth, warp):
+        thing.close()
+    into.release()
+    return found
+
+
+@pytest.mark.parametrize("name", CARRYING)
+def test_it_equals_its_twin_under_every_warp(gpu, name):
+    world = World(gpu, 4, SIZE, (SIZE[0] + 6, SIZE[1] - 5))
+    got = depth_of(gpu, world, name)
+    wanted = shown_depth(world.asked(parse_warp(name).settings), twin_of(name))
+    decided = ~wanted.undecided
+    assert decided.mean() > 0.9
+    covered = wanted.colour[..., 3] > 0
+    assert np.array_equal((got >= 0)[decided], covered[decided])
+    both = decided & covered
+    assert (np.abs(got - wanted.colour[..., 0]) <= wanted.tolerance)[both].all()
+    assert set(np.unique(got[got < 0])) <= {-1.0}
+
+
+@pytest.mark.parametrize("name", CARRYING)
+def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
+    """Whatever the warp decides is decided once, by the same depths: a pixel with a colour has that colour's depth, a hole none."""
+    world = World(gpu, 5, SIZE)
+    got, colour = depth_of(gpu, world, name), world.warp(gpu, name)
+    assert np.array_equal(got >= 0, colour[..., 3] > 0)
+
+
+def test_standing_still_it_is_the_late_depth(gpu):
+    world = World(gpu, 6, SIZE, moved=False)
+    got = depth_of(gpu, world, "forward")
+    # It passes through a half float, truncated.
+    assert (np.abs(got - world.inverse_depth) <= 2.0**-10 * np.abs(world.inverse_depth) + 2.0**-24)[world.inverse_depth >= 0].all()
+    assert np.array_equal(got < 0, world.inverse_depth < 0)
+
+
+def test_a_warp_that_carries_nothing_knows_no_depth(gpu):
+    (name,) = [warp.name for warp in warps if not warp.carries]
+    assert (depth_of(gpu, World(gpu, 6, SIZE), name) == -1).all()

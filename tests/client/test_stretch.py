@@ -1,0 +1,96 @@
+"""The directed fill: its twin, that foreground is never smeared, and what it leaves to the next one."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from holed import Holed
+
+from hmdwarp.client.choices import parse_fills
+from hmdwarp.client.fills.stretch import LEAST_PARALLAX
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose, View
+from hmdwarp.reference.stretch import stretch
+
+from .filled import filled
+from .late_pictures import square_before_a_wall
+
+# Two colours are stored truncated to half floats, 2^-10 each, of colours below 2; the means in between are float32.
+TOLERANCE = 2 * 2 * 2.0**-10
+
+
+@pytest.mark.parametrize(("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.2), ((31, 127), 0.7), ((129, 2), 0.5), ((19, 23), 1.0)], ids=str)
+@pytest.mark.parametrize("depthless", [False, True], ids=["depth", "some-depth"])
+def test_it_equals_its_twin(gpu, size, empty, depthless):
+    holed = Holed(gpu, 8, size, empty)
+    if depthless:
+        holed.inverse_depth[::2] = -1
+    (choice,) = parse_fills("stretch")
+    wanted = stretch(holed.colour, holed.inverse_depth, (holed.given.late.view, size), holed.given.shown, choice.settings, LEAST_PARALLAX)
+    got, depth = holed.fill(gpu, "stretch")
+    decided = ~wanted.undecided
+    assert decided.mean() > 0.85  # lines pass within a thousandth of a pixel of a corner or of another pixel
+    assert np.array_equal(got[decided][:, 3], wanted.colour[decided][:, 3])
+    assert np.abs(got - wanted.colour)[decided].max(initial=0) <= TOLERANCE
+    assert np.abs(depth - wanted.inverse_depth)[decided].max(initial=0) <= 1e-5
+
+
+@pytest.mark.parametrize("step", [(0.4, 0, 0), (-0.4, 0, 0), (0, 0.4, 0), (0.3, -0.3, 0), (0.25, 0.1, 0.3)], ids=str)
+def test_foreground_is_never_smeared(gpu, step):
+    """Red is the late inverse depth: 1 of the square, 0.25 of the wall. Of the square there is not a trace in what was hidden."""
+    colour, depth = square_before_a_wall(np.s_[22:38, 22:38])
+    before, after = filled(gpu, "search", "stretch", colour, depth, Pose(step))
+    guessed = (before[..., 3] == 0) & (after[..., 3] == 1)
+    assert guessed.sum() > 60
+    assert np.abs(after[guessed][:, 0] - 0.25).max() <= TOLERANCE
+    inner = np.s_[12:48, 12:48]
+    assert (after[inner][..., 3] == 1).all()
+
+
+def test_the_guess_is_what_lies_on_the_line_that_things_moved_on(gpu):
+    """The head moves to the right: rows keep their height, which is the blue of the picture."""
+    colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
+    before, after = filled(gpu, "search", "stretch:spread=0", colour, depth, Pose((0.4, 0, 0)))
+    y, x = np.nonzero((before[..., 3] == 0) & (after[..., 3] == 1))
+    assert set(x) == set(range(28, 37))
+    # Smoothing looks at three rows on each side, which lie evenly about it but at the hole's ends: by less than three rows of 1 / 60.
+    assert np.abs(after[y, x, 2] - y / 60).max() <= 3 / 60
+
+
+def test_what_the_late_picture_did_not_look_at_stays_empty(gpu):
+    colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
+    before, after = filled(gpu, "search", "stretch", colour, depth, Pose((0.4, 0, 0)))
+    assert (before[:, 57:, 3] == 0).all()
+    assert (after[:, 57:, 3] == 0).all()
+    assert (filled(gpu, "search", "stretch+pyramid", colour, depth, Pose((0.4, 0, 0)))[1][..., 3] == 1).all()
+
+
+def test_a_head_that_only_turned_hid_nothing(gpu):
+    holed = Holed(gpu, 8, (67, 53), empty=0.3)
+    turned = View(Pose(holed.given.late.view.pose.position_m, holed.given.shown.pose.orientation_xyzw), holed.given.shown.fov)
+    holed.given = attrs.evolve(holed.given, shown=turned)
+    got, depth = holed.fill(gpu, "stretch")
+    assert np.array_equal(got, holed.colour)
+    assert np.array_equal(depth, holed.inverse_depth)
+
+
+def test_between_two_ends_of_one_surface_it_goes_from_one_to_the_other(gpu):
+    """A crack in a wall, the head moved sideways; at its middle the mean of both sides, to the left more of the left one."""
+    holed = Holed(gpu, 1, (60, 20), empty=0)
+    late = holed.given.late.view
+    beside = Pose(late.pose.position_m + late.pose.rotation.apply([0.3, 0, 0]), late.pose.orientation_xyzw)
+    holed.given = attrs.evolve(holed.given, shown=View(beside, late.fov))
+    holed.colour[:, :30], holed.colour[:, 30:], holed.inverse_depth[:] = (1, 0, 0, 1), (0, 0, 1, 1), 0.05
+    crack = np.zeros((20, 60), bool)
+    crack[:, 27:34] = True
+    holed.empty(crack)
+    got, depth = holed.fill(gpu, "stretch")
+    assert (np.diff(got[:, 26:35, 0], axis=1) < 0).all()
+    assert np.abs(got[:, 30, 0] - 0.5).max() <= TOLERANCE
+    assert np.abs(depth - 0.05).max() <= 1e-6
+
+
+def test_settings_out_of_range_are_refused():
+    with pytest.raises(InputError, match="must be 0 or more"):
+        parse_fills("stretch:spread=-1")
