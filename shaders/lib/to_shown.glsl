@@ -5,6 +5,10 @@
 #include "lib/gather.glsl"
 layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 shown_size;
+#ifdef TELLS_DEPTH
+layout(r32f) writeonly uniform image2D shown_inverse_depth; // what `gathered` leaves in told_inverse_depth, -1 in holes
+float told_inverse_depth;
+#endif
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax);
 
 // What base is at the centre of the shown pixel that `shown` lies in: here that is `shown` itself.
@@ -35,6 +39,10 @@ void main() {
         here += t * (base_linear + up_linear * float(row) + t * (base_square + up_square * float(row)));
         parallax = first_e + t * (linear_e + t * square_e);
 #endif
-        imageStore(written, first + ivec2(0, row), gathered(shown, here, parallax));
+        vec4 found = gathered(shown, here, parallax);
+        imageStore(written, first + ivec2(0, row), found);
+#ifdef TELLS_DEPTH
+        imageStore(shown_inverse_depth, first + ivec2(0, row), vec4(found.a > 0.0 ? told_inverse_depth : -1.0));
+#endif
     }
 }

@@ -37,6 +37,9 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     }
     vec2 p = start + r * along;
     vec4 sum = look(colour_place(surface, p));
+#ifdef TELLS_DEPTH
+    told_inverse_depth = r * base.z / (1.0 - r * parallax.z); // s of above: in the shown view
+#endif
     bool met = surface.known && abs(change) * length(along) <= most_pixels;
     bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // of both eyes
     return met && ahead && in_late(p) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);

@@ -10,22 +10,41 @@ import moderngl
 from ...errors import PlanError
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate
-from ..carry import Carry, ShownDepth, as_image
-from ..warps import warps
+from ..carry import as_image
+from ..warps.iterative import Iterative
 from ._base import ShownPass
 from ._closing import Closing
 
 if TYPE_CHECKING:
     from ...frame import EyeImage
+    from ...gpu.shaders import Compute
     from ..given import Given
     from ..picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
 
 
+class _DeepIterative(Iterative):
+    """`iterative` that tells the inverse depth of what each shown pixel sees, too: into `shown_inverse_depth`, r32f, -1 in holes."""
+
+    def prepare(self) -> None:
+        super().prepare()
+        self.shown_inverse_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
+
+    def gather(self, path: str, **defines: object) -> Compute:
+        return super().gather(path, TELLS_DEPTH=1, **defines)
+
+    def run_gather(self, program: Compute, given: Given, into: Canvas, **uniforms: object) -> None:
+        self.shown_inverse_depth.bind_to_image(2, read=False, write=True)
+        super().run_gather(program, given, into, shown_inverse_depth=2, **uniforms)
+
+    def close(self) -> None:
+        super().close()
+        self.shown_inverse_depth.release()
+
+
 class Reflections(ShownPass):
-    """Three warps more: of what the mirrors show, by its own depth; for glossy ones of that depth; with the picture, of what the surfaces
-    are.
+    """Two warps more: of what the mirrors show, by its own depth, and with the picture of what the surfaces are.
 
     What the mirrors show is gathered (`iterative`), and its holes are closed from around them. Under scan-out it is shown as in the middle
     of it. Holes of the picture that a fill has closed mirror as much as what is around them.
@@ -41,12 +60,10 @@ class Reflections(ShownPass):
         self._glossy = GLOSSY in self.parts
         self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if self._glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
-        self._warp = warps.get("iterative")(gpu, self.late_size, shown)
+        self._warp = (_DeepIterative if self._glossy else Iterative)(gpu, self.late_size, shown)
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
         self._plain = [allocate(gpu.gl, self.late_size, COLOUR) for _ in range(self.tools.pictures - 1)]
-        self._depth = ShownDepth(gpu, Carry(self._warp), 1, self.late_size, shown) if self._glossy else None
-        self._seen_depth = allocate(gpu.gl, shown, SCALAR) if self._glossy else None
 
     @classmethod
     def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
@@ -60,8 +77,6 @@ class Reflections(ShownPass):
         seen = attrs.evolve(given.at_once(), late=as_image(given.late, reflection.seen), others=())
         self._warp.run(seen, self._seen)
         self._barrier()
-        if self._depth is not None:
-            self._depth.run(seen, self._seen_depth)
         self._closing.run(self._seen.texture)
         free = iter(self._plain)
         self.tools.carry.along(given, lambda image: self._surface_of(image, free), self._surface)
@@ -83,7 +98,7 @@ class Reflections(ShownPass):
     def _draw(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
         read = {"picture": picture.colour.texture, "surface": self._surface.texture}
         if self._glossy:
-            read["seen_inverse_depth"] = self._seen_depth
+            read["seen_inverse_depth"] = self._warp.shown_inverse_depth
         for unit, texture in enumerate(read.values(), start=1):
             texture.bind_to_image(unit, read=True, write=False)
         into.bind_for_writing()
@@ -98,9 +113,7 @@ class Reflections(ShownPass):
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def close(self) -> None:
-        for owner in (self._warp, self._closing, self._depth):
-            if owner is not None:
-                owner.close()
-        for thing in (self._seen, self._surface, self._seen_depth, *self._plain):
-            if thing is not None:
-                thing.release()
+        for owner in (self._warp, self._closing):
+            owner.close()
+        for thing in (self._seen, self._surface, *self._plain):
+            thing.release()
