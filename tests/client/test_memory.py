@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 import pytest
 from holed import Holed
+from replays import run
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
@@ -313,3 +314,15 @@ def test_what_is_forgotten_equals_its_twin(gpu, seed):
     assert 20 < got.sum() < got.size
     assert (read(slot.colour)[got] == 0).all()
     keeper.close()
+
+
+# --- in the loop ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_head_that_comes_back_sees_what_it_saw_and_two_runs_are_one(tmp_path):
+    """The same turns with and without memory, 400 ms late: look-around comes back to what it saw from 6 s on."""
+    options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 20.0, "latency_ms": 400.0, "scene": "room"}
+    without, with_memory, again = (run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory")))
+    gain = with_memory.summary["quality"]["psnr_db"]["mean"] - without.summary["quality"]["psnr_db"]["mean"]
+    assert gain > 2
+    assert with_memory.summary["quality"] == again.summary["quality"]

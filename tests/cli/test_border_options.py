@@ -1,0 +1,46 @@
+"""--guard auto and --wide on the command line: what runs, what is told, what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+SMALL = ("--headset", "flat-90", "--latency", "200", "--rate", "30")
+
+
+def summary(quick: list[str]) -> dict:
+    return json.loads((Path(quick[-1]) / "summary.json").read_text())
+
+
+def test_guard_auto_is_settled_and_told(command, quick):
+    command("replay", "look-around", *quick, *SMALL, "--guard", "auto").done()
+    found = summary(quick)
+    assert 1 < found["guard"] <= 2
+    assert any("Guard auto" in note for note in found["notes"])
+
+
+def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
+    """The head has turned away from the late picture; the wide one holds what has come into sight."""
+    usual = ("replay", "fast-turns", *quick, *SMALL, "--start", "3", "--fill", "none")
+    command(*usual).done()
+    without = summary(quick)
+    command(*usual, "--wide").done()
+    found = summary(quick)
+    assert found["fill"] == "wide"
+    assert without["quality"]["border_share"]["mean"] > 0.05, "there is a border to close"
+    assert found["filled"]["wide"] > 0.8 * found["quality"]["border_share"]["mean"]
+    assert found["quality"]["psnr_db"]["mean"] > without["quality"]["psnr_db"]["mean"] + 3
+
+
+def test_plan_tells_of_the_wide_view_and_its_bytes(command):
+    told = " ".join(command("plan", "--scene", "planes", "--size", "96x80", "--wide").done().out.split())
+    assert "fill wide" in told
+    assert "late.wide" in told
+    assert told.index("fill wide") < told.index("fill interpolate")
+
+
+def test_what_cannot_be_meant(command):
+    command("replay", "still", "--guard", "much").refused("guard 'much'", "or auto")
+    command("replay", "still", "--warp", "auto", "--budget", "9", "--wide").refused("--wide", "chooses the fill too")
+    command("replay", "still", "--wide", "--fill", "wide+interpolate").refused("the same fill twice")
+    command("replay", "still", "--wide", "--warp", "rotation", "--fused").refused("use fill none, or leave fused out")
