@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import moderngl
 
 from .gpu.textures import SCALAR, allocate
-from .scenes._reduce import mean_light, reduced, unlit
+from .scenes._reduce import reduced, unlit
 from .server.moving import moving_parts, stands_still
 from .server.passes import ScenePasses, clear_depth
 from .server.targets import Framebuffers
@@ -57,7 +57,7 @@ class DrawnModel:
     """A client.geometry.ClientModel of a scene that has nothing but surfaces."""
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lit: bool) -> None:
-        self._gl, self.mean_light = gpu.gl, mean_light(scene)
+        self._gl = gpu.gl
         scene = scene if lit else unlit(scene)
         self._textures = SceneTextures(gpu, scene)
         self._buffers = SceneBuffers(gpu, list(filter(stands_still, scene.meshes)), self._textures)

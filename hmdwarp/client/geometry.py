@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import moderngl
-    import numpy as np
-    from numpy.typing import NDArray
 
     from ..geometry import View
     from .picture import ShownPicture
@@ -15,10 +13,6 @@ if TYPE_CHECKING:
 
 class ClientModel(Protocol):
     """A scene with fewer triangles, on the GPU. Draws into rgba16f colour, and r32f inverse depth where it is not None."""
-
-    @property
-    def mean_light(self) -> NDArray[np.float64]:
-        """(3,) linear: what the surfaces throw back over what they would in light of 1, by area."""
 
     def reserve(self, size: tuple[int, int]) -> None:
         """Allocate now what pictures of that size need."""

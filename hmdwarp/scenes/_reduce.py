@@ -51,17 +51,6 @@ def unlit(scene: Scene) -> Scene:
     return attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes])
 
 
-def mean_light(scene: Scene) -> NDArray[np.float64]:
-    """(3,) of all surfaces, by area: what they throw back over what they would throw back in light of 1."""
-    lit, plain = np.zeros(3), np.zeros(3)
-    for mesh in scene.meshes:
-        corners = mesh.positions[mesh.triangles].astype(np.float64)
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        lit += area @ mesh.light[mesh.triangles].mean(axis=1)
-        plain += area @ _albedo(mesh)[mesh.triangles].mean(axis=1)
-    return np.where(plain > 0, lit / np.where(plain > 0, plain, 1), 1.0)
-
-
 def _albedo(mesh: Mesh) -> NDArray:
     if mesh.albedo is not None:
         return mesh.albedo

@@ -9,7 +9,7 @@ import pytest
 from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Body, Material, Mesh, Scene, load_scene
 from hmdwarp.scenes._decimate import decimated
-from hmdwarp.scenes._reduce import mean_light, reduced, unlit
+from hmdwarp.scenes._reduce import reduced, unlit
 from hmdwarp.scenes.library._surfaces import Surface, box, join, patch
 from hmdwarp.scenes.library.spheres import BALLS
 
@@ -157,7 +157,6 @@ def test_a_share_that_is_none_is_refused(share):
 
 def test_nothing_to_reduce():
     assert reduced(scene_of(), 0.2).meshes == ()
-    assert mean_light(scene_of()).tolist() == [1, 1, 1]
 
 
 # --- the cache ---------------------------------------------------------------------------------------------------------------
@@ -226,7 +225,6 @@ def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, counted):
 def test_unlit_is_the_material_alone():
     lit = mesh_of(SHEET, (0.1, 0.2, 0.3), albedo=np.broadcast_to((0.2, 0.8, 0.6), SHEET.positions.shape))
     assert np.allclose(unlit(scene_of(lit)).meshes[0].light, (0.2, 0.8, 0.6))
-    assert np.allclose(mean_light(scene_of(lit)), (0.5, 0.25, 0.5))
 
 
 def test_where_the_albedo_is_not_known_the_hue_of_what_is_baked_stands_for_it():

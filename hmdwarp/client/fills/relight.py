@@ -1,0 +1,122 @@
+"""The client draws its model without light, and the light of the shown picture falls on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ...gpu.textures import SCALAR, Canvas, allocate
+from ..picture import ShownPicture
+from . import fills
+from ._base import Fill
+from .model import share_of_triangles
+
+if TYPE_CHECKING:
+    from ..given import Given
+
+BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
+LIGHT_BYTES = 64
+SEED = 0.5
+SAME_DEPTH = SAME_SURFACE = 0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
+NEAR, OFF_PLANE = 0.05, 0.06
+MODEL_WEIGHT = 0.03  # by FLIP on `walk` and `look-around`; ten times less or more costs 2 %
+
+
+@attrs.frozen
+class RelightSettings:
+    """share: of the scene's triangles that the client draws, 0 to 1. samples: places that a hole's pixel takes light from. reach: how far
+    they lie from it at most, in widths of the picture."""
+
+    share: float = share_of_triangles()
+    samples: int = 48
+    reach: float = 0.25
+
+    def __attrs_post_init__(self) -> None:
+        if not 1 <= self.samples <= 4096:
+            raise ValueError(f"samples is {self.samples}: wanted 1 to 4096")
+        if not 0 < self.reach <= 2:
+            raise ValueError(f"reach is {self.reach:g}: wanted more than 0 and at most 2")
+
+
+def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
+    """(count, 2) pixels in a disc of that radius, the denser the nearer; the same for every pixel and every picture.
+
+    A pattern of its own for every pixel would be grain that crawls when the head moves; with one for all, light changes only as what it is
+    read off does. Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
+    """
+    plastic = 1.32471795724474602596
+    k = np.arange(1, count + 1)
+    ring, turn = (SEED + k / plastic) % 1, 2 * np.pi * ((SEED + k / plastic**2) % 1)
+    return np.rint(reach_pixels * ring[:, None] ** 2 * np.stack([np.cos(turn), np.sin(turn)], axis=1)).astype(np.int32)
+
+
+@fills.register
+class Relight(Fill):
+    """Light is what is shown over the model's albedo where both show the same surface; holes take it from places that are near them in
+    space, lie in their plane and face their way, so from the background. As albedo is divided out first, no texture is copied.
+
+    What the model itself is lit by weighs a little too: where nothing like the hole is in sight, it is all there is.
+    """
+
+    name = "relight"
+    summary = "the client draws an unlit model; its light is taken from what is shown around the hole on the same surface"
+    reads = ("shown.colour", "shown.inverse_depth", "client.model")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); Roberts 2018 (samples)"
+    complete = True
+    Settings = RelightSettings
+
+    def prepare(self) -> None:
+        gl, (wide, high) = self.gpu.gl, self.shown_size
+        self._lit, self._unlit = (self.geometry.model(self.settings.share, lit=lit) for lit in (True, False))
+        for model in (self._lit, self._unlit):
+            model.reserve(self.shown_size)
+        self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
+        self._blocks = (-(-wide // BLOCK), -(-high // BLOCK))
+        self._lights = gl.buffer(reserve=LIGHT_BYTES * self._blocks[0] * self._blocks[1])
+        offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
+        self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
+        self._find, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in ("relight_blocks", "relight"))
+
+    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+        view = given.middle
+        self._lit.draw_holes(view, picture, into, given.shown_ns)
+        self._unlit.draw(view, self._albedo, given.shown_ns)
+        self._barrier()
+        self._bind(picture, into)
+        left, right, down, up = view.fov.tangents
+        per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
+        shared = {
+            "warped": 0, "albedo": 2, "model_inverse_depth": 3, "first_tangent": (left, down), "pixel_tangent": per_pixel,
+            "shown_size": self.shown_size, "block_count": self._blocks,
+        }  # fmt: skip
+        self._find.uniforms.set(**shared, warped_inverse_depth=1, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE)
+        self._find.run(*self._blocks)
+        self._barrier()
+        weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT}
+        self._apply.uniforms.set(**shared, **weights, filled=4, samples=self.settings.samples)
+        self._apply.run(*self.shown_size)
+
+    def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
+        textures = (picture.colour.texture, picture.inverse_depth, self._albedo.colour.texture, self._albedo.inverse_depth)
+        for unit, texture in enumerate(textures):
+            texture.bind_to_image(unit, read=True, write=False)
+        into.colour.texture.bind_to_image(4, read=True, write=True)
+        self._lights.bind_to_storage_buffer(0)
+        self._samples.bind_to_storage_buffer(1)
+
+    def _barrier(self) -> None:
+        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def close(self) -> None:
+        for one in (self._albedo.colour, self._albedo.inverse_depth, self._lights, self._samples):
+            one.release()
+
+    @classmethod
+    def bytes_moved(cls, shown_pixels: int) -> int:
+        """Colour and inverse depth of the picture read and written, of the model written and read; the lights of 64 pixels are 64 bytes."""
+        return (4 * (8 + 4) + 2) * shown_pixels

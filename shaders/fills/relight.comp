@@ -1,0 +1,62 @@
+// Holes take the model's albedo times the light of blocks near them in space that lie in their plane and face their way; where there are
+// none, the model's own light. In: the shown picture with holes; the model's albedo, inverse depth and, in the holes, lit colour; a Light of
+// each block. Out: colour in the holes.
+// Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by nearness and likeness).
+#define ROWS 4
+#include "lib/rows.glsl"
+#include "lib/relight.glsl"
+layout(rgba16f) readonly uniform image2D warped;
+layout(rgba16f) readonly uniform image2D albedo;
+layout(r32f) readonly uniform image2D model_inverse_depth;
+layout(rgba16f) uniform image2D filled; // the model's lit colour before, in the holes
+layout(std430, binding = 1) readonly buffer Samples { ivec4 sample_of[]; }; // xy: how far off, in pixels
+uniform ivec2 shown_size;
+uniform ivec2 block_count;
+uniform int samples;
+uniform float near;           // distance over distance from the eye at which light counts a quarter
+uniform float off_plane;      // and off the surface's plane, at which it counts half
+uniform float model_weight;   // what the model's own light counts, against as much albedo seen at hand
+
+const float LARGEST = 65504.0; // of a half float
+
+// Of the slopes towards both neighbours the smaller one, which does not lead over an edge. At the border there is one neighbour.
+vec2 slope_at(ivec2 p, float depth) {
+    ivec2 low = max(p - 1, ivec2(0)), high = min(p + 1, shown_size - 1);
+    vec2 back = depth - vec2(imageLoad(model_inverse_depth, ivec2(low.x, p.y)).r, imageLoad(model_inverse_depth, ivec2(p.x, low.y)).r);
+    vec2 ahead = vec2(imageLoad(model_inverse_depth, ivec2(high.x, p.y)).r, imageLoad(model_inverse_depth, ivec2(p.x, high.y)).r) - depth;
+    bvec2 gentler = lessThanEqual(abs(ahead), abs(back)), first = equal(p, ivec2(0)), last = equal(p, high);
+    return mix(back, ahead, bvec2(first.x || (gentler.x && !last.x), first.y || (gentler.y && !last.y)));
+}
+
+// Colour of a hole's pixel. The quotient of sums, not the sum of quotients: an albedo next to black says next to nothing about the light.
+vec3 relit(ivec2 p, vec3 lit, int count) {
+    float depth = imageLoad(model_inverse_depth, p).r;
+    vec2 here = vec2(p) + 0.5;
+    vec3 point = point_at(here, depth), normal = normal_at(here, depth, slope_at(p, depth));
+    vec3 seen = vec3(0.0), plain = vec3(0.0);
+    for (int k = 0; k < count; ++k) {
+        ivec2 place = p + sample_of[k].xy;
+        bool inside = all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, shown_size));
+        ivec2 block = inside ? place / BLOCK : ivec2(0);
+        Light found = light_of[block.y * block_count.x + block.x];
+        vec3 way = (found.point.xyz - point) * (depth + FLOOR);
+        float nearness = 1.0 / (1.0 + dot(way, way) / (near * near)), off = dot(way, normal) / off_plane;
+        float facing = max(dot(normal, found.normal.xyz), 0.0);
+        facing *= facing;
+        float weight = inside ? nearness * nearness * facing * facing / (1.0 + off * off) : 0.0;
+        seen += weight * found.seen.rgb;
+        plain += weight * found.plain.rgb;
+    }
+    return (imageLoad(albedo, p).rgb * seen + model_weight * lit) / (plain + model_weight);
+}
+
+void main() {
+    ivec2 p = first_pixel();
+    if (p.x >= shown_size.x) return;
+    for (int row = 0; row < ROWS; ++row, ++p.y) {
+        if (p.y >= shown_size.y) break;
+        bool hole = imageLoad(warped, p).a == 0.0;
+        vec3 guess = relit(p, imageLoad(filled, p).rgb, hole ? samples : 0);
+        if (hole) imageStore(filled, p, vec4(min(guess, vec3(LARGEST)), 1.0));
+    }
+}

@@ -1,0 +1,26 @@
+// What the passes of fill `relight` share: light, as far as it can be read off the shown picture, in blocks of BLOCK x BLOCK pixels.
+// Of each block only the farthest surface counts, so that none is lit by what stands before it. A surface is a plane of inverse depth.
+const int BLOCK = 8;
+const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a place
+
+struct Light {
+    vec4 seen;   // rgb: shown colour, the mean over all pixels of the block, 0 for those that do not count
+    vec4 plain;  // rgb: the model's albedo, the same
+    vec4 point;  // xyz: where the surface is, in metres along the eye's axes
+    vec4 normal; // xyz: of length 1
+};
+
+layout(std430, binding = 0) buffer Lights { Light light_of[]; };
+uniform vec2 first_tangent, pixel_tangent; // of the picture's corner, of one pixel
+
+vec3 point_at(vec2 p, float depth) {
+    return vec3(first_tangent + p * pixel_tangent, -1.0) / (depth + FLOOR);
+}
+
+// The normal of a plane of inverse depth, away from the eye, in eye axes: of n.p = d, inverse depth is (n.x x + n.y y - n.z) / d.
+vec3 normal_at(vec2 p, float depth, vec2 slope) {
+    vec2 across = slope / pixel_tangent;
+    vec3 away = vec3(across, dot(across, first_tangent + p * pixel_tangent) - depth);
+    float size = length(away);
+    return size > 1e-9 ? away / size : vec3(0.0, 0.0, -1.0);
+}
