@@ -12,7 +12,6 @@ uniform sampler2D surface;
 uniform float opacity;
 uniform vec3 tint; // share of the light behind that passes where the sheet itself does not stop it, by colour
 #if TESTS
-#include "server/whole.glsl"
 uniform sampler2D picture; // its inverse depth
 uniform float keep;        // a little below 1: a sheet that lies on a surface is not hidden by it
 #endif
@@ -35,7 +34,6 @@ void main() {
     float share = opacity * texel.a;
     if (share < LEAST && min(min(tint.r, tint.g), tint.b) > 1.0 - LEAST) discard;
 #if TESTS
-    if (share > WHOLE) discard; // cutout.frag has drawn that
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     bool may_be_hidden = true;
 #if TESTS == 2

@@ -16,8 +16,11 @@ from ..projection import clip_from_eye
 if TYPE_CHECKING:
     from ...geometry import View
     from ...gpu.shaders import Draw
-    from ...scenes import Mesh
+    from ...scenes import Mesh, Scene
     from ._base import Easel
+
+# Of a texture's 8-bit alpha: what is as good as 0, or as 1; and the share of texels between that edges make up at most.
+ALPHA_OF_NOTHING, MOST_EDGES = 12, 0.08
 
 Blending = tuple[int, int, int, int]
 # rgb and alpha: factor of what is drawn, factor of what is there. The names that moderngl has not are GL's.
@@ -53,12 +56,27 @@ class Sheets:
         self._written_ns: int | None = None
         self._order: tuple[tuple, list[_Run], list[NDArray]] | None = None
 
-    def draw(self, program: Draw, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending | None) -> None:
-        """All sheets of `view` at that instant, farthest first; blending: None for surfaces, with the depth test instead."""
+    def draw(
+        self,
+        program: Draw,
+        view: View,
+        time_ns: int,
+        framebuffer: moderngl.Framebuffer,
+        blending: Blending | None,
+        *,
+        hidden_by_surfaces: bool = False,
+    ) -> None:
+        """All sheets of `view` at that instant, farthest first.
+
+        blending: None for a depth, of which the nearest stays. hidden_by_surfaces: whether what is blended is tested against the depth
+        buffer.
+        """
         runs, eye_from = self._ordered(view, time_ns)
         gl, clip = self._easel.gpu.gl, clip_from_eye(view.fov)
         vertices = self._array(program)
-        with gl.scope(framebuffer, moderngl.DEPTH_TEST if blending is None else moderngl.BLEND):
+        flags = (moderngl.BLEND if blending else 0) | (moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0)
+        framebuffer.depth_mask = blending is None
+        with gl.scope(framebuffer, flags):
             if blending is not None:
                 gl.blend_func = blending
             for run in runs:
@@ -69,6 +87,7 @@ class Sheets:
                 program.uniforms.set(clip_from_scene=clip @ eye_from[run.mesh], surface=0, opacity=mesh.material.opacity, **told)
                 vertices.render(moderngl.TRIANGLES, vertices=run.count, first=run.first)
             gl.blend_func = moderngl.DEFAULT_BLENDING  # Mesa refuses to draw into two textures while a second source is set, blended or not
+        framebuffer.depth_mask = True
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
         if program.program not in self._arrays:
@@ -124,6 +143,15 @@ class Sheets:
         """Free the buffers."""
         for thing in (*self._arrays.values(), self._vertices, self._indices):
             thing.release()
+
+
+def is_cutout(scene: Scene, mesh: Mesh) -> bool:
+    """Whether a sheet lets all light pass or none, but for its edges: then it has a depth of its own in the picture."""
+    if not mesh.material.see_through or mesh.texture < 0 or mesh.material.opacity < 1:
+        return False
+    alpha = scene.textures[mesh.texture].image[..., 3:]
+    between = (alpha > ALPHA_OF_NOTHING) & (alpha < 255 - ALPHA_OF_NOTHING)
+    return alpha.size > 0 and float(between.mean()) < MOST_EDGES
 
 
 def _runs(owner: NDArray) -> Iterator[_Run]:

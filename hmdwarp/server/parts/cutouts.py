@@ -1,29 +1,29 @@
-"""The whole parts of sheets (the laths of a fence of alpha, not the air between): surfaces with a depth of their own."""
+"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes, with a depth of their own in the picture."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import moderngl
-import numpy as np
 
 from . import parts
 from ._base import Drawing, Easel, Part
-from ._sheets import Sheets
+from ._sheets import OVER_KEEPING_COVERAGE, Sheets, is_cutout
 
 if TYPE_CHECKING:
+    import moderngl
+
     from ...frame import EyeImage, Needs
     from ...geometry import View
-    from ...scenes import Mesh, Scene
-
-WHOLE = 255 / 256  # as in shaders/server/pane.frag
+    from ...scenes import Scene
 
 
 @parts.register
 class Cutouts(Part):
-    """Comes before all others: the depth buffer is still that of the surfaces. What is left of the sheets is the part `transparency`.
+    """Comes before all others: the depth buffer is still that of the surfaces.
 
-    So what one sees through glass has its own depth as long as nothing shines through it itself.
+    In a veil, such a sheet seen through glass would move with the glass. Its edges are blended, and have the depth of what there is
+    more of.
     """
 
     name = "cutouts"
@@ -31,7 +31,7 @@ class Cutouts(Part):
 
     def __init__(self, easel: Easel) -> None:
         super().__init__(easel)
-        cut = [mesh for mesh in easel.scene.meshes if mesh.material.see_through and has_whole_parts(easel.scene, mesh)]
+        cut = [mesh for mesh in easel.scene.meshes if is_cutout(easel.scene, mesh)]
         self._sheets = Sheets(easel, cut) if cut else None
 
     @classmethod
@@ -43,24 +43,19 @@ class Cutouts(Part):
         return False
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        self._draw(eye.view, eye.drawn_ns, self.easel.framebuffers.over(eye.colour, eye.inverse_depth), colour=1)
+        if self._sheets is not None:
+            program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+            program.uniforms.set(covers=1.0)
+            framebuffer = self.easel.framebuffers.over(eye.colour)
+            self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
+        self.add_depth(eye.view, eye.drawn_ns, eye.inverse_depth)
         return eye
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
-        self._draw(view, time_ns, self.easel.framebuffers.over(into), colour=0)
-
-    def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, colour: int) -> None:
         if self._sheets is not None:
-            program = self.easel.gpu.shaders.draw("server/pane.vert", "server/cutout.frag", COLOUR=colour)
-            self._sheets.draw(program, view, time_ns, framebuffer, None)
+            program = self.easel.gpu.shaders.draw("server/pane.vert", "server/cutout.frag")
+            self._sheets.draw(program, view, time_ns, self.easel.framebuffers.over(into), None)
 
     def close(self) -> None:
         if self._sheets is not None:
             self._sheets.close()
-
-
-def has_whole_parts(scene: Scene, mesh: Mesh) -> bool:
-    """Whether anything of a sheet lets nothing pass."""
-    image = scene.textures[mesh.texture].image if mesh.texture >= 0 else None
-    most = 1.0 if image is None or image.shape[2] == 3 else float(np.max(image[..., 3])) / 255
-    return mesh.material.opacity * most > WHOLE

@@ -1,4 +1,4 @@
-"""Glass, nets and fences of alpha: blended over the picture, or sent as a veil of their own depth."""
+"""Glass and whatever else lets a part of the light pass: blended over the picture, or sent as a veil of their own depth."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...gpu.textures import SCALAR, allocate
 from ..peel import SAME_SURFACE
 from . import parts
 from ._base import Drawing, Easel, Part
-from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
+from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets, is_cutout
 
 if TYPE_CHECKING:
     import moderngl
@@ -35,7 +35,8 @@ class Transparency(Part):
     def __init__(self, easel: Easel) -> None:
         super().__init__(easel)
         self._unhidden: dict[tuple[int, int], moderngl.Texture] = {}
-        self._sheets = Sheets(easel, [mesh for mesh in easel.scene.meshes if mesh.material.see_through])
+        scene = easel.scene
+        self._sheets = Sheets(easel, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)])
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
