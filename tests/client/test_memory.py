@@ -321,7 +321,7 @@ def test_what_is_forgotten_equals_its_twin(gpu, seed):
 
 def test_a_head_that_comes_back_sees_what_it_saw_and_two_runs_are_one(tmp_path):
     """The same turns with and without memory, 400 ms late: look-around comes back to what it saw from 6 s on."""
-    options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 20.0, "latency_ms": 400.0, "scene": "room"}
+    options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 10.0, "latency_ms": 400.0, "metrics_every": 10}
     without, with_memory, again = (run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory")))
     gain = with_memory.summary["quality"]["psnr_db"]["mean"] - without.summary["quality"]["psnr_db"]["mean"]
     assert gain > 2
