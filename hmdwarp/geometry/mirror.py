@@ -63,27 +63,20 @@ def image_behind_ball(away_m: ArrayLike, radius_m: ArrayLike, cosine: ArrayLike)
 
 
 def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
-    """The mirrors in the axes of an eye, as the uniforms of shaders/lib/mirrors.glsl. Errors: ValueError unless plane ones come first."""
-    curved = [mirror.is_curved for mirror in mirrors]
-    if len(mirrors) > MOST_MIRRORS or sorted(curved) != curved:
-        raise ValueError(f"{len(mirrors)} mirrors, curved: {curved}; wanted at most {MOST_MIRRORS}, plane ones first")
+    """The mirrors in the axes of an eye, as the uniforms of shaders/lib/mirrors.glsl."""
+    if len(mirrors) > MOST_MIRRORS:
+        raise ValueError(f"{len(mirrors)} mirrors: wanted at most {MOST_MIRRORS}")
     eye_from_world = view.pose.rotation.as_matrix().T
-    shape, right, up = np.zeros((3, MOST_MIRRORS, 4))
-    half, reflectivity = np.zeros((MOST_MIRRORS, 2)), np.zeros(MOST_MIRRORS)
+    rows = np.zeros((3, MOST_MIRRORS, 4))
+    reflectivity = np.zeros(MOST_MIRRORS)
     for i, mirror in enumerate(mirrors):
-        centre = eye_from_world @ (mirror.centre_m - view.pose.position_m)
+        rows[0, i] = *(eye_from_world @ (mirror.centre_m - view.pose.position_m)), mirror.radius_m
+        for row, half in ((1, mirror.right_m), (2, mirror.up_m)):
+            length = np.linalg.norm(half)
+            rows[row, i] = *(eye_from_world @ half / max(length, 1e-30)), length
         reflectivity[i] = mirror.reflectivity
-        if mirror.is_curved:
-            shape[i] = *centre, mirror.radius_m
-            continue
-        half[i] = [np.linalg.norm(edge) for edge in (mirror.right_m, mirror.up_m)]
-        axes = (mirror.normal, mirror.right_m / half[i, 0], mirror.up_m / half[i, 1])
-        for row, axis in zip((shape, right, up), axes, strict=True):
-            in_eye = eye_from_world @ axis
-            row[i] = *in_eye, in_eye @ centre
-    counts = {"plane_count": len(mirrors) - sum(curved), "mirror_count": len(mirrors)}
-    rows = {"mirror_shape": shape, "mirror_right": right, "mirror_up": up, "mirror_half": half}
-    return counts | rows | {"mirror_reflectivity": reflectivity}
+    named = dict(zip(("mirror_centre", "mirror_right", "mirror_up"), rows, strict=True))
+    return {"mirror_count": len(mirrors), "mirror_reflectivity": reflectivity, **named}
 
 
 def tangents_of_pixels(view: View, size: tuple[int, int]) -> dict[str, tuple[float, float]]:

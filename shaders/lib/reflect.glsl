@@ -29,7 +29,7 @@ vec4 with_reflection(vec2 pixel, vec4 base, vec4 surface, vec4 own, float invers
     vec3 normal = met.normal;
     vec4 image = own;
 #ifdef GLOSSY
-    if (mirror < plane_count) {
+    if (mirror_centre[mirror].w == 0.0) {
         vec3 tilted = mirror_right[mirror].xyz * surface.g + mirror_up[mirror].xyz * surface.b;
         normal = tilted + met.normal * sqrt(max(1.0 - dot(surface.gb, surface.gb), 0.0));
         vec2 place = disturbed_place(pixel, ray, met, normal, max(inverse_depth, 0.0));

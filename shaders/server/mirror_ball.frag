@@ -21,7 +21,7 @@ const int STEPS = 6;
 
 void main() {
     vec3 ray = place / -place.z, towards = normalize(ray), n = normalize(normal);
-    vec3 mirrored = reflect(towards, n), from_centre = place - mirror_shape[taken].xyz;
+    vec3 mirrored = reflect(towards, n), from_centre = place - mirror_centre[taken].xyz;
     vec2 pixel = 1.0 / vec2(textureSize(around, 0));
     // The cube is around the centre, the ray starts on the surface: go on until the place looked at is as far as what is drawn there.
     float away = 1e6;
@@ -36,7 +36,7 @@ void main() {
     }
     colour = vec4(textureLod(around, cube_place(d, face_size) * pixel, 0.0).rgb, 1.0);
     float cosine = max(-dot(towards, n), 1e-3);
-    float behind = 1.0 / (1.0 / away + 2.0 / (mirror_shape[taken].w * cosine));
+    float behind = 1.0 / (1.0 / away + 2.0 / (mirror_centre[taken].w * cosine));
     inverse_depth = 1.0 / (-place.z + behind / length(ray));
     if (meet_mirror(ray).mirror != taken) discard;
 }

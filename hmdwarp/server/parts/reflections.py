@@ -76,7 +76,7 @@ class Reflections(Part):
             one.draw_surface(eye, onto)
         mirrors = uniforms_of([one.mirror for one in chosen], eye.view, eye.size)
         # Plane ones come first and do not ask for balls: at the rim of a ball's triangles something else is seen after all.
-        planes = mirrors | {"mirror_count": mirrors["plane_count"]}
+        planes = mirrors | {"mirror_count": sum(not one.mirror.shape.is_curved for one in chosen)}
         for number, one in enumerate(chosen):
             if isinstance(one, Ball):
                 side = FACE_PIXELS + 2
