@@ -1,15 +1,14 @@
 // Holes take the model's albedo times the light of blocks near them in space that lie in their plane and face their way; where there are
-// none, the model's own light. In: the shown picture with holes; the model's albedo, inverse depth and, in the holes, lit colour; a Light of
-// each block. Out: colour in the holes.
+// none, the model's own light. In: where the holes are; the model's albedo, inverse depth and, in the holes, lit colour; a Light of each
+// block. Out: colour in the holes.
 // Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by nearness and likeness).
-#define ROWS 4
-#include "lib/rows.glsl"
+layout(local_size_x = 64) in;
 #include "lib/relight.glsl"
-layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) readonly uniform image2D albedo;
 layout(r32f) readonly uniform image2D model_inverse_depth;
 layout(rgba16f) uniform image2D filled; // the model's lit colour before, in the holes
 layout(std430, binding = 1) readonly buffer Samples { ivec4 sample_of[]; }; // xy: how far off, in pixels
+layout(std430, binding = 2) readonly buffer Holes { uint hole_count, none_a, none_b, none_c; uint hole_at[]; };
 uniform ivec2 shown_size;
 uniform ivec2 block_count;
 uniform int samples;
@@ -29,19 +28,19 @@ vec2 slope_at(ivec2 p, float depth) {
 }
 
 // Colour of a hole's pixel. The quotient of sums, not the sum of quotients: an albedo next to black says next to nothing about the light.
-vec3 relit(ivec2 p, vec3 lit, int count) {
+vec3 relit(ivec2 p, vec3 lit) {
     float depth = imageLoad(model_inverse_depth, p).r;
     vec2 here = vec2(p) + 0.5;
     vec3 point = point_at(here, depth), normal = normal_at(here, depth, slope_at(p, depth));
     vec3 seen = vec3(0.0), plain = vec3(0.0);
-    for (int k = 0; k < count; ++k) {
+    for (int k = 0; k < samples; ++k) {
         ivec2 place = p + sample_of[k].xy;
         bool inside = all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, shown_size));
         ivec2 block = inside ? place / BLOCK : ivec2(0);
         Light found = light_of[block.y * block_count.x + block.x];
         vec3 way = (found.point.xyz - point) * (depth + FLOOR);
         float nearness = 1.0 / (1.0 + dot(way, way) / (near * near)), off = dot(way, normal) / off_plane;
-        float facing = max(dot(normal, found.normal.xyz), 0.0);
+        float facing = max(dot(normal, vec3(found.seen.a, found.plain.a, found.point.a)), 0.0);
         facing *= facing;
         float weight = inside ? nearness * nearness * facing * facing / (1.0 + off * off) : 0.0;
         seen += weight * found.seen.rgb;
@@ -51,12 +50,8 @@ vec3 relit(ivec2 p, vec3 lit, int count) {
 }
 
 void main() {
-    ivec2 p = first_pixel();
-    if (p.x >= shown_size.x) return;
-    for (int row = 0; row < ROWS; ++row, ++p.y) {
-        if (p.y >= shown_size.y) break;
-        bool hole = imageLoad(warped, p).a == 0.0;
-        vec3 guess = relit(p, imageLoad(filled, p).rgb, hole ? samples : 0);
-        if (hole) imageStore(filled, p, vec4(min(guess, vec3(LARGEST)), 1.0));
+    for (uint k = gl_GlobalInvocationID.x; k < hole_count; k += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+        ivec2 p = ivec2(hole_at[k] & 0xffffu, hole_at[k] >> 16);
+        imageStore(filled, p, vec4(min(relit(p, imageLoad(filled, p).rgb), vec3(LARGEST)), 1.0));
     }
 }

@@ -50,6 +50,6 @@ void main() {
     place /= max(count, 1.0);
     vec3 normal = normal_at(place.xy, place.z, across.xy / max(across.zw, vec2(1.0)));
     const float share = 1.0 / float(BLOCK * BLOCK);
-    vec4 point = vec4(point_at(place.xy, place.z), 0.0);
-    light_of[block.y * block_count.x + block.x] = Light(vec4(share * seen, 0.0), vec4(share * plain, 0.0), point, vec4(normal, 0.0));
+    vec3 point = point_at(place.xy, place.z);
+    light_of[block.y * block_count.x + block.x] = Light(vec4(share * seen, normal.x), vec4(share * plain, normal.y), vec4(point, normal.z));
 }

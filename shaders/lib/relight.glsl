@@ -4,10 +4,9 @@ const int BLOCK = 8;
 const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a place
 
 struct Light {
-    vec4 seen;   // rgb: shown colour, the mean over all pixels of the block, 0 for those that do not count
-    vec4 plain;  // rgb: the model's albedo, the same
-    vec4 point;  // xyz: where the surface is, in metres along the eye's axes
-    vec4 normal; // xyz: of length 1
+    vec4 seen;  // rgb: shown colour, the mean over all pixels of the block, 0 for those that do not count
+    vec4 plain; // rgb: the model's albedo, the same
+    vec4 point; // xyz: where the surface is, in metres along the eye's axes; the three a together: its normal, of length 1
 };
 
 layout(std430, binding = 0) buffer Lights { Light light_of[]; };

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from ..given import Given
 
 BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
-LIGHT_BYTES = 64
+LIGHT_BYTES = 48
 SEED = 0.5
 SAME_DEPTH = SAME_SURFACE = 0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
 NEAR, OFF_PLANE = 0.05, 0.06
+WORKERS = 1 << 14  # invocations that share the list of holes
 MODEL_WEIGHT = 0.03  # by FLIP on `walk` and `look-around`; ten times less or more costs 2 %
 
 
@@ -32,7 +33,7 @@ class RelightSettings:
     they lie from it at most, in widths of the picture."""
 
     share: float = share_of_triangles()
-    samples: int = 48
+    samples: int = 32
     reach: float = 0.25
 
     def __attrs_post_init__(self) -> None:
@@ -80,7 +81,8 @@ class Relight(Fill):
         self._lights = gl.buffer(reserve=LIGHT_BYTES * self._blocks[0] * self._blocks[1])
         offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
         self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
-        self._find, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in ("relight_blocks", "relight"))
+        self._holes = gl.buffer(reserve=16 + 4 * wide * high)
+        self._find, self._list, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in _PASSES)
 
     def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
         view = given.middle
@@ -91,15 +93,17 @@ class Relight(Fill):
         left, right, down, up = view.fov.tangents
         per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
         shared = {
-            "warped": 0, "albedo": 2, "model_inverse_depth": 3, "first_tangent": (left, down), "pixel_tangent": per_pixel,
+            "albedo": 2, "model_inverse_depth": 3, "first_tangent": (left, down), "pixel_tangent": per_pixel,
             "shown_size": self.shown_size, "block_count": self._blocks,
         }  # fmt: skip
-        self._find.uniforms.set(**shared, warped_inverse_depth=1, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE)
+        self._find.uniforms.set(**shared, warped=0, warped_inverse_depth=1, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE)
         self._find.run(*self._blocks)
+        self._list.uniforms.set(warped=0, shown_size=self.shown_size)
+        self._list.run(*self.shown_size)
         self._barrier()
         weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT}
         self._apply.uniforms.set(**shared, **weights, filled=4, samples=self.settings.samples)
-        self._apply.run(*self.shown_size)
+        self._apply.run(WORKERS)
 
     def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
         textures = (picture.colour.texture, picture.inverse_depth, self._albedo.colour.texture, self._albedo.inverse_depth)
@@ -108,15 +112,20 @@ class Relight(Fill):
         into.colour.texture.bind_to_image(4, read=True, write=True)
         self._lights.bind_to_storage_buffer(0)
         self._samples.bind_to_storage_buffer(1)
+        self._holes.write(bytes(16))
+        self._holes.bind_to_storage_buffer(2)
 
     def _barrier(self) -> None:
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def close(self) -> None:
-        for one in (self._albedo.colour, self._albedo.inverse_depth, self._lights, self._samples):
+        for one in (self._albedo.colour, self._albedo.inverse_depth, self._lights, self._samples, self._holes):
             one.release()
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Colour and inverse depth of the picture read and written, of the model written and read; the lights of 64 pixels are 64 bytes."""
+        """Colour and inverse depth of the picture read and written, of the model written and read; the lights of 64 pixels are 48 bytes."""
         return (4 * (8 + 4) + 2) * shown_pixels
+
+
+_PASSES = ("relight_blocks", "relight_list", "relight")
