@@ -33,7 +33,9 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float here = r * base.z / ratio;
     bool in_front = here * nearer >= imageLoad(shown_inverse_depth, pixel).r;
     vec2 at = colour_place(surface, p);
-    vec3 veil = look(at).rgb, passing = textureLod(late_passing, at * late_pixel, 0.0).rgb;
-    bool shows = met && ahead && in_front && in_late(p) && behind.a > 0.0;
-    return shows ? vec4(passing * behind.rgb + veil, behind.a) : behind;
+    vec4 sum = look(at);
+    float share = 1.0 / max(sum.a, 0.5); // of what is covered, as the warps have it; where nothing is, all passes
+    vec3 passing = 1.0 - (1.0 - textureLod(late_passing, at * late_pixel, 0.0).rgb) * share;
+    bool shows = met && ahead && in_front && in_late(p) && sum.a >= 0.5 && behind.a > 0.0;
+    return shows ? vec4(passing * behind.rgb + sum.rgb * share, behind.a) : behind;
 }

@@ -1,0 +1,178 @@
+"""The veil and the overlay on the client: against their float64 twins, behind what hides them, and not at all where there is none."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from worlds import World, read
+
+from hmdwarp.client.effects import effects
+from hmdwarp.client.effects.overlay import OverlayPass
+from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
+from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.warps.iterative import IterativeSettings
+from hmdwarp.errors import InputError
+from hmdwarp.frame import EyeImage, Layer, Needs, Transparent
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.reference.picture import HALF_UNIT
+from hmdwarp.reference.veil import lay_over
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
+
+SIZES = [((64, 48), (64, 48)), ((61, 43), (50, 37)), ((1, 1), (3, 2))]
+UNKNOWN = -1.0
+
+
+class Veiled:
+    """A random world as the veil, random shares that pass it, and a random shown picture with holes to lay it over."""
+
+    def __init__(self, gpu, seed: int, sizes: tuple, *, moved: bool = True) -> None:
+        self.world = world = World(gpu, seed, *sizes, moved=moved)
+        self.gpu, rng = gpu, np.random.default_rng(seed + 100)
+        covered = world.colour[..., 3:]
+        self.passing = np.where(covered > 0, rng.uniform(0, 1, covered.shape[:2] + (3,)), 1).astype(np.float16).astype(float)
+        w, h = world.shown_size
+        self.behind = np.concatenate([rng.uniform(0, 2, (h, w, 3)), np.ones((h, w, 1))], axis=2).astype(np.float16).astype(float)
+        self.behind[rng.uniform(size=(h, w)) < 0.1] = 0
+
+    def lay(self, shown_depth: np.ndarray | float = UNKNOWN) -> np.ndarray:
+        world, gl = self.world, self.gpu.gl
+        passing = allocate(gl, world.size, COLOUR)
+        passing.write(np.dstack([self.passing, world.colour[..., 3]]).astype(np.float16).tobytes(), alignment=1)
+        picture = ShownPicture(Canvas(gl, world.shown_size), allocate(gl, world.shown_size, SCALAR))
+        picture.colour.texture.write(self.behind.astype(np.float16).tobytes(), alignment=1)
+        depth = np.broadcast_to(np.float32(shown_depth), self.behind.shape[:2])
+        picture.inverse_depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
+        late = attrs.evolve(world.late, transparent=Transparent(Layer(world.late.colour, world.late.inverse_depth), passing))
+        made = TransparencyPass(self.gpu, frozenset({"transparency"}), world.size, world.shown_size, None)
+        found = []
+        for _ in range(2):
+            into = Canvas(gl, world.shown_size)
+            made.run(attrs.evolve(world.given(None), late=late), picture, into)
+            gl.memory_barrier()
+            found.append(read(into.texture))
+        assert np.array_equal(*found), "two runs differ"
+        made.close()
+        return found[0]
+
+    def twin(self):
+        asked = self.world.asked(IterativeSettings())
+        return lay_over(asked, self.passing, self.behind)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("sizes", SIZES, ids=str)
+def test_the_veil_is_that_of_its_twin(gpu, seed, sizes):
+    veiled = Veiled(gpu, seed, sizes)
+    found, wanted = veiled.lay(), veiled.twin()
+    sure = ~wanted.undecided
+    assert sure.mean() > 0.5 or sizes == SIZES[2]
+    assert (np.abs(found - wanted.colour).max(axis=-1) <= wanted.tolerance)[sure].all()
+    holes = veiled.behind[..., 3] == 0
+    assert (found[holes] == 0).all() and (found[~holes][:, 3] == 1).all() and np.isfinite(found).all()
+    assert not np.array_equal(found, veiled.behind) or sizes == SIZES[2]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_unmoved_head_gets_light_times_what_passes_plus_the_veil(gpu, seed):
+    veiled = Veiled(gpu, seed, SIZES[0], moved=False)
+    found, world, behind = veiled.lay(), veiled.world, veiled.behind
+    shows = (world.inverse_depth >= 0) & (behind[..., 3] > 0)
+    expected = np.where(shows[..., None], veiled.passing * behind[..., :3] + world.colour[..., :3], behind[..., :3])
+    assert (np.abs(found[..., :3] - expected) <= HALF_UNIT * np.abs(expected) + 1e-6).all()  # one store in half floats
+
+
+def test_what_stands_before_the_veil_hides_it(gpu):
+    veiled = Veiled(gpu, 1, SIZES[0], moved=False)
+    depth = veiled.world.inverse_depth
+    assert np.array_equal(veiled.lay(1e9), veiled.behind)
+    just_behind, just_before = (np.where(depth >= 0, np.maximum(depth, 0) * factor, 0) for factor in (1 / NEARER, NEARER * 1.001))
+    assert np.array_equal(veiled.lay(just_behind), veiled.lay())
+    finite = depth > 0
+    assert np.array_equal(veiled.lay(just_before)[finite], veiled.behind[finite])
+
+
+def test_where_the_shown_depth_is_not_known_the_veil_is_before_it(gpu):
+    veiled = Veiled(gpu, 2, SIZES[0])
+    assert np.array_equal(veiled.lay(UNKNOWN), veiled.lay(0.0))
+
+
+def test_a_veil_of_nothing_changes_nothing(gpu):
+    veiled = Veiled(gpu, 4, SIZES[1])
+    veiled.world.colour[:] = 0
+    veiled.world.inverse_depth[:] = -1
+    veiled.passing[:] = 1
+    veiled.world.upload(gpu)
+    assert np.array_equal(veiled.lay(), veiled.behind)
+
+
+@pytest.mark.parametrize("size", [(64, 48), (33, 17), (1, 1)])
+def test_the_overlay_lies_over_the_picture_and_fills_holes_where_nothing_passes(gpu, size):
+    rng, gl = np.random.default_rng(size[0]), gpu.gl
+    shape = size[::-1]
+    behind = np.concatenate([rng.uniform(0, 2, (*shape, 3)), np.ones((*shape, 1))], axis=2)
+    behind[rng.uniform(size=shape) < 0.3] = 0
+    alpha = rng.choice([0.0, 0.25, 0.5, 1.0], size=shape)
+    over = np.concatenate([rng.uniform(0, 1, (*shape, 3)) * alpha[..., None], alpha[..., None]], axis=2)
+    behind, over = (one.astype(np.float16).astype(float) for one in (behind, over))
+    picture, into, overlay = Canvas(gl, size), Canvas(gl, size), allocate(gl, size, COLOUR)
+    picture.texture.write(behind.astype(np.float16).tobytes(), alignment=1)
+    overlay.write(over.astype(np.float16).tobytes(), alignment=1)
+    view = View(Pose(), Fov(-0.5, 0.5, -0.5, 0.5))
+    world = World(gpu, 0, (8, 8))
+    given = attrs.evolve(world.given(None), late=EyeImage(view, overlay, overlay, overlay=overlay))
+    made = OverlayPass(gpu, frozenset({"overlay"}), (8, 8), size, None)
+    made.run(given, ShownPicture(picture), into)
+    gl.memory_barrier()
+    found = read(into.texture)
+    covered = (behind[..., 3] == 1) | (over[..., 3] == 1)
+    expected = (over[..., :3] + (1 - over[..., 3:]) * behind[..., :3]) * covered[..., None]
+    assert np.array_equal(found[..., 3], covered)
+    assert (np.abs(found[..., :3] - expected) <= HALF_UNIT * expected + 1e-6).all()
+    made.close()
+
+
+def shown(gpu, scene: str, needs: Needs, run) -> tuple[np.ndarray, np.ndarray]:
+    """The unmoved picture in layers, composited by `run`, and the whole one."""
+    server, size = Server(gpu, load_scene(scene)), (120, 150)
+    view = View(server.scene.viewpoint, Fov(-0.7, 0.7, -0.7, 0.7), Pose((-0.03, 0, 0)))
+    whole = read(server.draw(view, size).colour)
+    late = server.draw_frame([view], 0, size, needs=needs).eyes[0]
+    canvas, into = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
+    canvas.texture.write(late.colour.read())
+    given = attrs.evolve(World(gpu, 0, size).given(None), late=late, shown=view)
+    run(size, given, ShownPicture(canvas, late.inverse_depth), into)
+    gpu.gl.memory_barrier()
+    out = read(into.texture)
+    server.close()
+    return out, whole
+
+
+@pytest.mark.parametrize(
+    ("scene", "needs", "made_by"),
+    [("greenhouse", Needs(transparency=True), TransparencyPass), ("cockpit", Needs(overlay=True), OverlayPass)],
+)
+def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs, made_by):
+    def run(size, given, picture, into):
+        made = made_by(gpu, frozenset({"transparency", "overlay"}), size, size, None)
+        made.run(given, picture, into)
+        made.close()
+
+    found, whole = shown(gpu, scene, needs, run)
+    error = np.abs(found - whole).max(axis=-1)
+    # Six sheets at most on a ray, each rounded once to a half float of a light of 1 or less, both ways: 12 units. A pane that ends in its
+    # frame is within NEARER of it: there, along one row of pixels or two, either may be in front.
+    assert (error <= 12 * HALF_UNIT).mean() > 0.985
+    assert np.median(error) <= HALF_UNIT
+
+
+def test_each_says_what_is_seen_without_it():
+    for name in ("transparency", "overlay"):
+        assert effects.get(name).without and effects.get(name).name == name
+
+
+def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):
+    with pytest.raises(InputError, match="late picture of"):
+        TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), None)
