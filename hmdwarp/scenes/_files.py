@@ -7,12 +7,14 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ..geometry import Pose
+from ._animated import AnimatedNodes, animated_nodes
 from ._model import Background, Mesh, Scene, Texture
 
 if TYPE_CHECKING:
@@ -44,11 +46,31 @@ def scene_from_file(path: Path) -> Scene:
     origin = np.round((low + high) / 2)  # whole metres, so that a scene drawn at the origin keeps its own numbers
     textures: list[Texture] = []
     meshes = [_mesh(part, f"{path.stem}-{i}", origin, textures, notes) for i, part in enumerate(parts)]
+    moving = animated_nodes(path, notes) if path.suffix.lower() == ".glb" else AnimatedNodes()
+    meshes = [_in_body(mesh, part, moving) for mesh, part in zip(meshes, parts, strict=True)]
     viewpoint, bounds = viewpoint_of(low, high)
     summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
     return Scene(
-        path.stem, summary, meshes, textures, SKY, origin_m=origin, viewpoint=viewpoint, walk_bounds_m=bounds, notes=dict.fromkeys(notes)
+        path.stem,
+        summary,
+        meshes,
+        textures,
+        SKY,
+        bodies=moving.bodies,
+        origin_m=origin,
+        viewpoint=viewpoint,
+        walk_bounds_m=bounds,
+        notes=dict.fromkeys(notes),
     )
+
+
+def _in_body(mesh: Mesh, part: Any, moving: AnimatedNodes) -> Mesh:
+    """The mesh in the frame of its body, if its node moves; `part` has it in the world, at rest."""
+    number, rest = moving.of_node.get(part.metadata.get("node"), (0, Pose()))
+    if not number:
+        return mesh
+    positions = rest.inverse().transform(np.asarray(part.vertices, np.float64))
+    return attrs.evolve(mesh, positions=positions, normals=rest.rotation.inv().apply(mesh.normals), body=number)
 
 
 def viewpoint_of(low: NDArray, high: NDArray) -> tuple[Pose, NDArray]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -12,9 +12,6 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from ..errors import SceneError
 from ..geometry import Pose, RigidState
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 GRAVITY_M_S2 = (0.0, -9.81, 0.0)
@@ -80,10 +77,11 @@ class Thrown:
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class Track:
-    """Through key poses at key times: positions on a cubic spline, orientations turned evenly from each to the next.
+    """Through key poses at key times: positions on a cubic spline, or evenly from each to the next, as orientations always are.
 
-    times_s: (k,) increasing, 2 keys at least. positions_m: (k, 3). turns: (k,) SciPy rotations, None to stay unturned. loops: the last
-    key, which must be where the first is, is the first again; else it stands still before the first and after the last.
+    times_s: (k,) increasing, 2 keys at least. positions_m: (k, 3). turns: (k,) SciPy rotations, None to stay unturned. loops: it
+    begins anew after the last key, which a spline wants to be the first again; else it stands still before the first and after the last.
+    smooth: on the spline.
     Errors: SceneError for key times that do not increase, numbers that are not finite, counts that differ, and a loop that does not close.
     """
 
@@ -91,6 +89,7 @@ class Track:
     positions_m: Array = attrs.field(converter=lambda value: np.array(value, np.float64))
     turns: Rotation | None = None
     loops: bool = True
+    smooth: bool = True
 
     def __attrs_post_init__(self) -> None:
         times, places = self.times_s, self.positions_m
@@ -105,7 +104,7 @@ class Track:
             raise SceneError(f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: key times must increase")
         if self.turns is not None and len(self.turns) != len(times):
             raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: wanted as many")
-        if self.loops and not self._closes():
+        if self.loops and self.smooth and not self._closes():
             raise SceneError("track: the last key of a loop must be the pose of the first, give or take 1 um and 1 urad")
 
     def _closes(self) -> bool:
@@ -113,9 +112,13 @@ class Track:
         return apart <= 1e-6 and (self.turns is None or (self.turns[0].inv() * self.turns[-1]).magnitude() <= 1e-6)
 
     @cached_property
-    def _path(self) -> CubicSpline:
-        from scipy.interpolate import CubicSpline
+    def _path(self) -> Callable[..., Array]:
+        """Position at a time in s, and with a second argument its derivatives."""
+        from scipy.interpolate import CubicSpline, PPoly
 
+        if not self.smooth:
+            steps = np.diff(self.positions_m, axis=0) / np.diff(self.times_s)[:, None]
+            return PPoly(np.stack([steps, self.positions_m[:-1]]), self.times_s)
         places = self.positions_m
         if self.loops:
             places = np.concatenate([places[:-1], places[:1]])  # SciPy wants a period to close to the last bit

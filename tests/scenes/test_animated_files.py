@@ -1,0 +1,134 @@
+"""Animated nodes of a GLB become bodies; broken keys are one clear line."""
+
+from __future__ import annotations
+
+import json
+import struct
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import SceneError
+from hmdwarp.scenes import SceneEffect, load_scene
+
+S = 1_000_000_000
+HALF = np.sqrt(0.5)
+TIMES = (0.0, 1.0, 3.0)
+PLACES = ((0, 1, 0), (2, 1, 0), (2, 3, 0))
+TURNS = ((0, 0, 0, 1), (0, HALF, 0, HALF), (0, 1, 0, 0))
+
+
+def write_glb(path, channels: dict[str, tuple], *, change=None) -> None:
+    """A still box, and a box node 'lift' (below a turned node 'yard') with these channels: path to times and values."""
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.creation.box((1, 1, 1)), node_name="still", geom_name="still")
+    scene.add_geometry(trimesh.creation.box((1, 2, 1)), node_name="lift", geom_name="lift")
+    data = scene.export(file_type="glb")
+    length = struct.unpack_from("<I", data, 12)[0]
+    header, binary = json.loads(data[20 : 20 + length]), data[28 + length :]
+    index = next(k for k, node in enumerate(header["nodes"]) if node.get("name") == "lift")
+    header["nodes"][index].pop("matrix", None)
+    header["nodes"][index] |= {"translation": list(map(float, PLACES[0])), "scale": [1.0, 0.5, 1.0]}
+    roots = next(a for a in (header["scenes"][0]["nodes"], *(node.get("children", []) for node in header["nodes"])) if index in a)
+    roots.remove(index)
+    header["nodes"].append({"name": "yard", "rotation": [0, HALF, 0, HALF], "translation": [10.0, 0, 0], "children": [index]})
+    roots.append(len(header["nodes"]) - 1)
+    animation = {"channels": [], "samplers": []}
+    for where, (times, values) in channels.items():
+        ends = {}
+        for end, array in (("input", np.array(times, "<f4")[:, None]), ("output", np.array(values, "<f4"))):
+            header["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": array.nbytes})
+            kind = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}[array.shape[1]]
+            header["accessors"].append(
+                {"bufferView": len(header["bufferViews"]) - 1, "componentType": 5126, "count": len(array), "type": kind}
+            )
+            binary += array.tobytes()
+            ends[end] = len(header["accessors"]) - 1
+        animation["samplers"].append(ends)
+        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": {"node": index, "path": where}})
+    header["animations"] = [animation]
+    header["buffers"][0]["byteLength"] = len(binary)
+    if change:
+        change(header)
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    body = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
+    path.write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body)
+
+
+def test_an_animated_node_moves_as_its_keys_say(tmp_path):
+    write_glb(tmp_path / "lift.glb", {"translation": (TIMES, PLACES), "rotation": (TIMES, TURNS)})
+    scene = load_scene(tmp_path / "lift.glb")
+    assert scene.effects == SceneEffect.RIGID_MOTION
+    assert [body.name for body in scene.bodies] == ["lift"]
+    assert sorted(mesh.body for mesh in scene.meshes) == [0, 1]
+    lift = next(mesh for mesh in scene.meshes if mesh.body)
+    # Its own scale stays in its corners: 1 m high instead of 2.
+    assert np.allclose(np.abs(lift.positions), 0.5)
+    quarter = Rotation.from_euler("y", 90, degrees=True)
+    for second, place, turn in ((0, PLACES[0], 0), (0.5, (1, 1, 0), 45), (2, (2, 2, 0), 135), (3.5, (1, 1, 0), 45)):
+        state = scene.bodies[0].motion.state(round(second * S))
+        assert np.allclose(state.pose.position_m, quarter.apply(place) + (10, 0, 0), atol=1e-6)
+        wanted = quarter * Rotation.from_euler("y", turn, degrees=True)
+        assert (state.pose.rotation.inv() * wanted).magnitude() < 1e-6
+    state = scene.bodies[0].motion.state(S // 2)
+    assert np.allclose(state.velocity_m_s, quarter.apply((2, 0, 0)), atol=1e-6)
+    assert np.allclose(state.angular_velocity_rad_s, (0, np.pi / 2, 0), atol=1e-6)
+
+
+def test_one_channel_is_enough(tmp_path):
+    write_glb(tmp_path / "lift.glb", {"rotation": (TIMES, TURNS)})
+    state = load_scene(tmp_path / "lift.glb").bodies[0].motion.state(S)
+    assert np.allclose(state.pose.position_m, (10, 1, 0), atol=1e-6)
+
+
+def test_what_is_not_shown_is_told(tmp_path):
+    def change(header):
+        header["animations"].append(header["animations"][0])
+
+    write_glb(tmp_path / "lift.glb", {"translation": (TIMES, PLACES), "scale": (TIMES, PLACES)}, change=change)
+    scene = load_scene(tmp_path / "lift.glb")
+    assert len(scene.bodies) == 1
+    assert any("animated scale is not shown" in note for note in scene.notes)
+    assert any("2 animations; only the first is shown" in note for note in scene.notes)
+
+
+def test_a_file_without_animation_has_no_bodies(tmp_path):
+    write_glb(tmp_path / "still.glb", {})
+    scene = load_scene(tmp_path / "still.glb")
+    assert scene.bodies == ()
+    assert not scene.effects
+
+
+def wrong_type(header):
+    header["accessors"][-1]["componentType"] = 5121
+
+
+def cut_off(header):
+    header["accessors"][-1]["count"] = 1000
+
+
+def no_such_node(header):
+    header["animations"][0]["channels"][0]["target"]["node"] = 99
+
+
+@pytest.mark.parametrize(
+    ("channels", "change", "message"),
+    [
+        ({"translation": ((0, 2, 1), PLACES)}, None, "animation of node 'lift': track: key 2 is at 1 s, the one before at 2 s"),
+        ({"translation": ((0, np.nan, 1), PLACES)}, None, "animation of node 'lift': track: key 1 is not made of finite numbers"),
+        ({"translation": (TIMES, np.full((3, 3), np.inf))}, None, "animation of node 'lift': track: key 0 is not made of finite numbers"),
+        ({"rotation": (TIMES, np.zeros((3, 4)))}, None, "animation of node 'lift': .*norm"),
+        ({"translation": (TIMES, PLACES[:2])}, None, "3 key times and 2 keys: wanted as many"),
+        ({"translation": (TIMES, PLACES)}, wrong_type, "cannot be read .*component type 5121"),
+        ({"translation": (TIMES, PLACES)}, cut_off, "not a readable GLB file"),
+        ({"translation": (TIMES, PLACES)}, no_such_node, "cannot be read"),
+    ],
+)
+def test_broken_keys_are_one_clear_line(tmp_path, channels, change, message):
+    write_glb(tmp_path / "bent.glb", channels, change=change)
+    with pytest.raises(SceneError, match=rf"bent\.glb: .*{message}"):
+        load_scene(tmp_path / "bent.glb")
