@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 SNAP_PX = 1 / 256
 # Two surfaces closer than this (1/m) may come out in either order: 24 bits of depth for 0 to 50 1/m, twice.
 DEPTH_STEP = 2 * 50 * 2.0**-24
+TEAR_PX = 2.0  # pixels by which neighbours on one surface may move apart
 SOFT = -1  # what the ids of deforming pixels are replaced by
 
 
@@ -148,7 +149,21 @@ def _joined(asked: MotionAsked, keys: NDArray, a: tuple[int, int], b: tuple[int,
         return False
     allowed = asked.steepest[0] * abs(a[1] - b[1]) + asked.steepest[1] * abs(a[0] - b[0])
     near, far = asked.inverse_depth[a], asked.inverse_depth[b]
-    return bool(abs(near - far) <= allowed * min(near, far))
+    if abs(near - far) > allowed * min(near, far):
+        return False
+    return keys[a] != SOFT or bool(np.abs(_strain(asked, a, b)).max() <= TEAR_PX)
+
+
+def _strain(asked: MotionAsked, a: tuple[int, int], b: tuple[int, int]) -> Array:
+    """(2,) pixels by which two neighbours move apart."""
+    left, right, down, up = asked.view.fov.tangents
+    places = []
+    for row, column in (a, b):
+        at = np.array([column + 0.5, row + 0.5])
+        point = rays_through(asked.view, asked.size, at) / asked.inverse_depth[row, column] + asked.way_m[row, column]
+        share = (point[:2] / -point[2] - (left, down)) / (right - left, up - down)
+        places.append(share * asked.size - at)
+    return places[1] - places[0]
 
 
 @attrs.frozen(eq=False)

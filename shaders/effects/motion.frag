@@ -9,7 +9,8 @@ layout(location = 0) out vec4 colour;
 layout(location = 1) out float inverse_depth;
 
 void main() {
-    float r = surface_point.z * gl_FragCoord.w, own = known_inverse_depth(owner.xy);
+    float r = surface_point.z * gl_FragCoord.w;
+    Seen own = Seen(owner.xy, uint(owner.z), known_inverse_depth(owner.xy));
     ivec2 here = ivec2(gl_FragCoord.xy);
     bool hidden = moves_with(here) == 0u && known_inverse_depth(here) > r;
     vec2 away = clamp(surface_point.xy - vec2(owner.xy) - 0.5, -0.5, 0.5);
@@ -18,7 +19,7 @@ void main() {
     vec4 sum = vec4(0.0);
     for (int k = 0; k < 4; ++k) {
         ivec2 step = ivec2(k & 1, k >> 1), pixel = owner.xy + step * side;
-        bool same = k == 0 || joined(uint(owner.z), moves_with(pixel), own, known_inverse_depth(pixel), vec2(step));
+        bool same = k == 0 || joined(own, seen(pixel));
         vec2 weights = mix(1.0 - share, share, vec2(step));
         if (same) sum += weights.x * weights.y * texelFetch(late_colour, clamp(pixel, ivec2(0), late_size - 1), 0);
     }

@@ -29,6 +29,7 @@ uniform mat3 pixel_from_eye;     // metres along the eye's axes to homogeneous p
 uniform float seconds;           // for which motion goes on as it was
 uniform float reach_m;           // the farthest it goes
 const uint SOFT_KEY = 0x10000u;  // one more than any body
+const float TEAR_PX = 2.0;       // pixels by which neighbours may move apart: a hand that passes a leg is no part of it
 #endif
 
 const float LARGEST = 3.402823466e38; // the largest finite float32
@@ -62,7 +63,31 @@ uint moves_with(ivec2 pixel) {
     return within == pixel && known_inverse_depth(pixel) >= 0.0 ? key_of(within) : 0u;
 }
 
-// Whether two pixels `apart` show one surface of one thing that moves.
-bool joined(uint key_a, uint key_b, float a, float b, vec2 apart) {
-    return key_a != 0u && key_a == key_b && abs(a - b) <= dot(steepest, abs(apart)) * min(a, b);
+#if SOFT && !IMAGES
+// Pixels times metres that a pixel of what deforms goes.
+vec3 way_of(ivec2 pixel) {
+    vec3 way = AT(late_velocity, clamp(pixel, ivec2(0), late_size - 1)).rgb * seconds;
+    return pixel_from_eye * (way * min(1.0, reach_m / max(length(way), 1e-20)));
+}
+
+// Where the centre of such a pixel goes, in pixels.
+vec2 goes_to(ivec2 pixel, float r) {
+    vec3 q = vec3(vec2(pixel) + 0.5, 1.0) + way_of(pixel) * r;
+    return q.xy / max(q.z, 1e-6);
+}
+#endif
+
+struct Seen { ivec2 pixel; uint key; float r; };
+
+Seen seen(ivec2 pixel) { return Seen(pixel, moves_with(pixel), known_inverse_depth(pixel)); }
+
+// Whether two neighbours show one surface of one thing that moves: of one depth, and not torn apart by moving each its own way.
+bool joined(Seen a, Seen b) {
+    vec2 apart = vec2(b.pixel - a.pixel);
+    bool whole = a.key != 0u && a.key == b.key && abs(a.r - b.r) <= dot(steepest, abs(apart)) * min(a.r, b.r);
+#if SOFT && !IMAGES
+    vec2 strain = abs(goes_to(b.pixel, b.r) - goes_to(a.pixel, a.r) - apart);
+    whole = whole && (a.key != SOFT_KEY || max(strain.x, strain.y) <= TEAR_PX);
+#endif
+    return whole;
 }

@@ -298,6 +298,20 @@ def test_soft_motion_is_limited_in_reach(gpu):
     made.close()
 
 
+def test_what_moves_another_way_at_the_same_depth_is_torn_off(gpu):
+    """The lower half goes to the right by 17 pixels, the upper half stays: nothing is stretched between them."""
+    image = one_body(gpu, RigidState(Pose()))
+    velocity = np.zeros((*SIZE[::-1], 4))
+    low = (read_ids(image) == 1) & (np.arange(SIZE[1])[:, None] < SIZE[1] / 2)
+    velocity[read_ids(image) == 1] = (1e-6, 0, 0, 1)
+    velocity[low] = (3.0, 0, 0, 1)
+    soft = attrs.evolve(image, ids=None, bodies=(), velocity=textured(gpu, velocity, COLOUR))
+    colour, _ = run(gpu, soft, 250 * MS, SOFT)
+    starts = [np.flatnonzero(row)[0] for row in colour[..., 0] > 0 if row.any()]
+    assert set(np.diff(starts).tolist()) == {0, starts[-1] - starts[0]}
+    assert abs(starts[-1] - starts[0]) > 10
+
+
 def read_ids(image: EyeImage) -> np.ndarray:
     return np.frombuffer(image.ids.read(alignment=1), np.uint16).reshape(SIZE[::-1])
 
