@@ -23,6 +23,7 @@ from ._model import Mesh, Scene
 
 VERSION = 1  # of what decimated() makes of the same meshes: counted up with every change of its results
 UNKNOWN_ALBEDO = 0.5
+LEAST_TRIANGLES = 2000  # a client draws so many in no time, and a fifth of ten would leave things out
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB
 
 Triangles = list[NDArray[np.uint32]]
@@ -31,13 +32,15 @@ Triangles = list[NDArray[np.uint32]]
 def reduced(scene: Scene, share: float, folder: Path | None = None) -> Scene:
     """What of the scene hides what is behind it, with about `share` of its triangles: matt, its light as baked.
 
-    Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies and deformations move as before.
+    No scene is brought below LEAST_TRIANGLES. Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies
+    and deformations move as before.
     folder: where results are kept, the user's cache folder if None. One that cannot be read or written costs the time to reduce again,
     about 3 s for 75,000 triangles, and is no error. Errors: SceneError for a share that is not above 0 and at most 1.
     """
     if not 0 < share <= 1:
         raise SceneError(f"share {share:g} of a scene's triangles: wanted more than 0 and at most 1")
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+    share = max(share, min(1.0, LEAST_TRIANGLES / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
     triangles = [mesh.triangles for mesh in surfaces] if share == 1 else _remembered(surfaces, share, folder or cache_folder())
     meshes = [_with_triangles(mesh, kept) for mesh, kept in zip(surfaces, triangles, strict=True) if len(kept)]
     return attrs.evolve(scene, meshes=meshes)

@@ -6,11 +6,11 @@ layout(local_size_x = 64) in;
 #include "lib/relight.glsl"
 layout(rgba16f) readonly uniform image2D albedo;
 layout(r32f) readonly uniform image2D model_inverse_depth;
+layout(rgba32f) readonly uniform image2D lights;
 layout(rgba16f) uniform image2D filled; // the model's lit colour before, in the holes
 layout(std430, binding = 1) readonly buffer Samples { ivec4 sample_of[]; }; // xy: how far off, in pixels
 layout(std430, binding = 2) readonly buffer Holes { uint hole_count, none_a, none_b, none_c; uint hole_at[]; };
 uniform ivec2 shown_size;
-uniform ivec2 block_count;
 uniform int samples;
 uniform float near;           // distance over distance from the eye at which light counts a quarter
 uniform float off_plane;      // and off the surface's plane, at which it counts half
@@ -36,15 +36,16 @@ vec3 relit(ivec2 p, vec3 lit) {
     for (int k = 0; k < samples; ++k) {
         ivec2 place = p + sample_of[k].xy;
         bool inside = all(greaterThanEqual(place, ivec2(0))) && all(lessThan(place, shown_size));
-        ivec2 block = inside ? place / BLOCK : ivec2(0);
-        Light found = light_of[block.y * block_count.x + block.x];
-        vec3 way = (found.point.xyz - point) * (depth + FLOOR);
+        ivec2 light = inside ? place / BLOCK * ivec2(PARTS, 1) : ivec2(0);
+        vec4 block_seen = imageLoad(lights, light), block_plain = imageLoad(lights, light + ivec2(1, 0));
+        vec4 block_point = imageLoad(lights, light + ivec2(2, 0));
+        vec3 way = (block_point.xyz - point) * (depth + FLOOR);
         float nearness = 1.0 / (1.0 + dot(way, way) / (near * near)), off = dot(way, normal) / off_plane;
-        float facing = max(dot(normal, vec3(found.seen.a, found.plain.a, found.point.a)), 0.0);
+        float facing = max(dot(normal, vec3(block_seen.a, block_plain.a, block_point.a)), 0.0);
         facing *= facing;
         float weight = inside ? nearness * nearness * facing * facing / (1.0 + off * off) : 0.0;
-        seen += weight * found.seen.rgb;
-        plain += weight * found.plain.rgb;
+        seen += weight * block_seen.rgb;
+        plain += weight * block_plain.rgb;
     }
     return (imageLoad(albedo, p).rgb * seen + model_weight * lit) / (plain + model_weight);
 }

@@ -7,6 +7,7 @@ layout(rgba16f) readonly uniform image2D warped;
 layout(r32f) readonly uniform image2D warped_inverse_depth;
 layout(rgba16f) readonly uniform image2D albedo;
 layout(r32f) readonly uniform image2D model_inverse_depth;
+layout(rgba32f) writeonly uniform image2D lights;
 uniform ivec2 shown_size;
 uniform ivec2 block_count;
 uniform float same_depth;   // share by which two depths of one surface may differ
@@ -51,5 +52,8 @@ void main() {
     vec3 normal = normal_at(place.xy, place.z, across.xy / max(across.zw, vec2(1.0)));
     const float share = 1.0 / float(BLOCK * BLOCK);
     vec3 point = point_at(place.xy, place.z);
-    light_of[block.y * block_count.x + block.x] = Light(vec4(share * seen, normal.x), vec4(share * plain, normal.y), vec4(point, normal.z));
+    ivec2 light = ivec2(PARTS * block.x, block.y);
+    imageStore(lights, light, vec4(share * seen, normal.x));
+    imageStore(lights, light + ivec2(1, 0), vec4(share * plain, normal.y));
+    imageStore(lights, light + ivec2(2, 0), vec4(point, normal.z));
 }

@@ -3,13 +3,10 @@
 const int BLOCK = 8;
 const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a place
 
-struct Light {
-    vec4 seen;  // rgb: shown colour, the mean over all pixels of the block, 0 for those that do not count
-    vec4 plain; // rgb: the model's albedo, the same
-    vec4 point; // xyz: where the surface is, in metres along the eye's axes; the three a together: its normal, of length 1
-};
-
-layout(std430, binding = 0) buffer Lights { Light light_of[]; };
+// Three texels a block, side by side. rgb of the first: shown colour, the mean over all pixels of the block, 0 for those that do not count;
+// of the second: the model's albedo, the same; of the third: where the surface is, in metres along the eye's axes. The three alphas together:
+// its normal, of length 1. An image, because llvmpipe loads its texels whole and a buffer's numbers one by one.
+const int PARTS = 3;
 uniform vec2 first_tangent, pixel_tangent; // of the picture's corner, of one pixel
 
 vec3 point_at(vec2 p, float depth) {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Body, Material, Mesh, Scene, load_scene
+from hmdwarp.scenes import Body, Material, Mesh, Scene, _reduce, load_scene
 from hmdwarp.scenes._decimate import decimated
 from hmdwarp.scenes._reduce import reduced, unlit
 from hmdwarp.scenes.library._surfaces import Surface, box, join, patch
@@ -47,6 +47,7 @@ SHEET = patch((0, 0, 0), (4, 0, 0), (0, 3, 0))
 
 @pytest.fixture(autouse=True)
 def _a_cache_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.setattr(_reduce, "LEAST_TRIANGLES", 0)
     for name in ("XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
         monkeypatch.setenv(name, str(tmp_path / "home"))
 
@@ -155,6 +156,12 @@ def test_a_share_that_is_none_is_refused(share):
         reduced(load_scene("planes"), share)
 
 
+def test_a_scene_of_few_triangles_keeps_them_all(monkeypatch):
+    monkeypatch.setattr(_reduce, "LEAST_TRIANGLES", 2000)
+    scene = load_scene("planes")
+    assert reduced(scene, 0.2).triangle_count == scene.triangle_count
+
+
 def test_nothing_to_reduce():
     assert reduced(scene_of(), 0.2).meshes == ()
 
@@ -165,8 +172,6 @@ def test_nothing_to_reduce():
 @pytest.fixture
 def counted(monkeypatch):
     """How often decimated() ran."""
-    from hmdwarp.scenes import _reduce
-
     runs = []
     monkeypatch.setattr(_reduce, "decimated", lambda meshes, share: runs.append(share) or decimated(meshes, share))
     return runs

@@ -19,12 +19,15 @@ if TYPE_CHECKING:
     from ..given import Given
 
 BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
-LIGHT_BYTES = 48
+LIGHT = (4, "f4")  # rgba32f, PARTS texels a block
+PARTS = 3
 SEED = 0.5
 SAME_DEPTH = SAME_SURFACE = 0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
 NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
-MODEL_WEIGHT = 0.03  # by FLIP on `walk` and `look-around`; ten times less or more costs 2 %
+# 0.03 would be best by FLIP in a scene whose light is what is baked (0.0724; this 0.0730, the model alone 0.0758), but then the middle of
+# a hole as wide as a fifth of the picture would hardly follow the picture's light.
+MODEL_WEIGHT = 0.003
 
 
 @attrs.frozen
@@ -78,7 +81,7 @@ class Relight(Fill):
             model.reserve(self.shown_size)
         self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
         self._blocks = (-(-wide // BLOCK), -(-high // BLOCK))
-        self._lights = gl.buffer(reserve=LIGHT_BYTES * self._blocks[0] * self._blocks[1])
+        self._lights = allocate(gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT)
         offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
         self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
         self._holes = gl.buffer(reserve=16 + 4 * wide * high)
@@ -94,9 +97,10 @@ class Relight(Fill):
         per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
         shared = {
             "albedo": 2, "model_inverse_depth": 3, "first_tangent": (left, down), "pixel_tangent": per_pixel,
-            "shown_size": self.shown_size, "block_count": self._blocks,
+            "shown_size": self.shown_size, "lights": 5,
         }  # fmt: skip
-        self._find.uniforms.set(**shared, warped=0, warped_inverse_depth=1, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE)
+        limits = {"same_depth": SAME_DEPTH, "same_surface": SAME_SURFACE}
+        self._find.uniforms.set(**shared, **limits, warped=0, warped_inverse_depth=1, block_count=self._blocks)
         self._find.run(*self._blocks)
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
@@ -110,7 +114,7 @@ class Relight(Fill):
         for unit, texture in enumerate(textures):
             texture.bind_to_image(unit, read=True, write=False)
         into.colour.texture.bind_to_image(4, read=True, write=True)
-        self._lights.bind_to_storage_buffer(0)
+        self._lights.bind_to_image(5, read=True, write=True)
         self._samples.bind_to_storage_buffer(1)
         self._holes.write(bytes(16))
         self._holes.bind_to_storage_buffer(2)

@@ -1,0 +1,196 @@
+"""Fills that draw: the model fills holes with what the scene is; relight gives it the light of the picture."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from client_scene import ClientScene
+from worlds import read
+
+from hmdwarp.client.choices import parse_fills
+from hmdwarp.client.fills import relight as settings
+from hmdwarp.client.fills.relight import sample_offsets
+from hmdwarp.client.given import Given
+from hmdwarp.client.picture import ShownPicture
+from hmdwarp.errors import InputError
+from hmdwarp.frame import EyeImage
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.reference.relight import Relit, relight
+from hmdwarp.scenes import Body, Mesh, Scene, load_scene
+from hmdwarp.server import Server
+
+SIZE = (150, 111)
+VIEW = View(Pose((0.05, 1.6, 0.1)), Fov(-0.6, 0.7, -0.55, 0.45))
+# What is stored as a half float is truncated: 2^-10 of it.
+STORED = 2.0**-10
+
+
+def picture_of(gpu, size) -> ShownPicture:
+    return ShownPicture(Canvas(gpu.gl, size), allocate(gpu.gl, size, SCALAR))
+
+
+class Shown:
+    """A scene seen from VIEW in another light than the one baked into it, with holes. scene: a name. tint: of the light."""
+
+    def __init__(self, gpu, scene: str, tint=(1.0, 1.0, 1.0), size=SIZE, holes=None, share=1.0) -> None:
+        self.gpu, self.size, self.share = gpu, size, share
+        self.geometry = ClientScene(gpu, scene)
+        drawn = self.geometry._server.draw(VIEW, size)
+        self.truth = read(drawn.colour) * (*tint, 1)
+        self.depth = read(drawn.inverse_depth)[..., 0]
+        y, x = np.mgrid[: size[1], : size[0]]
+        self.holes = (np.abs(x - 70) < 25) & (np.abs(y - 50) < 30) if holes is None else holes
+        self.colour = np.where(self.holes[..., None], 0, self.truth).astype(np.float16).astype(np.float64)
+        self.shown_depth = np.where(self.holes, -1, self.depth)
+
+    def fill(self, text: str, *, depth: bool = True) -> tuple[np.ndarray, np.ndarray]:
+        """Colour and inverse depth after a fill."""
+        (choice,) = parse_fills(text)
+        fill = choice.entry(self.gpu, self.size, self.size, choice.settings, self.geometry)
+        picture, into = picture_of(self.gpu, self.size), picture_of(self.gpu, self.size)
+        picture.colour.texture.write(self.colour.astype(np.float16).tobytes(), alignment=1)
+        picture.inverse_depth.write(self.shown_depth.astype(np.float32).tobytes(), alignment=1)
+        given = Given(EyeImage(VIEW, picture.colour.texture, picture.inverse_depth), VIEW)
+        if not depth:
+            picture, into = attrs.evolve(picture, inverse_depth=None), attrs.evolve(into, inverse_depth=None)
+        fill.run(given, picture, into)
+        self.gpu.gl.memory_barrier()
+        found = read(into.colour.texture), read(into.inverse_depth)[..., 0] if depth else None
+        fill.close()
+        return found
+
+    def of_model(self, *, lit: bool) -> tuple[np.ndarray, np.ndarray]:
+        """What the client's model looks like."""
+        into = picture_of(self.gpu, self.size)
+        self.geometry.model(self.share, lit=lit).draw(VIEW, into, 0)
+        return read(into.colour.texture), read(into.inverse_depth)[..., 0]
+
+    def asked(self, samples: int, reach: float) -> Relit:
+        (albedo, depth), (lit, _) = (self.of_model(lit=lit) for lit in (False, True))
+        offsets = sample_offsets(samples, reach * self.size[0])
+        weights = (settings.SAME_DEPTH, settings.SAME_SURFACE, settings.NEAR, settings.OFF_PLANE, settings.MODEL_WEIGHT)
+        return Relit(VIEW.fov, self.colour, self.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
+
+    def error(self, found: np.ndarray) -> float:
+        """Root mean square inside the holes."""
+        return float(np.sqrt(((found - self.truth)[self.holes, :3] ** 2).mean()))
+
+
+@pytest.mark.parametrize("scene", ["planes", "spheres"])
+def test_the_whole_model_fills_with_the_truth(gpu, scene):
+    shown = Shown(gpu, scene)
+    colour, depth = shown.fill("model:share=1")
+    assert np.array_equal(colour, shown.truth)
+    assert np.array_equal(depth, shown.depth)
+
+
+def test_a_model_without_depth_fills_the_same(gpu):
+    shown = Shown(gpu, "spheres")
+    assert np.array_equal(shown.fill("model:share=0.3", depth=False)[0], shown.fill("model:share=0.3")[0])
+
+
+def test_fewer_triangles_are_nearly_as_good(gpu):
+    shown = Shown(gpu, "spheres")
+    # A tenth of the triangles moves silhouettes by less than a pixel here; black holes would be off by the picture's own brightness.
+    assert shown.error(shown.fill("model:share=0.1")[0]) < 0.3 * shown.error(shown.colour)
+
+
+def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
+    """A wall that the near plane cuts: where it touches the plane its depth is 0, which is where what is covered is put."""
+    corners = np.array([(-1, -1, -0.5), (1, -1, -0.5), (1, 1, 0.5), (-1, 1, 0.5)]) + VIEW.pose.position_m
+    wall = Mesh("wall", corners, np.tile((0, 0, 1), (4, 1)), np.zeros((4, 2)), np.ones((4, 3)), [(0, 1, 2), (0, 2, 3)], double_sided=True)
+    shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
+    from hmdwarp.client_scene import ClientScene as OfServer
+
+    shown.geometry = OfServer(Server(gpu, Scene("wall", "", [wall])))
+    assert np.array_equal(shown.fill("model:share=1")[0], shown.colour)
+
+
+@attrs.frozen
+class Sliding:
+    def state(self, time_ns):
+        from hmdwarp.geometry import RigidState
+
+        return RigidState(Pose((time_ns * 1e-9, 0, 0)))
+
+
+def test_bodies_are_drawn_where_they_are_when_shown(gpu):
+    from hmdwarp.client_scene import ClientScene as OfServer
+
+    scene = load_scene("planes")
+    moving = attrs.evolve(scene, meshes=[attrs.evolve(mesh, body=1) for mesh in scene.meshes], bodies=(Body("all", Sliding()),))
+    geometry, into = OfServer(Server(gpu, moving)), picture_of(gpu, SIZE)
+    geometry.model(1.0, lit=True).draw(VIEW, into, 250_000_000)
+    still = Server(gpu, scene)
+    seen = still.draw(View(Pose(VIEW.pose.position_m - (0.25, 0, 0)), VIEW.fov), SIZE)
+    # The same triangles by another product of matrices: a few pixels on edges may differ.
+    assert (read(into.colour.texture) == read(seen.colour)).all(axis=-1).mean() > 0.97
+
+
+@pytest.mark.parametrize("scene", ["planes", "spheres"])
+@pytest.mark.parametrize("size", [SIZE, (37, 90)], ids=str)
+def test_relight_equals_its_twin(gpu, scene, size):
+    rng = np.random.default_rng(4)
+    shown = Shown(gpu, scene, (0.6, 0.9, 1.4), size, rng.uniform(size=size[::-1]) < 0.3, share=0.2)
+    wanted = relight(shown.asked(32, 0.25))
+    got = shown.fill("relight")[0]
+    off = np.abs(got - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
+    # Truncated once; 32 weights of a few float32 operations each, on normals from differences of float32 depths (at 2^-24 of the depth,
+    # over steps of 1e-3 of it and more: 1e-4). Which pixels of a block count, and on which side of an edge a slope is taken, is rounding's
+    # to say where two are as good as equal: a pixel in a hundred.
+    assert (off <= STORED + 2e-3).mean() > 0.99
+    assert np.array_equal(got[~shown.holes], shown.colour[~shown.holes])
+
+
+@pytest.mark.parametrize("scene", ["planes", "spheres"])
+def test_holes_take_the_light_of_the_picture(gpu, scene):
+    """In light that is half as strong and warmer than what is baked, the model is off by that; relit it is off by a third of it at most."""
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]]
+    shown = Shown(gpu, scene, (0.6, 0.5, 0.35), holes=((x // 10) % 2 == 0) & ((y // 10) % 2 == 0))
+    assert shown.error(shown.fill("relight:share=1")[0]) < 0.34 * shown.error(shown.fill("model:share=1")[0])
+
+
+def test_no_texture_is_copied(gpu):
+    """Light read off a checkered wall next to the hole is plain: what fills the hole is its own albedo times one colour."""
+    shown = Shown(gpu, "planes", (0.6, 0.5, 0.35))
+    got, albedo = shown.fill("relight:share=1")[0], shown.of_model(lit=False)[0]
+    wall = shown.holes & (np.abs(shown.depth - np.median(shown.depth[shown.holes])) < 1e-6)
+    light = got[wall, :3] / albedo[wall, :3]
+    # Of the model's own light 3 % remain beside as much albedo; the rest is one light over all of it, dark fields and bright ones.
+    assert light.std(axis=0).max() < 0.06 * light.mean()
+
+
+def test_without_anything_like_it_in_sight_the_models_own_light_is_left(gpu):
+    shown = Shown(gpu, "spheres")
+    shown.shown_depth = np.full_like(shown.shown_depth, -1)
+    got, model = shown.fill("relight")[0], shown.fill("model")[0]
+    assert np.abs(got - model).max() <= 2 * STORED * model.max()
+    assert got[shown.holes, :3].max(axis=-1).min() > 0
+
+
+def test_samples_are_the_same_every_time_and_within_reach():
+    offsets = sample_offsets(500, 80)
+    assert np.array_equal(offsets, sample_offsets(500, 80))
+    assert np.hypot(*offsets.T).max() <= 81
+    # The radius is 80 times the square of evenly spread numbers, so its median is 20; and every quarter of the disc has a quarter of them.
+    assert np.median(np.hypot(*offsets.T)) == pytest.approx(20, abs=1)
+    x, y = offsets[(offsets != 0).all(axis=1)].T
+    assert np.bincount((x > 0) + 2 * (y > 0)) / len(x) == pytest.approx([0.25] * 4, abs=0.02)
+
+
+@pytest.mark.parametrize("text", ["model:share=0", "model:share=1.1", "relight:samples=0", "relight:reach=0", "relight:share=-1"])
+def test_settings_that_are_none_are_refused(text):
+    with pytest.raises(InputError, match="wanted"):
+        parse_fills(text)
+
+
+@pytest.mark.parametrize("name", ["model", "relight"])
+def test_nothing_is_made_once_it_runs(gpu, name):
+    shown = Shown(gpu, "spheres")
+    shown.fill(name)
+    compiled, models = gpu.shaders.compiled, dict(shown.geometry._models)
+    shown.fill(name)
+    assert gpu.shaders.compiled == compiled
+    assert shown.geometry._models == models
