@@ -7,14 +7,15 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ..geometry import Pose
-from ._animated import AnimatedNodes, animated_nodes
+from ._content import Material
+from ._gltf_file import GltfFile
+from ._gltf_scene import rich_parts
 from ._model import Background, Mesh, Scene, Texture
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ def scene_from_file(path: Path) -> Scene:
     Far from the origin the float64 offset is kept apart (origin_m), so that no digits are lost on the GPU.
     Errors: SceneError, one line, for a file that is missing, empty, corrupt, without triangles, or with positions that are not finite.
     """
+    if _is_rich(path):
+        return _rich_scene(path)
     notes: list[str] = []
     parts = [part for part in _parts_of(path, notes) if len(part.faces)]
     if not parts:
@@ -46,8 +49,6 @@ def scene_from_file(path: Path) -> Scene:
     origin = np.round((low + high) / 2)  # whole metres, so that a scene drawn at the origin keeps its own numbers
     textures: list[Texture] = []
     meshes = [_mesh(part, f"{path.stem}-{i}", origin, textures, notes) for i, part in enumerate(parts)]
-    moving = animated_nodes(path, notes) if path.suffix.lower() == ".glb" else AnimatedNodes()
-    meshes = [_in_body(mesh, part, moving) for mesh, part in zip(meshes, parts, strict=True)]
     viewpoint, bounds = viewpoint_of(low, high)
     summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
     return Scene(
@@ -56,7 +57,6 @@ def scene_from_file(path: Path) -> Scene:
         meshes,
         textures,
         SKY,
-        bodies=moving.bodies,
         origin_m=origin,
         viewpoint=viewpoint,
         walk_bounds_m=bounds,
@@ -64,13 +64,39 @@ def scene_from_file(path: Path) -> Scene:
     )
 
 
-def _in_body(mesh: Mesh, part: Any, moving: AnimatedNodes) -> Mesh:
-    """The mesh in the frame of its body, if its node moves; `part` has it in the world, at rest."""
-    number, rest = moving.of_node.get(part.metadata.get("node"), (0, Pose()))
-    if not number:
-        return mesh
-    positions = rest.inverse().transform(np.asarray(part.vertices, np.float64))
-    return attrs.evolve(mesh, positions=positions, normals=rest.rotation.inv().apply(mesh.normals), body=number)
+def _rich_scene(path: Path) -> Scene:
+    """A GLB with animations, skins, mirrors or what one sees through, see _gltf_scene."""
+    import trimesh
+
+    def is_closed(positions: NDArray, triangles: NDArray) -> bool:
+        return _is_closed(trimesh.Trimesh(positions, triangles, process=False))
+
+    try:
+        with np.errstate(all="ignore"):
+            parts = rich_parts(path, _normals, is_closed)
+            if not parts.drafts:
+                raise SceneError(f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)")
+            standing = [draft.positions for draft in parts.drafts if not draft.look.material.head_locked]
+            low, high = (np.array([getattr(one, end)(axis=0) for one in standing or [np.zeros((1, 3))]]) for end in ("min", "max"))
+            low, high = low.min(axis=0), high.max(axis=0)
+            origin = np.round((low + high) / 2)
+            meshes = [draft.mesh(origin, _light_on) for draft in parts.drafts]
+            viewpoint, bounds = viewpoint_of(low, high)
+            summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
+            told = {"bodies": parts.bodies, "origin_m": origin, "notes": dict.fromkeys(parts.notes)}
+            return Scene(path.stem, summary, meshes, parts.textures, SKY, viewpoint=viewpoint, walk_bounds_m=bounds, **told)
+    except (SceneError, MemoryError):
+        raise
+    except Exception as error:  # a damaged file may have anything where something else is wanted
+        reason = " ".join(str(error).split())[:120]
+        raise SceneError(f"{path}: not a readable GLB file ({type(error).__name__}: {reason}); export it again") from error
+
+
+def _is_rich(path: Path) -> bool:
+    try:
+        return path.suffix.lower() == ".glb" and path.is_file() and GltfFile.read(path).is_rich()
+    except (SceneError, OSError, AttributeError, TypeError):
+        return False  # whatever is wrong with it is said by those who read it
 
 
 def viewpoint_of(low: NDArray, high: NDArray) -> tuple[Pose, NDArray]:
@@ -172,11 +198,26 @@ def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes:
     normals = _normals(vertices, faces)
     colour, uv, texture = _surface(part, len(vertices), textures, notes, name)
     double_sided = bool(getattr(getattr(part.visual, "material", None), "doubleSided", False)) or not _is_closed(part)
-    lit = 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT) if double_sided else _plain_light(normals)
-    return Mesh(name, vertices - origin, normals, uv, colour * lit[:, None], faces, texture, double_sided, albedo=colour)
+    lit = _light_on(normals, double_sided)
+    material = _see_through(getattr(part.visual, "material", None))
+    return Mesh(name, vertices - origin, normals, uv, colour * lit[:, None], faces, texture, double_sided, material, albedo=colour)
 
 
-def _plain_light(normals: NDArray) -> NDArray:
+def _see_through(material: Any) -> Material:
+    """What an OBJ's `d` (dissolve) says; nothing for other files' materials."""
+    said = (getattr(material, "kwargs", None) or {}).get("d")
+    said = said[0] if isinstance(said, list) and said else said
+    try:
+        share = float(said)
+    except (TypeError, ValueError):
+        return Material()
+    return Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
+
+
+def _light_on(normals: NDArray, double_sided: bool) -> NDArray:
+    """A plain light on (n, 3) unit normals; on a single sheet from both sides."""
+    if double_sided:
+        return 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT)
     return 0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0)
 
 
@@ -200,8 +241,6 @@ def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], n
     """Linear colour (n, 3), uv (n, 2) and texture index of a part: its picture, else its vertex colours, else its material, else grey."""
     visual, uv = part.visual, np.zeros((count, 2))
     material = getattr(visual, "material", None)
-    if getattr(material, "alphaMode", None) in ("MASK", "BLEND"):
-        notes.append(f"{name}: its material is see-through; drawn opaque")
     picture = _picture_of(material)
     found_uv = getattr(visual, "uv", None)
     if found_uv is not None and np.shape(found_uv) == (count, 2):
