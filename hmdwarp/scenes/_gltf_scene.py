@@ -9,10 +9,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
 from ..geometry import Pose
-from ._content import Body, Material
-from ._gltf_file import GltfFile, is_mirror
+from ._content import Body
+from ._gltf_file import GltfFile
+from ._gltf_materials import Look, look_of
 from ._gltf_moving import Driven, NodeMotion, driven_by_node, is_rigid, skinned
 from ._gltf_nodes import Nodes
 from ._model import Mesh, Texture
@@ -20,17 +20,6 @@ from ._model import Mesh, Texture
 Array = NDArray[np.float64]
 FLAT = 1e-4  # a mirror is a plane if nothing of it is farther off than that share of its size
 _TRIANGLES = 4
-
-
-@attrs.frozen(eq=False)
-class Look:
-    """How a primitive looks: linear colour (3,), texture and normal map by index (-1: none), material."""
-
-    colour: Array
-    texture: int
-    material: Material
-    double_sided: bool
-    texcoords: str
 
 
 @attrs.define(eq=False)
@@ -134,7 +123,7 @@ def _draft(file: GltfFile, nodes: Nodes, parts: RichParts, looks: dict, place: _
     if bad.any():
         raise file.wrong(f"{told}: position {int(np.argmax(bad))} is not a finite number; export it again without it")
     locked = any((file.listed("nodes")[one].get("extras") or {}).get("head_locked") for one in nodes.line(place.node))
-    look = _look_of(file, parts, looks, place.primitive, locked)
+    look = look_of(file, parts, looks, place.primitive, locked)
     if look is None or not len(triangles):
         return None
     draft = _moved(file, nodes, parts, place, Draft(place.name, rest, look, triangles))
@@ -206,100 +195,3 @@ def _is_flat(positions: Array) -> bool:
     middle = positions - positions.mean(axis=0)
     sizes = np.linalg.svd(middle, compute_uv=False)
     return bool(sizes[-1] <= FLAT * sizes[0]) if len(sizes) == 3 else True
-
-
-# --- materials --------------------------------------------------------------------------------------------------------------
-
-
-def _look_of(file: GltfFile, parts: RichParts, looks: dict, primitive: dict, locked: bool) -> Look | None:
-    """How a primitive looks; None for what is wholly cut away."""
-    key = (primitive.get("material"), locked)
-    if key not in looks:
-        told = file.one("materials", key[0], "a mesh") if key[0] is not None else {}
-        looks[key] = _look(file, parts, told, f"material '{told.get('name') or key[0]}'", locked)
-    return looks[key]
-
-
-def _look(file: GltfFile, parts: RichParts, told: dict, name: str, locked: bool) -> Look | None:
-    plain = told.get("pbrMetallicRoughness") or {}
-    factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
-    if factor.shape != (4,) or not np.isfinite(factor).all():
-        raise file.wrong(f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again")
-    mode, base = told.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
-    image = _image(file, parts, base, name)
-    alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
-    if mode == "MASK":
-        cutoff = float(told.get("alphaCutoff", 0.5))
-        if image is None and alpha < cutoff:
-            return None
-        image, alpha = (None if image is None else _cut(image, alpha, cutoff)), 1.0
-    elif mode != "BLEND" and image is not None:
-        image = image[..., :3]
-    # What is cut out of nothing, or blended without letting anything pass, is a surface like any other.
-    sees_through = mode in ("MASK", "BLEND") and (alpha < 1 or (image is not None and image.shape[2] == 4 and image[..., 3].min() < 255))
-    material = _material(file, parts, told, name, _Asked(alpha, sees_through, locked, factor[:3]))
-    texture = _filed(parts, name, image, srgb=True)
-    shown = np.clip(factor[:3], 0, None)
-    return Look(shown, texture, material, bool(told.get("doubleSided")), f"TEXCOORD_{base.get('texCoord', 0)}")
-
-
-@attrs.frozen(eq=False)
-class _Asked:
-    alpha: float
-    sees_through: bool
-    locked: bool
-    colour: Array
-
-
-def _material(file: GltfFile, parts: RichParts, told: dict, name: str, asked: _Asked) -> Material:
-    if asked.locked:
-        return Material(head_locked=True, opacity=asked.alpha)
-    extensions, extras = (told.get(key) or {} for key in ("extensions", "extras"))
-    passes = float(np.clip((extensions.get("KHR_materials_transmission") or {}).get("transmissionFactor", 0.0), 0, 1))
-    reflects = _reflectivity(file, told, name, asked.colour)
-    if passes > 0 or asked.sees_through:
-        if reflects:
-            parts.notes.append(f"{file.path}: {name} mirrors and is see-through; it does not mirror")
-        tint = tuple(np.clip(asked.colour, 0, 1)) if passes > 0 else (1.0, 1.0, 1.0)
-        return Material(see_through=True, opacity=asked.alpha * (1 - passes), tint=tint)
-    if not reflects:
-        return Material()
-    normal = _filed(parts, f"{name}-normal", _image(file, parts, told.get("normalTexture") or {}, name, channels=3), srgb=False)
-    return Material(reflectivity=reflects, normal_map=normal, curved=bool(extras.get("curved", False)))
-
-
-def _reflectivity(file: GltfFile, told: dict, name: str, colour: Array) -> float:
-    """What the file says by `reflectivity` in a material's extras; else that of a polished metal, whose base colour it is."""
-    said = (told.get("extras") or {}).get("reflectivity")
-    if said is None:
-        return float(np.clip(colour, 0, 1).mean()) if is_mirror(told) else 0.0
-    if not isinstance(said, int | float) or not 0 <= said <= 1:
-        raise file.wrong(f"{name}: reflectivity {said!r} in its extras; wanted a share of 0 to 1")
-    return float(said)
-
-
-def _image(file: GltfFile, parts: RichParts, told: dict, name: str, channels: int = 4) -> NDArray[np.uint8] | None:
-    """(h, w, channels) bytes; None, with a note, for a picture that cannot be read."""
-    if "index" not in told:
-        return None
-    texture = file.one("textures", told["index"], name)
-    if "KHR_texture_transform" in (told.get("extensions") or {}):
-        parts.notes.append(f"{file.path}: {name} shifts or scales its texture (KHR_texture_transform); drawn without")
-    try:
-        return file.image(texture.get("source"), name)[..., :channels]
-    except SceneError as error:
-        parts.notes.append(f"{error}; drawn plain")
-        return None
-
-
-def _cut(image: NDArray[np.uint8], alpha: float, cutoff: float) -> NDArray[np.uint8]:
-    out = image.copy()
-    out[..., 3] = np.where(image[..., 3] / 255 * alpha >= cutoff, 255, 0)
-    return out
-
-
-def _filed(parts: RichParts, name: str, image: NDArray[np.uint8] | None, *, srgb: bool) -> int:
-    if image is None:
-        return -1
-    parts.textures.append(Texture(name, image, srgb=srgb))
-    return len(parts.textures) - 1

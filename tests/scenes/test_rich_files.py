@@ -1,0 +1,319 @@
+"""What a GLB calls for follows from what is in it: skins, splines, mirrors, glass, cut-outs, a HUD; what is broken is refused."""
+
+from __future__ import annotations
+
+import io
+import json
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import SceneError
+from hmdwarp.geometry import Fov, View
+from hmdwarp.scenes import Scene, SceneEffect, load_scene
+from hmdwarp.server import Server
+
+S = 1_000_000_000
+SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
+BENT = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0.5), (-1, 1, 0)], np.float32)
+FACES = np.array([0, 1, 2, 0, 2, 3], np.uint16)
+
+
+class Glb:
+    """A GLB put together by hand: one square on one node, and what the test adds. The JSON is open to any change."""
+
+    def __init__(self, positions: np.ndarray = SQUARE) -> None:
+        self.binary = b""
+        self.told: dict = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "bufferViews": [], "accessors": []}
+        uv = np.array([(0, 1), (1, 1), (1, 0), (0, 0)], np.float32)
+        attributes = {"POSITION": self.numbers(positions), "TEXCOORD_0": self.numbers(uv)}
+        self.primitive = {"attributes": attributes, "indices": self.numbers(FACES)}
+        self.told |= {"meshes": [{"primitives": [self.primitive]}], "nodes": [{"name": "thing", "mesh": 0, "translation": [0, 1, -3]}]}
+
+    def view(self, data: bytes) -> int:
+        self.binary += b"\0" * (-len(self.binary) % 4)
+        self.told["bufferViews"].append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(data)})
+        self.binary += data
+        return len(self.told["bufferViews"]) - 1
+
+    def numbers(self, array) -> int:
+        array = np.asarray(array)
+        array = array.astype(np.float32) if array.dtype == np.float64 else array
+        kind = {np.float32: 5126, np.uint16: 5123, np.uint8: 5121}[array.dtype.type]
+        shape = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}[array.shape[1] if array.ndim > 1 else 1]
+        view = self.view(array.tobytes())
+        self.told["accessors"].append({"bufferView": view, "componentType": kind, "count": len(array), "type": shape})
+        return len(self.told["accessors"]) - 1
+
+    def material(self, **said) -> Glb:
+        self.told["materials"] = [said]
+        self.primitive["material"] = 0
+        return self
+
+    def texture(self, image: np.ndarray) -> dict:
+        stream = io.BytesIO()
+        Image.fromarray(image).save(stream, "PNG")
+        self.told.setdefault("images", []).append({"bufferView": self.view(stream.getvalue()), "mimeType": "image/png"})
+        self.told.setdefault("textures", []).append({"source": len(self.told["images"]) - 1})
+        return {"index": len(self.told["textures"]) - 1}
+
+    def animate(self, path: str, times, values, kind: str = "LINEAR", node: int = 0) -> Glb:
+        animation = self.told.setdefault("animations", [{"name": "walk", "samplers": [], "channels": []}])[0]
+        ends = {"input": self.numbers(np.array(times, np.float32)), "output": self.numbers(np.array(values, np.float32))}
+        animation["samplers"].append(ends | {"interpolation": kind})
+        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}})
+        return self
+
+    def skin(self, weights=((1, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0.5, 0.5, 0, 0)), joints=(0, 1, 0, 0)) -> Glb:
+        """Two joints: one that stands at the origin, and one that hangs from it, 1 m up at rest."""
+        self.told["nodes"] += [{"name": "foot", "children": [2]}, {"name": "head", "translation": [0, 1, 0]}]
+        self.told["scenes"][0]["nodes"].append(1)
+        self.told["nodes"][0]["skin"] = 0
+        inverse = np.tile(np.eye(4, dtype=np.float32), (2, 1, 1))
+        inverse[1, 3, :3] = (0, -1, 0)  # columns first, as the format has it
+        self.told["skins"] = [{"name": "figure", "joints": [1, 2], "inverseBindMatrices": self.numbers(inverse.reshape(2, 16))}]
+        attributes = self.primitive["attributes"]
+        attributes["JOINTS_0"] = self.numbers(np.tile(np.array(joints, np.uint8), (4, 1)))
+        attributes["WEIGHTS_0"] = self.numbers(np.array(weights, np.float32))
+        return self
+
+    def data(self) -> bytes:
+        self.told["buffers"] = [{"byteLength": len(self.binary)}]
+        text = json.dumps(self.told).encode()
+        text += b" " * (-len(text) % 4)
+        binary = self.binary + b"\0" * (-len(self.binary) % 4)
+        body = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
+        return b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body
+
+    def load(self, folder, name: str = "thing.glb") -> Scene:
+        (folder / name).write_bytes(self.data())
+        return load_scene(folder / name)
+
+
+def rgba(alpha) -> np.ndarray:
+    image = np.full((8, 8, 4), 200, np.uint8)
+    image[..., 3] = alpha
+    return image
+
+
+def metal(roughness: float = 0.0, **more) -> dict:
+    return {"pbrMetallicRoughness": {"metallicFactor": 1.0, "roughnessFactor": roughness, "baseColorFactor": [0.8, 0.7, 0.6, 1.0]}, **more}
+
+
+def test_polished_metal_mirrors_and_dull_metal_does_not(tmp_path):
+    shiny = Glb().material(**metal(0.02)).load(tmp_path, "shiny.glb")
+    assert shiny.effects == SceneEffect.PLANAR_REFLECTIONS
+    assert shiny.meshes[0].material.reflectivity == pytest.approx(0.7)
+    assert not Glb().material(**metal(0.3)).load(tmp_path, "dull.glb").effects
+    assert not Glb().material(name="as most are").load(tmp_path, "plain.glb").effects
+
+
+def test_a_normal_map_on_a_mirror_makes_it_glossy_and_a_bent_one_is_curved(tmp_path):
+    glb = Glb()
+    scene = glb.material(**metal(normalTexture=glb.texture(rgba(255)))).load(tmp_path)
+    assert scene.effects == SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS
+    assert not scene.textures[scene.meshes[0].material.normal_map].srgb
+    assert Glb(BENT).material(**metal()).load(tmp_path).effects == SceneEffect.CURVED_REFLECTIONS
+
+
+def test_extras_say_how_much_something_mirrors(tmp_path):
+    assert Glb().material(extras={"reflectivity": 0.3}).load(tmp_path).meshes[0].material.reflectivity == 0.3
+    with pytest.raises(SceneError, match=r"thing\.glb: material 'floor': reflectivity 3 in its extras; wanted a share"):
+        Glb().material(name="floor", extras={"reflectivity": 3}).load(tmp_path)
+
+
+def test_what_is_blended_or_transmits_is_see_through(tmp_path):
+    blend = Glb().material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.25]}).load(tmp_path, "blend.glb")
+    assert blend.effects == SceneEffect.TRANSPARENCY and blend.meshes[0].material.opacity == 0.25
+    told = {"KHR_materials_transmission": {"transmissionFactor": 0.9}}
+    base = {"baseColorFactor": [0.2, 1.0, 0.4, 1.0]}
+    glass = Glb().material(extensions=told, pbrMetallicRoughness=base).load(tmp_path, "glass.glb").meshes[0].material
+    assert glass.opacity == pytest.approx(0.1) and glass.tint == (0.2, 1.0, 0.4)
+    assert not Glb().material(alphaMode="BLEND").load(tmp_path, "opaque.glb").effects  # lets nothing pass
+
+
+def test_what_is_masked_is_cut_out_by_its_alpha(tmp_path):
+    alpha = np.zeros((8, 8), np.uint8)
+    alpha[:, :3], alpha[:, 3:6] = 100, 200
+    glb = Glb()
+    scene = glb.material(alphaMode="MASK", pbrMetallicRoughness={"baseColorTexture": glb.texture(rgba(alpha))}).load(tmp_path)
+    assert scene.effects == SceneEffect.TRANSPARENCY
+    assert np.array_equal(np.unique(scene.textures[0].image[..., 3], return_counts=True), ([0, 255], [40, 24]))
+    with pytest.raises(SceneError, match="no triangles"):
+        Glb().material(alphaMode="MASK", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.2]}).load(tmp_path)
+
+
+def test_an_obj_says_by_d_how_much_it_dissolves(tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl glass\nKd 0.2 0.4 0.6\nd 0.3\n")
+    corners = "\n".join(f"v {x} {y} {z}" for x, y, z in SQUARE)
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}\nusemtl glass\nf 1 2 3\nf 1 3 4\n")
+    scene = load_scene(tmp_path / "a.obj")
+    assert scene.effects == SceneEffect.TRANSPARENCY and scene.meshes[0].material.opacity == pytest.approx(0.3)
+
+
+def test_extras_of_a_node_fix_it_to_the_head(tmp_path):
+    glb = Glb()
+    glb.told["nodes"][0]["extras"] = {"head_locked": True}
+    glb.told["nodes"].append({"mesh": 0, "translation": [40, 0, 0]})
+    glb.told["scenes"][0]["nodes"].append(1)
+    scene = glb.load(tmp_path)
+    assert scene.effects == SceneEffect.OVERLAY
+    locked = next(mesh for mesh in scene.meshes if mesh.material.head_locked)
+    assert np.allclose(locked.positions.mean(axis=0), (0, 1, -3))  # head axes: the scene's origin has no say
+    assert np.array_equal(scene.origin_m, (40, 0, 0)) and np.allclose(locked.light, 1)
+
+
+def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
+    steps = Glb().animate("translation", (0, 1, 2), ((0, 0, 0), (5, 0, 0), (5, 0, 0)), "STEP").load(tmp_path).bodies[0].motion
+    assert [steps.state(round(t * S)).pose.position_m[0] for t in (0, 0.99, 1.01)] == [0, 0, 5]
+    assert (steps.state(S // 2).velocity_m_s == 0).all()
+    # Tangent in, value, tangent out: the parabola t^2 from 0 to 2 s, whose slopes are 0 and 4.
+    keys = ((0, 0, 0), (0, 0, 0), (0, 0, 0), (4, 0, 0), (4, 0, 0), (0, 0, 0))
+    spline = Glb().animate("translation", (0, 2), keys, "CUBICSPLINE").load(tmp_path).bodies[0].motion
+    for t in (0.25, 1.0, 1.5):
+        state = spline.state(round(t * S))
+        assert state.pose.position_m[0] == pytest.approx(t * t, abs=1e-6) and state.velocity_m_s[0] == pytest.approx(2 * t, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["LINEAR", "CUBICSPLINE"])
+def test_velocities_are_those_of_the_poses(tmp_path, kind):
+    """Of a node below another that turns too: by differences of the poses a microsecond apart."""
+    rng = np.random.default_rng(4)
+    glb = Glb()
+    glb.told["nodes"].append({"name": "arm", "children": [0], "translation": [1, 0, 0], "scale": [2, 2, 2]})
+    glb.told["scenes"][0]["nodes"] = [1]
+    each = 3 if kind == "CUBICSPLINE" else 1
+    for node in (0, 1):
+        turns = rng.normal(size=(3 * each, 4))
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True) if each == 1 else 1
+        glb.animate("rotation", (0, 1, 3), turns, kind, node).animate("translation", (0, 2), rng.normal(size=(2 * each, 3)), kind, node)
+    motion = glb.load(tmp_path).bodies[0].motion
+    for t in (0.3, 0.7, 1.4, 2.6):
+        before, at, after = (motion.state(round(t * S) + step) for step in (-1000, 0, 1000))
+        velocity = (after.pose.position_m - before.pose.position_m) / 2e-6
+        spin = (after.pose.rotation * before.pose.rotation.inv()).as_rotvec() / 2e-6
+        # Positions of some metres keep 1e-16 of that: 1e-9 m/s over 2 us; the motion's third derivative is far smaller yet.
+        assert np.allclose(at.velocity_m_s, velocity, atol=1e-5) and np.allclose(at.angular_velocity_rad_s, spin, atol=1e-5)
+
+
+def test_a_skin_goes_where_the_weighted_mean_of_its_joints_takes_it(tmp_path):
+    turn = Rotation.from_rotvec((0, 0, np.pi / 2))
+    scene = Glb().skin().animate("rotation", (0, 1, 2), ((0, 0, 0, 1), turn.as_quat(), turn.as_quat()), node=2).load(tmp_path)
+    assert scene.effects == SceneEffect.SOFT_MOTION
+    deformation = scene.meshes[0].deformation
+    rest, bent = (deformation.positions(round(t * S)) + scene.origin_m for t in (0, 1))
+    assert np.allclose(rest, SQUARE, atol=1e-6)  # a skin's own node has no say
+    about = np.array([0, 1, 0])
+    turned = turn.apply(SQUARE - about) + about
+    wanted = np.array([SQUARE[0], SQUARE[1], turned[2], (SQUARE[3] + turned[3]) / 2])
+    assert np.allclose(bent, wanted, atol=1e-6)
+    differences = (deformation.positions(S // 2 + 1000) - deformation.positions(S // 2 - 1000)) / 2e-6
+    assert np.allclose(deformation.velocities(S // 2), differences, atol=1e-5)
+
+
+def test_all_that_is_drawn_by_the_server(tmp_path, gpu):
+    """A skinned mesh, a moving pane and a HUD in one file, in one picture."""
+    glb = Glb().skin().animate("translation", (0, 1), ((0, 1, 0), (0, 2, 0)), node=2)
+    glb.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 0, 0, 0.5]})
+    glb.told["nodes"].append({"mesh": 0, "translation": [0, 0, -2], "scale": [0.1, 0.1, 0.1], "extras": {"head_locked": True}})
+    glb.told["scenes"][0]["nodes"].append(3)
+    scene = glb.load(tmp_path)
+    assert scene.effects == SceneEffect.SOFT_MOTION | SceneEffect.TRANSPARENCY | SceneEffect.OVERLAY
+    server = Server(gpu, scene)
+    pictures = [server.draw(View(scene.viewpoint, Fov.symmetric(1, 1)), (32, 32), time_ns=t).colour.read() for t in (0, S // 2)]
+    assert pictures[0] != pictures[1]
+    server.close()
+
+
+def no_such_node(glb: Glb) -> None:
+    glb.animate("translation", (0, 1), np.zeros((2, 3)), node=7)
+
+
+def backwards(glb: Glb) -> None:
+    glb.animate("translation", (1, 0.5), np.zeros((2, 3)))
+
+
+def not_finite(glb: Glb) -> None:
+    glb.animate("rotation", (0, 1), ((0, 0, 0, 1), (0, np.nan, 0, 1)))
+
+
+def too_few(glb: Glb) -> None:
+    glb.animate("translation", (0, 1), np.zeros((2, 3)), "CUBICSPLINE")
+
+
+def unknown_kind(glb: Glb) -> None:
+    glb.animate("translation", (0, 1), np.zeros((2, 3)), "BEZIER")
+
+
+def of_a_matrix(glb: Glb) -> None:
+    glb.told["nodes"][0] = {"mesh": 0, "matrix": np.eye(4).ravel().tolist()}
+    glb.animate("translation", (0, 1), np.zeros((2, 3)))
+
+
+def heavy(glb: Glb) -> None:
+    glb.skin(weights=np.full((4, 4), 0.5))
+
+
+def negative(glb: Glb) -> None:
+    glb.skin(weights=np.tile((1.5, -0.5, 0, 0), (4, 1)))
+
+
+def no_such_joint(glb: Glb) -> None:
+    glb.skin(joints=(0, 9, 0, 0))
+
+
+def no_weights(glb: Glb) -> None:
+    del glb.skin().primitive["attributes"]["WEIGHTS_0"]
+
+
+def too_few_matrices(glb: Glb) -> None:
+    glb.skin().told["skins"][0]["inverseBindMatrices"] = glb.numbers(np.eye(4, dtype=np.float32).reshape(1, 16))
+
+
+def in_a_circle(glb: Glb) -> None:
+    glb.skin().told["nodes"][2]["children"] = [1]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (no_such_node, "animation 'walk' wants number 7 of 1 nodes"),
+        (backwards, "animation 'walk', translation of node 'thing': key 1 is at 0.5 s; .* increase"),
+        (not_finite, "animation 'walk', rotation of node 'thing': a key is not made of finite numbers"),
+        (too_few, "animation 'walk', .*: 2 key times and 2 values; wanted 3 for each"),
+        (unknown_kind, "animation 'walk', .*: interpolation 'BEZIER'; wanted LINEAR, STEP or CUBICSPLINE"),
+        (of_a_matrix, "animation 'walk' moves node 0, which has a matrix"),
+        (heavy, "skin 'figure': weights 0.5, 0.5, 0.5, 0.5 of vertex 0; wanted 0 or more each, with sum 1"),
+        (negative, "skin 'figure': weights 1.5, -0.5, 0, 0 of vertex 0"),
+        (no_such_joint, "skin 'figure': a vertex wants joint 9, there are 2"),
+        (no_weights, "skin 'figure': a mesh without joints and weights"),
+        (too_few_matrices, "skin 'figure': 1 inverse bind matrices for 2 joints"),
+        (in_a_circle, "hangs from itself in the end|hangs from two nodes"),
+    ],
+)
+def test_what_is_broken_is_told_in_one_line(tmp_path, change, message):
+    glb = Glb()
+    change(glb)
+    with pytest.raises(SceneError, match=rf"thing\.glb: .*({message})") as caught:
+        glb.load(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_damaged_rich_files_load_or_fail_with_one_line(tmp_path, data):
+    glb = Glb().skin().animate("rotation", (0, 1), ((0, 0, 0, 1), (0, 1, 0, 0)), node=2)
+    glb.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorTexture": glb.texture(rgba(90))})
+    damaged = bytearray(glb.data())
+    for _ in range(data.draw(st.integers(1, 4))):
+        damaged[data.draw(st.integers(12, len(damaged) - 1))] = data.draw(st.integers(0, 255))
+    (tmp_path / "bent.glb").write_bytes(damaged)
+    try:
+        load_scene(tmp_path / "bent.glb")
+    except SceneError as error:
+        assert "\n" not in str(error) and "bent.glb" in str(error)
