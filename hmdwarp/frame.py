@@ -72,7 +72,7 @@ class Reflection:
 @attrs.frozen(eq=False)
 class Transparent:
     """What one sees through. veil: its own light, premultiplied, with its inverse depth; coverage 1 wherever something see-through is.
-    passing: rgba16f, the share of the light behind that passes, by colour; coverage as the veil's."""
+    passing: rgba16f, the share of the light behind that passes, by colour, 1 where nothing is; coverage as the veil's."""
 
     veil: Layer
     passing: moderngl.Texture

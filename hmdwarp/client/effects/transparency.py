@@ -54,7 +54,11 @@ class _Veil(GatherWarp):
 
 
 class TransparencyPass(ShownPass):
-    """All sheets of a late pixel are one surface at the depth of the nearest: those behind it move with it."""
+    """All sheets of a late pixel are one surface at the depth of the nearest: those behind it move with it.
+
+    What hides the veil is found in the shown view. Tested in the rendered view by the server instead, the shown depth would not be wanted
+    (half of this pass's time), but in `greenhouse` after 400 ms FLIP is 3 % higher on look-around (0.0681 for 0.0660) and as good on walk.
+    """
 
     name = "lay the veil over"
     order = 70
