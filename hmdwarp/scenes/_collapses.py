@@ -57,11 +57,11 @@ class _Moves:
         return _Moves(self.u[chosen], self.v[chosen], self.cost[chosen], first, self.wedge_from[kept], self.wedge_to[kept])
 
 
-def one_round(soup: Soup, too_many: int) -> int:
-    """Collapse some vertices, so that at most about `too_many` faces go; how many vertices did. 0: nothing more can be collapsed."""
+def one_round(soup: Soup, too_many: int) -> float | None:
+    """Collapse some vertices, so that at most about `too_many` faces go; what the dearest cost. None: nothing more can be collapsed."""
     moves = _allowed(soup)
     if not len(moves.u):
-        return 0
+        return None
     best = np.full(len(soup.positions), np.inf)
     np.minimum.at(best, moves.u, moves.cost)
     for share in CHEAPEST:
@@ -69,9 +69,10 @@ def one_round(soup: Soup, too_many: int) -> int:
         chosen = _apart(soup, cheap, _shape_kept(soup, cheap))
         if len(chosen) >= ENOUGH * len(soup.faces) or (len(chosen) and share == CHEAPEST[-1]):
             most = max(1, too_many // 2)  # two faces go with most vertices
-            _collapse(soup, cheap.only(np.sort(chosen[:most])))
-            return min(len(chosen), most)
-    return 0
+            taken = cheap.only(np.sort(chosen[:most]))
+            _collapse(soup, taken)
+            return float(taken.cost.max())
+    return None
 
 
 def _allowed(soup: Soup) -> _Moves:

@@ -47,19 +47,58 @@ class Soup:
 def decimated(meshes: Sequence[Mesh], share: float) -> list[NDArray[np.uint32]]:
     """The triangles of each mesh, indices into its own vertices, after as many collapses as leave `share` of all of them.
 
-    What cannot be taken away without a crack, a fold or a changed outline stays, so that it may be more. Meshes that meet in a vertex
-    still meet there. The same to the last bit every time.
+    Small things go as a whole when that changes less than the next collapse. What can neither go nor be collapsed without a crack or a
+    fold stays, so that it may be more. Meshes that meet in a vertex still meet there. The same to the last bit every time.
     """
     if not sum(len(mesh.triangles) for mesh in meshes):
         return [mesh.triangles for mesh in meshes]
     soup, original = _soup(meshes)
     wanted = round(share * sum(len(mesh.triangles) for mesh in meshes))
-    while len(soup.faces) > wanted and _collapses.one_round(soup, len(soup.faces) - wanted):
-        pass
+    dearest = 0.0
+    while dearest is not None and len(soup.faces) > wanted:
+        dearest = _collapses.one_round(soup, len(soup.faces) - wanted)
+        if dearest is not None and len(soup.faces) > wanted:
+            drop_small(soup, dearest, len(soup.faces) - wanted)
     starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
     corners = original[soup.wedges]
     owner = np.searchsorted(starts, corners[:, 0], side="right") - 1
     return [(corners[owner == k] - starts[k]).astype(np.uint32) for k in range(len(meshes))]
+
+
+def drop_small(soup: Soup, limit: float, most: int) -> None:
+    """Leave out what hangs together with nothing else and whose area times its extent squared (metres^4, as the cost of a collapse) is
+    below `limit`, the least first, at most `most` faces.
+
+    Without that, boxes that cannot have fewer than their 12 triangles stay and the walls go: 16 instead of 24 dB at a share of 0.1 of the
+    furnished room.
+    """
+    piece = _pieces(soup)
+    corners, count = soup.positions[soup.faces], int(piece.max(initial=-1)) + 1
+    area = np.bincount(piece, _double_areas(corners) / 2, minlength=count)
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, piece, corners.min(axis=1))
+    np.maximum.at(high, piece, corners.max(axis=1))
+    cost = area * ((high - low) ** 2).sum(axis=1)
+    order = np.argsort(cost, kind="stable")
+    faces = np.bincount(piece, minlength=count)[order]
+    gone = order[(cost[order] < limit) & (np.cumsum(faces) <= most)]
+    staying = ~np.isin(piece, gone)
+    soup.faces, soup.wedges = soup.faces[staying], soup.wedges[staying]
+
+
+def _pieces(soup: Soup) -> Indices:
+    """(m,) which of the pieces that hang together each face belongs to, 0 and up."""
+    from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
+
+    start, end = soup.faces[:, :2].ravel(), soup.faces[:, 1:].ravel()
+    count = len(soup.positions)
+    _, label = connected_components(sparse.coo_array((np.ones(len(start), np.int8), (start, end)), shape=(count, count)), directed=False)
+    return np.unique(label[soup.faces[:, 0]], return_inverse=True)[1].reshape(-1)
+
+
+def _double_areas(corners: Array) -> Array:
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
 
 
 def _soup(meshes: Sequence[Mesh]) -> tuple[Soup, Indices]:
@@ -106,7 +145,7 @@ def _metres_per_uv(mesh: Mesh) -> float:
     if mesh.texture < 0:
         return 0.0
     corners, uv = mesh.positions[mesh.triangles].astype(np.float64), mesh.uv[mesh.triangles].astype(np.float64)
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    area = _double_areas(corners).sum()
     (a, b), (c, d) = (uv[:, 1] - uv[:, 0]).T, (uv[:, 2] - uv[:, 0]).T
     painted = np.abs(a * d - b * c).sum()
     return float(np.sqrt(area / painted)) if painted > 0 else 0.0
@@ -123,8 +162,7 @@ def _add_faces(soup: Soup) -> None:
     quadric = np.empty((len(p), DIMENSIONS + 1, DIMENSIONS + 1))
     quadric[:, :-1, :-1], quadric[:, -1, :-1], quadric[:, :-1, -1] = normal, linear, linear
     quadric[:, -1, -1] = -np.einsum("ij,ij->i", linear, p)
-    corners = soup.positions[soup.faces]
-    quadric *= np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)[:, None, None] / 2
+    quadric *= _double_areas(soup.positions[soup.faces])[:, None, None] / 2
     for k in range(3):
         np.add.at(soup.quadrics, soup.wedges[:, k], quadric)
 

@@ -21,7 +21,7 @@ from ._content import Deformation, Material
 from ._decimate import decimated
 from ._model import Mesh, Scene
 
-VERSION = 1  # of what decimated() makes of the same meshes: counted up with every change of its results
+VERSION = 2  # of what decimated() makes of the same meshes: counted up with every change of its results
 UNKNOWN_ALBEDO = 0.5
 LEAST_TRIANGLES = 2000  # a client draws so many in no time, and a fifth of ten would leave things out
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB

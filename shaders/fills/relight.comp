@@ -51,7 +51,9 @@ vec3 relit(ivec2 p, vec3 lit) {
 }
 
 void main() {
-    for (uint k = gl_GlobalInvocationID.x; k < hole_count; k += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+    uint k = gl_GlobalInvocationID.x;
+    if (k >= hole_count) return;
+    for (; k < hole_count; k += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
         ivec2 p = ivec2(hole_at[k] & 0xffffu, hole_at[k] >> 16);
         imageStore(filled, p, vec4(min(relit(p, imageLoad(filled, p).rgb), vec3(LARGEST)), 1.0));
     }

@@ -75,6 +75,18 @@ def test_a_box_of_six_patches_stays_closed():
     assert open_edges(kept) == 0
 
 
+def test_small_things_go_before_walls_are_bent():
+    """A wall with a shelf of boxes that have no triangle to spare: a third of the triangles leaves the wall whole."""
+    boxes = [box((0.3 * k, 0, 0.5), (0.02 + 0.001 * k,) * 3, cell_m=1) for k in range(40)]
+    bend = SHEET.positions + np.sin(3 * SHEET.positions[:, :1]) * (0, 0, 0.3)
+    wall = Surface(bend, SHEET.normals, SHEET.uv, SHEET.triangles)
+    shelf, kept_wall = mesh_of(join(boxes)), mesh_of(wall)
+    whole = scene_of(kept_wall, shelf)
+    kept = reduced(whole, 0.3)
+    assert kept.triangle_count <= 0.31 * whole.triangle_count
+    assert area(kept.meshes[0]) == pytest.approx(area(kept_wall), rel=0.01)
+
+
 def test_meshes_that_meet_still_meet():
     floor, wall = mesh_of(patch((0, 0, 0), (0, 0, 2), (2, 0, 0))), mesh_of(patch((0, 0, 0), (0, 2, 0), (0, 0, 2)), (0.9, 0.2, 0.1))
     kept = reduced(scene_of(floor, wall), 0.1).meshes
