@@ -1,7 +1,8 @@
-"""Runs what the figures in README.md and docs/ come from and writes them there: `make docs`, about half an hour, alone on the machine.
+"""Runs what the figures in README.md and docs/ come from and writes them there: `make docs`, about an hour, alone on the machine.
 
-`make docs OPTIONS=bench` (or hard-cases, picture, border, prediction, speed) renews a part. Every figure is printed by the program; nothing
-between the markers is edited by hand. `make docs OPTIONS=bench:FILE,FILE` takes what two runs left, the first with the defaults.
+`make docs OPTIONS=bench` renews a part (or hard-cases, picture, border, prediction, effects, fills, guard, link, speed). Every figure is
+printed by the program; nothing between the markers is edited by hand. `make docs OPTIONS=bench:FILE,FILE` takes what two runs left, the
+first with the defaults; `guard:FILE` the rows that a run left.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from functools import partial
 from pathlib import Path
 
 import aims
+import guard
 import passes
 from PIL import Image
 
@@ -197,6 +199,13 @@ def fills(folder: Path) -> None:
     replace(RESULTS, "fills", passes.fills_table(partial(run, folder)))
 
 
+def guard_bands(folder: Path, *ready: str) -> None:
+    """What a guard band or a wide view costs and saves. ready: the rows that a run left."""
+    rows = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else guard.measure(folder / "guard", program)
+    replace(RESULTS, "guard", guard.band_table(rows))
+    replace(RESULTS, "thesis", guard.finding_table(rows))
+
+
 def link(folder: Path) -> None:
     """Networks and codecs."""
     replace(RESULTS, "link", passes.link_table(partial(run, folder)))
@@ -226,6 +235,7 @@ PARTS = {
     "prediction": prediction,
     "effects": effects,
     "fills": fills,
+    "guard": guard_bands,
     "link": link,
 }
 

@@ -24,6 +24,7 @@ from rich.table import Table
 from hmdwarp.client.fills import fills
 from hmdwarp.client.given import Given
 from hmdwarp.client.lens import lenses
+from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Fov, View
@@ -70,10 +71,8 @@ class Case:
         for name in TIMED:
             warp = warps.get(name)(self.gpu, self.size, self.size)
             made[name] = lambda warp=warp: warp.run(self.given, self.canvas)
-        for entry in fills:
-            if entry.is_pass:
-                fill = entry(self.gpu, self.size)
-                made[f"fill {entry.name}"] = lambda fill=fill: fill.run(self.canvas, self.other)
+        fill = fills.get("interpolate")(self.gpu, self.size, self.size)
+        made["fill interpolate"] = lambda: fill.run(self.given, ShownPicture(self.canvas), ShownPicture(self.other))
         lens = lenses.get("radial")(self.gpu, load_headset("rift-dk1"), self.size)
         made["lens radial"] = lambda: lens.run(self.canvas, self.shown.fov, 0, self.other)
         return {**made, **self._opencv()}
