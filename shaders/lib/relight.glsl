@@ -4,8 +4,9 @@ const int BLOCK = 8;
 const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a place
 
 // Three texels a block, side by side. rgb of the first: shown colour, the mean over all pixels of the block, 0 for those that do not count;
-// of the second: the model's albedo, the same; of the third: where the surface is, in metres along the eye's axes. The three alphas together:
-// its normal, of length 1. An image, because llvmpipe loads its texels whole and a buffer's numbers one by one.
+// of the second: the model's colour, the same (its albedo, or that times the light baked into it); of the third: where the surface is, in
+// metres along the eye's axes. The three alphas together: its normal, of length 1.
+// An image, because llvmpipe loads its texels whole and a buffer's numbers one by one: half the time.
 const int PARTS = 3;
 uniform vec2 first_tangent, pixel_tangent; // of the picture's corner, of one pixel
 

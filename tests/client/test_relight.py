@@ -67,10 +67,10 @@ class Shown:
         self.geometry.model(self.share, lit=lit).draw(VIEW, into, 0)
         return read(into.colour.texture), read(into.inverse_depth)[..., 0]
 
-    def asked(self, samples: int, reach: float) -> Relit:
-        (albedo, depth), (lit, _) = (self.of_model(lit=lit) for lit in (False, True))
+    def asked(self, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
+        (albedo, depth), (lit, _) = (self.of_model(lit=lit) for lit in (light == "baked", True))
         offsets = sample_offsets(samples, reach * self.size[0])
-        weights = (settings.SAME_DEPTH, settings.SAME_SURFACE, settings.NEAR, settings.OFF_PLANE, settings.MODEL_WEIGHT)
+        weights = (settings.SAME_DEPTH, settings.SAME_SURFACE, settings.NEAR, settings.OFF_PLANE, settings.MODEL_WEIGHT[light])
         return Relit(VIEW.fov, self.colour, self.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 
     def error(self, found: np.ndarray) -> float:
@@ -131,11 +131,12 @@ def test_bodies_are_drawn_where_they_are_when_shown(gpu):
 
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
 @pytest.mark.parametrize("size", [SIZE, (37, 90)], ids=str)
-def test_relight_equals_its_twin(gpu, scene, size):
+@pytest.mark.parametrize("light", ["none", "baked"])
+def test_relight_equals_its_twin(gpu, scene, size, light):
     rng = np.random.default_rng(4)
     shown = Shown(gpu, scene, (0.6, 0.9, 1.4), size, rng.uniform(size=size[::-1]) < 0.3, share=0.2)
-    wanted = relight(shown.asked(32, 0.25))
-    got = shown.fill("relight")[0]
+    wanted = relight(shown.asked(light))
+    got = shown.fill(f"relight:light={light}")[0]
     off = np.abs(got - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
     # Truncated once; 32 weights of a few float32 operations each, on normals from differences of float32 depths (at 2^-24 of the depth,
     # over steps of 1e-3 of it and more: 1e-4). Which pixels of a block count, and on which side of an edge a slope is taken, is rounding's
@@ -145,11 +146,12 @@ def test_relight_equals_its_twin(gpu, scene, size):
 
 
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
-def test_holes_take_the_light_of_the_picture(gpu, scene):
+@pytest.mark.parametrize("light", ["none", "baked"])
+def test_holes_take_the_light_of_the_picture(gpu, scene, light):
     """In light that is half as strong and warmer than what is baked, the model is off by that; relit it is off by a third of it at most."""
     y, x = np.mgrid[: SIZE[1], : SIZE[0]]
     shown = Shown(gpu, scene, (0.6, 0.5, 0.35), holes=((x // 10) % 2 == 0) & ((y // 10) % 2 == 0))
-    assert shown.error(shown.fill("relight:share=1")[0]) < 0.34 * shown.error(shown.fill("model:share=1")[0])
+    assert shown.error(shown.fill(f"relight:light={light}")[0]) < 0.34 * shown.error(shown.fill("model")[0])
 
 
 def test_no_texture_is_copied(gpu):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import attrs
 import moderngl
@@ -25,19 +25,21 @@ SEED = 0.5
 SAME_DEPTH = SAME_SURFACE = 0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
 NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
-# 0.03 would be best by FLIP in a scene whose light is what is baked (0.0724; this 0.0730, the model alone 0.0758), but then the middle of
-# a hole as wide as a fifth of the picture would hardly follow the picture's light.
-MODEL_WEIGHT = 0.003
+# What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1 unlit and 0.003 baked (`room`, `walk` and
+# `look-around`, 400 ms); ten times less or more costs 1 to 2 %.
+MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 
 
 @attrs.frozen
 class RelightSettings:
     """share: of the scene's triangles that the client draws, 0 to 1. samples: places that a hole's pixel takes light from. reach: how far
-    they lie from it at most, in widths of the picture."""
+    they lie from it at most, in widths of the picture. light: what the model is drawn in: none, so that all light is the picture's; or
+    baked, so that the picture's corrects it: better where light is still as it was baked, or has changed everywhere alike."""
 
     share: float = share_of_triangles()
     samples: int = 32
     reach: float = 0.25
+    light: Literal["none", "baked"] = "none"
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.samples <= 4096:
@@ -63,7 +65,7 @@ class Relight(Fill):
     """Light is what is shown over the model's albedo where both show the same surface; holes take it from places that are near them in
     space, lie in their plane and face their way, so from the background. As albedo is divided out first, no texture is copied.
 
-    What the model itself is lit by weighs a little too: where nothing like the hole is in sight, it is all there is.
+    What the model is lit by as baked weighs a little too: where nothing like the hole is in sight, it is all there is.
     """
 
     name = "relight"
@@ -73,11 +75,13 @@ class Relight(Fill):
     source = "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); Roberts 2018 (samples)"
     complete = True
     Settings = RelightSettings
+    variants = ("light=baked",)
 
     def prepare(self) -> None:
         gl, (wide, high) = self.gpu.gl, self.shown_size
-        self._lit, self._unlit = (self.geometry.model(self.settings.share, lit=lit) for lit in (True, False))
-        for model in (self._lit, self._unlit):
+        self._lit = self.geometry.model(self.settings.share, lit=True)
+        self._base = self.geometry.model(self.settings.share, lit=self.settings.light == "baked")
+        for model in (self._lit, self._base):
             model.reserve(self.shown_size)
         self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
         self._blocks = (-(-wide // BLOCK), -(-high // BLOCK))
@@ -90,7 +94,7 @@ class Relight(Fill):
     def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
         view = given.middle
         self._lit.draw_holes(view, picture, into, given.shown_ns)
-        self._unlit.draw(view, self._albedo, given.shown_ns)
+        self._base.draw(view, self._albedo, given.shown_ns)
         self._barrier()
         self._bind(picture, into)
         left, right, down, up = view.fov.tangents
@@ -105,7 +109,7 @@ class Relight(Fill):
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
         self._barrier()
-        weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT}
+        weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT[self.settings.light]}
         self._apply.uniforms.set(**shared, **weights, filled=4, samples=self.settings.samples)
         self._apply.run(WORKERS)
 
