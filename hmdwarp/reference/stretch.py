@@ -10,7 +10,7 @@ from ..geometry import View, WarpMap
 from ._behind import Behind, known_or_infinite
 from ._rays import FLOAT32_UNIT, Array, pixel_centres, project, world_directions
 
-TAPS = (1.0, 0.5, 0.25, 0.125)
+MOST_TAPS = 4
 REACH = 3
 SLIGHT = 1e-3  # 1/m: a point that far goes where everything nearer on its ray goes
 CLOSE = 1e-5  # relative: depths that rounding may take for one another
@@ -60,17 +60,17 @@ class _Picture:
 
     def side(self, start: Array, line: Array) -> _Side:
         """The first covered pixel along a line, and the mean from there on."""
-        pixels, inside, close = self.pixels(start, line, np.arange(1, max(self.shape) + len(TAPS) + 1))
+        pixels, inside, close = self.pixels(start, line, np.arange(1, max(self.shape) + MOST_TAPS + 1))
         covered = np.zeros(len(pixels), bool)
         covered[inside] = self.colour[pixels[inside, 1], pixels[inside, 0], 3] > 0
         ends = np.flatnonzero(covered | ~inside)
         first = int(ends[0])
-        self.close |= bool(close[: first + len(TAPS)].any())
+        self.close |= bool(close[: first + MOST_TAPS].any())
         if not covered[first]:
             return _Side()
         own = self.depth[pixels[first, 1], pixels[first, 0]]
         total, weight, mean = 0.0, 1.0, np.zeros(3)
-        for tap in range(len(TAPS)):
+        for tap in range(min(first + 1, MOST_TAPS)):
             x, y = pixels[first + tap]
             weight = weight if covered[first + tap] and all(self.same(self.depth[y, x], own)) else 0.0
             if weight:
@@ -157,10 +157,13 @@ def _smoothed(drawn: Stretched, holes: NDArray[np.bool_], away: Array, lines: Ar
     depths = known_or_infinite(drawn.inverse_depth)
     for y, x in np.argwhere(away > 0):
         across = np.array([-lines[y, x, 1], lines[y, x, 0]])
-        apart = max(away[y, x] * spread, 1.0)
+        apart = away[y, x] * spread
+        if apart <= 1:
+            out.undecided[y, x] |= abs(apart - 1) < CLOSE
+            continue
         steps = apart * np.array([tap for tap in range(-REACH, REACH + 1) if tap])
         pixels, inside, close = picture.pixels(np.array([x + 0.5, y + 0.5]), across, steps)
-        picture.close = bool(close.any())
+        picture.close = bool(close.any()) or apart - 1 < CLOSE
         total, mean = 1.0, drawn.colour[y, x, :3].copy()
         for (i, j), tap in zip(pixels[inside], (np.abs(steps) / apart)[inside], strict=True):
             picture.close |= bool(holes[j, i] and drawn.undecided[j, i])

@@ -12,7 +12,7 @@ layout(local_size_x = 64) in;
 #include "lib/push_pull.glsl"
 layout(rgba16f) readonly uniform image2D below_colour;
 layout(rgba16f) writeonly uniform image2D level_colour;
-layout(rg32f) writeonly uniform image2D level_depth;
+layout(rgba32f) writeonly uniform image2D level_depth;
 uniform ivec2 below_size, level_size;
 const vec4 KERNEL = vec4(0.125, 0.375, 0.375, 0.125);
 const float GAIN = 4.0;               // so that one full texel of four makes a full one
@@ -24,38 +24,68 @@ const float CRACKS = 1.0 / 1048576.0;
 
 Texel below(ivec2 p) {
     vec4 colour = imageLoad(below_colour, p);
-    return Texel(colour.rgb, colour.a, or_nearest(imageLoad(below_depth, p).r), colour.a > 0.0 ? 0.0 : 1.0);
+    return Texel(colour.rgb, colour.a, or_nearest(imageLoad(below_depth, p).r), colour.a > 0.0 ? 0.0 : 1.0, colour.a);
 }
 #else
-layout(rg32f) readonly uniform image2D below_depth;
+layout(rgba32f) readonly uniform image2D below_depth;
 
 Texel below(ivec2 p) {
     vec4 colour = imageLoad(below_colour, p);
-    vec2 depth = imageLoad(below_depth, p).rg;
-    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g);
+    vec3 depth = imageLoad(below_depth, p).rgb;
+    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g, depth.b);
 }
 #endif
 
-// Of the 4 x 4 texels below that a texel reaches over. The first pass over them finds the farthest, the second sums.
+Texel found[16]; // the 4 x 4 below, row by row
+bool is_inside[16];
+
+// Half of them. The upper half of one texel is the lower half of the next one in the column, so it is read once.
+void read_two_rows(int first, ivec2 from) {
+    for (int k = 0; k < 8; ++k) {
+        ivec2 p = from + ivec2(k % 4, k / 4);
+        found[first + k] = below(p);
+        is_inside[first + k] = all(lessThan(uvec2(p), uvec2(below_size)));
+    }
+}
+
+#if !FROM_PICTURE
+// The farthest of the sixteen that is not alone.
+float farthest_of_enough() {
+    vec4 depths[4], borders[4];
+    float all = 0.0, farthest = UNKNOWN;
+    for (int row = 0; row < 4; ++row) {
+        for (int x = 0; x < 4; ++x) {
+            Texel one = found[4 * row + x];
+            depths[row][x] = one.depth;
+            borders[row][x] = one.weight > 0.0 ? KERNEL[row] * KERNEL[x] * one.border : 0.0;
+        }
+        all += dot(borders[row], vec4(1.0));
+    }
+    for (int k = 0; k < 16; ++k) {
+        float depth = depths[k / 4][k % 4], beside = 0.0;
+        for (int row = 0; row < 4; ++row) beside += border_beside(depths[row], borders[row], depth);
+        farthest = borders[k / 4][k % 4] > 0.0 && is_enough(beside, all) ? min(farthest, depth) : farthest;
+    }
+    return farthest;
+}
+#endif
+
+// Of the 4 x 4 texels below that a texel reaches over: those that are farthest.
 void pull(ivec2 texel) {
     float farthest = UNKNOWN, holes = 0.0, inside = 0.0;
-    for (int y = 0; y < 4; ++y)
-        for (int x = 0; x < 4; ++x) {
-            ivec2 p = 2 * texel - 1 + ivec2(x, y);
-            float share = KERNEL[x] * KERNEL[y];
-            Texel one = below(p);
-            bool is_inside = all(lessThan(uvec2(p), uvec2(below_size)));
-            inside += is_inside ? share : 0.0;
-            holes += is_inside ? share * one.holes : 0.0;
-            farthest = is_inside && one.weight > 0.0 ? min(farthest, one.depth) : farthest;
-        }
-    Sum sum = Sum(vec3(0.0), 0.0, 0.0);
-    bool pending = holes > 0.0;
-    while (pending) {
-        for (int y = 0; y < 4; ++y)
-            for (int x = 0; x < 4; ++x) add(sum, below(2 * texel - 1 + ivec2(x, y)), KERNEL[x] * KERNEL[y], farthest);
-        pending = false;
+    for (int k = 0; k < 16; ++k) {
+        float share = is_inside[k] ? KERNEL[k % 4] * KERNEL[k / 4] : 0.0;
+        inside += share;
+        holes += share * found[k].holes;
+#if FROM_PICTURE
+        farthest = found[k].weight > 0.0 ? min(farthest, found[k].depth) : farthest;
+#endif
     }
+#if !FROM_PICTURE
+    farthest = farthest_of_enough();
+#endif
+    Sum sum = NOTHING;
+    for (int k = 0; k < 16; ++k) add(sum, found[k], holes > 0.0 ? KERNEL[k % 4] * KERNEL[k / 4] : 0.0, farthest);
     float weight = sum.weight > 0.0 ? clamp(GAIN * sum.weight, LEAST, 1.0) : 0.0;
     float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
     imageStore(level_colour, texel, vec4(sum.colour * over, weight));
@@ -63,7 +93,7 @@ void pull(ivec2 texel) {
     // Cracks are no holes that anything could hide in: of those only that they are there is told on.
     holes = holes > 0.0 && weight > 0.0 ? CRACKS : holes;
 #endif
-    imageStore(level_depth, texel, vec4(as_stored(weight > 0.0 ? sum.depth * over : UNKNOWN), holes / inside, 0.0, 0.0));
+    imageStore(level_depth, texel, vec4(as_stored(weight > 0.0 ? sum.depth * over : UNKNOWN), holes / inside, sum.border, 0.0));
 }
 
 #if FROM_PICTURE
@@ -81,11 +111,14 @@ ivec2 first_texel() {
 void main() {
     ivec2 texel = first_texel();
     if (texel.x >= level_size.x) return;
+    read_two_rows(8, 2 * texel - 1);
     for (int row = 0; row < ROWS; ++row, ++texel.y) {
-        bool pending = all(lessThan(uvec2(texel), uvec2(level_size)));
-        while (pending) {
-            pull(texel);
-            pending = false;
+        if (texel.y >= level_size.y) break;
+        for (int k = 0; k < 8; ++k) {
+            found[k] = found[k + 8];
+            is_inside[k] = is_inside[k + 8];
         }
+        read_two_rows(8, 2 * texel + ivec2(-1, 1));
+        if (texel.x >= 0 && texel.y >= 0) pull(texel);
     }
 }

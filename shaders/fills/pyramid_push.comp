@@ -10,13 +10,13 @@
 #endif
 #include "lib/push_pull.glsl"
 layout(rgba16f) readonly uniform image2D above_colour;
-layout(rg32f) readonly uniform image2D above_depth;
+layout(rgba32f) readonly uniform image2D above_depth;
 uniform ivec2 above_size;
 
 Texel above(ivec2 p) {
     vec4 colour = imageLoad(above_colour, p);
-    vec2 depth = imageLoad(above_depth, p).rg;
-    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g);
+    vec3 depth = imageLoad(above_depth, p).rgb;
+    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g, depth.b);
 }
 
 // What the level above says: of the four nearest texels those that are farthest. holes is that of all four.
@@ -24,17 +24,19 @@ Texel from_above(ivec2 texel) {
     ivec2 own = texel / 2, other = own + 2 * (texel & 1) - 1;
     other = clamp(other, ivec2(0), above_size - 1);
     Texel a = above(own), b = above(ivec2(other.x, own.y)), c = above(ivec2(own.x, other.y)), d = above(other);
-    vec4 depths = vec4(a.depth, b.depth, c.depth, d.depth), weights = vec4(a.weight, b.weight, c.weight, d.weight);
-    depths = mix(vec4(UNKNOWN), depths, greaterThan(weights, vec4(0.0)));
-    float farthest = min(min(depths.x, depths.y), min(depths.z, depths.w));
-    Sum sum = Sum(vec3(0.0), 0.0, 0.0);
-    add(sum, a, 0.5625, farthest);
-    add(sum, b, 0.1875, farthest);
-    add(sum, c, 0.1875, farthest);
-    add(sum, d, 0.0625, farthest);
+    vec4 depths = vec4(a.depth, b.depth, c.depth, d.depth), shares = vec4(0.5625, 0.1875, 0.1875, 0.0625);
+    vec4 borders = shares * vec4(a.border, b.border, c.border, d.border);
+    float all = dot(borders, vec4(1.0)), farthest = UNKNOWN;
+    for (int k = 0; k < 4; ++k)
+        farthest = borders[k] > 0.0 && is_enough(border_beside(depths, borders, depths[k]), all) ? min(farthest, depths[k]) : farthest;
+    Sum sum = NOTHING;
+    add(sum, a, shares.x, farthest);
+    add(sum, b, shares.y, farthest);
+    add(sum, c, shares.z, farthest);
+    add(sum, d, shares.w, farthest);
     float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
-    float holes = dot(vec4(a.holes, b.holes, c.holes, d.holes), vec4(0.5625, 0.1875, 0.1875, 0.0625));
-    return Texel(sum.colour * over, sum.weight > 0.0 ? 1.0 : 0.0, sum.weight > 0.0 ? sum.depth * over : UNKNOWN, holes);
+    float holes = dot(vec4(a.holes, b.holes, c.holes, d.holes), shares);
+    return Texel(sum.colour * over, sum.weight > 0.0 ? 1.0 : 0.0, sum.weight > 0.0 ? sum.depth * over : UNKNOWN, holes, sum.border);
 }
 
 #if INTO_PICTURE
@@ -61,7 +63,7 @@ void push(ivec2 pixel) {
 }
 #else
 layout(rgba16f) uniform image2D level_colour;
-layout(rg32f) uniform image2D level_depth;
+layout(rgba32f) uniform image2D level_depth;
 uniform ivec2 level_size;
 uniform float least_holes; // the share of holes from which on a level tells the one below what lies behind
 
@@ -80,7 +82,7 @@ bool is_wanted(ivec2 texel) {
 
 void push(ivec2 texel) {
     vec4 colour = imageLoad(level_colour, texel);
-    vec2 depth = imageLoad(level_depth, texel).rg;
+    vec3 depth = imageLoad(level_depth, texel).rgb;
     float own = or_nearest(depth.r);
     Texel up = from_above(texel);
     // Of one surface both count. Where the level above is mostly hole, it shows what the two sides of that hole are, and the nearer one is
@@ -92,18 +94,15 @@ void push(ivec2 texel) {
     bool both_known = max(own, up.depth) < MOST_KNOWN;
     float both = keep == 1.0 ? own : both_known ? mix(up.depth, own, keep) : up.depth;
     imageStore(level_colour, texel, vec4(mix(up.colour, colour.rgb, keep), max(sign(colour.a), up.weight)));
-    imageStore(level_depth, texel, vec4(as_stored(both), depth.g, 0.0, 0.0));
+    imageStore(level_depth, texel, vec4(as_stored(both), depth.g, mix(up.border, depth.b, keep), 0.0));
 }
 #endif
 
 void main() {
     ivec2 p = first_texel(), size = size_of_level();
     if (p.x >= size.x) return;
-    for (int row = 0; row < ROWS; ++row, ++p.y) {
-        bool pending = is_wanted(p);
-        while (pending) {
-            push(p);
-            pending = false;
-        }
-    }
+    // llvmpipe runs what is inside an if wherever anything is; so a loop goes from one wanted one of the column to the next.
+    uint left = 0u;
+    for (int row = 0; row < ROWS; ++row) left |= is_wanted(p + ivec2(0, row)) ? 1u << row : 0u;
+    for (; left != 0u; left &= left - 1u) push(p + ivec2(0, findLSB(left)));
 }

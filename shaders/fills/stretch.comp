@@ -25,7 +25,7 @@ uniform mat3 back_H;    // shown -> rendered
 uniform vec3 back_e;
 uniform vec2 late_size;
 uniform uint stamp;     // that pieces with a covered pixel have
-const int TAPS = 4;
+const float MOST_TAPS = 4.0;
 
 // What was found on a line: how many steps away, 0 for nothing, its colour and its inverse depth, UNKNOWN if it has none.
 struct Found {
@@ -68,12 +68,13 @@ float depth_at(ivec2 pixel) {
     return or_nearest(imageLoad(warped_depth, pixel).r);
 }
 
-// The mean of a few pixels from a covered one on, as long as they are of one surface, each with half the weight of the one before.
+// The mean of a few pixels from a covered one on (no more than lie before it), as long as they are of one surface, each with half the weight
+// of the one before.
 Found gathered(vec2 centre, vec2 line, float away) {
     Found found = Found(away, depth_at(pixel_at(centre, line, away)), vec3(0.0));
-    float weight = 1.0, total = 0.0;
-    for (int tap = 0; tap < TAPS; ++tap) {
-        ivec2 pixel = pixel_at(centre, line, away + float(tap));
+    float weight = 1.0, total = 0.0, taps = min(away, MOST_TAPS);
+    for (float tap = 0.0; tap < taps; ++tap) {
+        ivec2 pixel = pixel_at(centre, line, away + tap);
         vec4 colour = imageLoad(warped, pixel);
         float depth = depth_at(pixel);
         bool same = colour.a > 0.0 && depth <= nearest_beside(found.depth) && found.depth <= nearest_beside(depth);
@@ -109,7 +110,7 @@ bool was_in_view(vec2 centre, float depth) {
 
 void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
-    float hidden_side = first_covered(centre, -line), near_side = first_covered(centre, line);
+    float hidden_side = first_covered(centre, -line), near_side = first_covered(centre, hidden_side > 0.0 ? line : vec2(0.0));
     Found found = behind(gathered(centre, -line, hidden_side), gathered(centre, line, near_side));
     // Of the near side alone nobody knows what it hid; and what ends at the picture's border may have come from beside the late picture.
     bool known = hidden_side > 0.0 && was_in_view(centre, found.depth) && (near_side > 0.0 || was_in_view(centre, UNKNOWN));
@@ -121,7 +122,7 @@ void visit(ivec2 pixel) {
 layout(r32f) readonly uniform image2D filled_depth;
 layout(rgba16f) readonly uniform image2D streaks;
 layout(rgba16f) writeonly uniform image2D filled;
-uniform float spread; // pixels between two looks across the streaks, for each pixel from their source
+uniform float spread; // pixels between two looks across the streaks, for each pixel from their source; with less than one there is none
 const int REACH = 3;
 
 // Looks across the streak, farther apart the longer it is, at streaks of the same surface; they weigh less the farther away they are.
@@ -129,9 +130,10 @@ void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
     vec2 across = line == vec2(0.0) ? vec2(1.0, 0.0) : vec2(-line.y, line.x);
     vec4 own = imageLoad(streaks, pixel);
-    float depth = or_nearest(imageLoad(filled_depth, pixel).r), apart = max(own.a * spread, 1.0);
+    float depth = or_nearest(imageLoad(filled_depth, pixel).r), apart = own.a * spread;
     vec4 sum = vec4(own.rgb, 1.0);
-    for (int tap = -REACH; tap <= REACH; ++tap) {
+    int last = apart > 1.0 ? REACH : -REACH - 1;
+    for (int tap = -REACH; tap <= last; ++tap) {
         ivec2 beside = ivec2(floor(centre + across * (apart * float(tap))));
         vec4 streak = imageLoad(streaks, beside);
         float its = or_nearest(imageLoad(filled_depth, beside).r);
@@ -146,12 +148,8 @@ void visit(ivec2 pixel) {
 void main() {
     ivec2 p = first_of_column();
     if (p.x >= shown_size.x) return;
-    for (int row = 0; row < ROWS; ++row, ++p.y) {
-        // A loop, because llvmpipe leaves one early where no invocation has anything to do, and never an if.
-        bool pending = p.y < shown_size.y && imageLoad(warped, p).a == 0.0;
-        while (pending) {
-            visit(p);
-            pending = false;
-        }
-    }
+    // llvmpipe runs what is inside an if wherever anything is; so a loop goes from one empty pixel of the column to the next.
+    uint left = 0u;
+    for (int row = 0; row < ROWS; ++row) left |= p.y + row < shown_size.y && imageLoad(warped, p + ivec2(0, row)).a == 0.0 ? 1u << row : 0u;
+    for (; left != 0u; left &= left - 1u) visit(p + ivec2(0, findLSB(left)));
 }

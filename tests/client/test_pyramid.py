@@ -9,10 +9,11 @@ import pytest
 from holed import Holed
 
 from hmdwarp.client.choices import parse_fills
+from hmdwarp.client.fills.pyramid import LEAST_BORDER, LOCAL_LEVELS
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.reference._behind import Behind
-from hmdwarp.reference.pyramid import pyramid
+from hmdwarp.reference.pyramid import Chosen, pyramid
 
 from .filled import filled
 from .late_pictures import square_before_a_wall
@@ -20,8 +21,9 @@ from .late_pictures import square_before_a_wall
 
 def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
     (choice,) = parse_fills("pyramid")
-    chosen = choice.settings
-    return pyramid(holed.colour, holed.inverse_depth, chosen.holes, Behind(chosen.tolerance, chosen.floor))
+    settings = choice.settings
+    chosen = Chosen(settings.holes, Behind(settings.tolerance, settings.floor), LOCAL_LEVELS, LEAST_BORDER)
+    return pyramid(holed.colour, holed.inverse_depth, chosen)
 
 
 def tolerance(holed: Holed) -> float:
@@ -32,7 +34,7 @@ def tolerance(holed: Holed) -> float:
 
 
 @pytest.mark.parametrize(
-    ("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.3), ((31, 127), 0.9), ((129, 2), 0.5), ((31, 17), 0.99)], ids=str
+    ("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.3), ((31, 127), 0.9), ((129, 2), 0.5), ((31, 17), 0.99), ((301, 40), 0.7)], ids=str
 )
 @pytest.mark.parametrize("unknown", [1, 3, 0], ids=["no-depth", "some-depth", "depth"])
 def test_it_equals_its_twin(gpu, size, empty, unknown):
@@ -87,6 +89,20 @@ def test_what_a_moving_head_uncovers_is_filled_from_the_wall_and_the_border_too(
     assert (after[..., 3] == 1).all()
     assert after[hole][:, 0].mean() < 0.35  # red: 1 the thing, 0.25 the wall
     assert np.abs(after[:, 57:, 0] - 0.25).max() <= 2.0**-8
+
+
+def test_a_glimpse_of_the_sky_is_no_background_for_a_wide_hole_elsewhere(gpu):
+    """A wall at 4 m, half the picture a hole; far to the right the sky shows beside a few lost pixels. No sky in the hole."""
+    holed = Holed(gpu, 1, (512, 256), empty=0)
+    holed.colour[:], holed.inverse_depth[:] = (0, 1, 0, 1), 0.25
+    sky, lost, hole = np.s_[100:120, 440:470], np.s_[110:112, 450:456], np.s_[:, :256]
+    holed.colour[sky], holed.inverse_depth[sky] = (0, 0, 1, 1), 0.0
+    for part in (lost, hole):
+        holed.colour[part], holed.inverse_depth[part] = 0, -1
+    got, depth = holed.fill(gpu, "pyramid")
+    assert got[hole][..., 2].max() < 0.05
+    assert np.abs(depth[hole] - 0.25).max() < 0.01
+    assert got[lost][..., 2].min() > 0.95
 
 
 def test_bright_and_negative_colours_stay_between_what_they_are_made_of(gpu):

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from ..given import Given
     from ..picture import ShownPicture
 
-DEPTH_AND_HOLES = (2, "f4")  # rg32f
+DEPTH_AND_HOLES = (4, "f4")  # rgba32f
+# Texels of up to 2^LOCAL_LEVELS pixels prefer whatever is farthest; above, only what makes up that share of what borders on holes there.
+LOCAL_LEVELS, LEAST_BORDER = 6, 0.23
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
 _FILLED, _FILLED_DEPTH = 0, 5
 
@@ -41,7 +43,8 @@ class PyramidSettings:
 
 @attrs.frozen(eq=False)
 class _Level:
-    """One level of the pyramid: rgba16f colour and weight; rg32f inverse depth (-1: none) and share of empty pixels."""
+    """One level of the pyramid: rgba16f colour and weight; rgba32f inverse depth (-1: none), share of empty pixels,
+    and how much borders on them."""
 
     size: tuple[int, int]
     colour: moderngl.Texture
@@ -119,7 +122,7 @@ class Pyramid(Fill):
     def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
         level.bind(_SECOND, read=False, write=True)
         units = {"below_colour": _FIRST[0], "below_depth": _FIRST[1], "level_colour": _SECOND[0], "level_depth": _SECOND[1]}
-        program.uniforms.set(below_size=below_size, level_size=level.size, **units, **self._limits())
+        program.uniforms.set(below_size=below_size, level_size=level.size, **units, **self._limits(level))
 
     def _push_one(self, level: _Level, above: _Level) -> None:
         level.bind(_SECOND, write=True)
@@ -131,10 +134,11 @@ class Pyramid(Fill):
 
     def _read_above(self, program: Compute, above: _Level) -> None:
         above.bind(_FIRST)
-        program.uniforms.set(above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits())
+        program.uniforms.set(above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits(above))
 
-    def _limits(self) -> dict[str, float]:
-        return {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
+    def _limits(self, level: _Level) -> dict[str, float]:
+        least = LEAST_BORDER if self._levels.index(level) >= LOCAL_LEVELS else 0.0
+        return {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor, "least_border": least}
 
     def _barrier(self) -> None:
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)

@@ -22,7 +22,7 @@ _FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image uni
 
 @attrs.frozen
 class StretchSettings:
-    """spread: how far streaks are smoothed, in pixels for each pixel from where they start; 0: one pixel on each side.
+    """spread: how far streaks are smoothed, in pixels for each pixel from where they start, if that is a pixel at all; 0: never.
     tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
 
     spread: float = 0.1
