@@ -157,7 +157,7 @@ def test_holes_take_the_light_of_the_picture(gpu, scene, light):
 def test_no_texture_is_copied(gpu):
     """Light read off a checkered wall next to the hole is plain: what fills the hole is its own albedo times one colour."""
     shown = Shown(gpu, "planes", (0.6, 0.5, 0.35))
-    got, albedo = shown.fill("relight:share=1")[0], shown.of_model(lit=False)[0]
+    got, albedo = shown.fill("relight:light=none")[0], shown.of_model(lit=False)[0]
     wall = shown.holes & (np.abs(shown.depth - np.median(shown.depth[shown.holes])) < 1e-6)
     light = got[wall, :3] / albedo[wall, :3]
     # Of the model's own light 3 % remain beside as much albedo; the rest is one light over all of it, dark fields and bright ones.
