@@ -4,6 +4,7 @@ Every public module of `library` is one scene; a new one is one new file there.
 """
 
 from ._content import Body, Deformation, Material, Motion
+from ._declared import is_cutout
 from ._load import load_scene
 from ._model import Background, Mesh, Scene, SceneSource, Texture, scenes
 from .effects import SceneEffect
@@ -19,6 +20,7 @@ __all__ = [
     "SceneEffect",
     "SceneSource",
     "Texture",
+    "is_cutout",
     "load_scene",
     "scenes",
 ]

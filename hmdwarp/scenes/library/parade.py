@@ -54,9 +54,7 @@ def _flag(texture: int) -> Mesh:
     swings = np.cross(DOWNWIND, (0, 1, 0)) + (0, 0.2, 0)
     motion = Waving(cloth.positions, away.reshape(-1), swings, height_m=0.2, length_m=1.1, period_s=2.2, lag=lag)
     light = body_lights([piece])[0]
-    return Mesh(
-        "flag", cloth.positions, cloth.normals, cloth.uv, light, cloth.triangles, texture, double_sided=True, deformation=motion
-    )
+    return Mesh("flag", cloth.positions, cloth.normals, cloth.uv, light, cloth.triangles, texture, double_sided=True, deformation=motion)
 
 
 def _flag_picture(height: int = 256, width: int = 384) -> Image:

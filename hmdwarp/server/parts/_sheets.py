@@ -16,11 +16,8 @@ from ..projection import clip_from_eye
 if TYPE_CHECKING:
     from ...geometry import View
     from ...gpu.shaders import Draw
-    from ...scenes import Mesh, Scene
+    from ...scenes import Mesh
     from ._base import Easel
-
-# Of a texture's 8-bit alpha: what is as good as 0, or as 1; and the share of texels between that edges make up at most.
-ALPHA_OF_NOTHING, MOST_EDGES = 12, 0.08
 
 Blending = tuple[int, int, int, int]
 # rgb and alpha: factor of what is drawn, factor of what is there. The names that moderngl has not are GL's.
@@ -143,15 +140,6 @@ class Sheets:
         """Free the buffers."""
         for thing in (*self._arrays.values(), self._vertices, self._indices):
             thing.release()
-
-
-def is_cutout(scene: Scene, mesh: Mesh) -> bool:
-    """Whether a sheet lets all light pass or none, but for its edges: then it has a depth of its own in the picture."""
-    if not mesh.material.see_through or mesh.texture < 0 or mesh.material.opacity < 1:
-        return False
-    alpha = scene.textures[mesh.texture].image[..., 3:]
-    between = (alpha > ALPHA_OF_NOTHING) & (alpha < 255 - ALPHA_OF_NOTHING)
-    return alpha.size > 0 and float(between.mean()) < MOST_EDGES
 
 
 def _runs(owner: NDArray) -> Iterator[_Run]:

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ...scenes import is_cutout
 from . import parts
 from ._base import Drawing, Easel, Part
-from ._sheets import OVER_KEEPING_COVERAGE, Sheets, is_cutout
+from ._sheets import OVER_KEEPING_COVERAGE, Sheets
 
 if TYPE_CHECKING:
     import moderngl

@@ -8,10 +8,11 @@ import attrs
 
 from ...frame import Layer, Transparent
 from ...gpu.textures import SCALAR, allocate
+from ...scenes import is_cutout
 from ..peel import SAME_SURFACE
 from . import parts
 from ._base import Drawing, Easel, Part
-from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets, is_cutout
+from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
 
 if TYPE_CHECKING:
     import moderngl
