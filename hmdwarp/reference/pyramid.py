@@ -9,23 +9,25 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ._behind import Behind, as_stored, known_or_infinite
 from ._rays import Array
 
-CRACKS, GAIN, LEAST = 2.0**-20, 4.0, 2.0**-10
+CRACKS, GAIN, LEAST, DEEP = 2.0**-20, 4.0, 2.0**-10, 2.0**-7
 KERNEL = np.outer([1, 3, 3, 1], [1, 3, 3, 1]) / 64
 
 
 @attrs.frozen
 class Chosen:
-    """The fill's settings and constants: holes, tolerance and floor in `behind`; the share a farthest one must have on levels (the first
-    is 0) from local_levels on."""
+    """The fill's settings and constants: holes, tolerance and floor in `behind`; the share a farthest one must have, on levels (the
+    first is 0) up to local_levels and from there on; what the border of a mere crack counts there."""
 
     least_holes: float
     behind: Behind
     local_levels: int
+    least_local: float
     least_border: float
+    crack_border: float
 
     def least_border_on(self, number: int) -> float:
         """On the level of that number."""
-        return self.least_border if number >= self.local_levels else 0.0
+        return self.least_border if number >= self.local_levels else self.least_local
 
 
 @attrs.frozen(eq=False)
@@ -54,13 +56,16 @@ def _completed(level: Level, chosen: Chosen, number: int) -> Level:
     if level.weight.size == 1 and not is_picture:
         return level
     least = chosen.least_border_on(number + 1)
-    above = _completed(_pulled(level, behind, least, from_picture=is_picture), chosen, number + 1)
+    pulled = _pulled(level, behind, least, from_picture=is_picture)
+    if number == 0:
+        pulled = attrs.evolve(pulled, border=pulled.border * np.where(pulled.holes >= DEEP, 1.0, chosen.crack_border))
+    above = _completed(pulled, chosen, number + 1)
     up = _enlarged(above, level.weight.shape, behind, least)
     own = level.weight > 0
     if is_picture:
         return up
     not_nearer, not_farther = behind.share(level.depth, up.depth), behind.share(up.depth, level.depth)
-    x = np.clip(up.holes / chosen.least_holes - 0.5, 0, 1)
+    x = np.clip(up.holes / chosen.least_holes - 0.5, 0, 1) * (number < chosen.local_levels)
     counts = x * x * (3 - 2 * x)
     keep = (1 + (level.weight - 1) * not_nearer * not_farther) * (1 + (not_nearer - 1) * counts)
     keep = np.where(own & (up.weight > 0), keep, own)

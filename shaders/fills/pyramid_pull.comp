@@ -49,6 +49,9 @@ void read_two_rows(int first, ivec2 from) {
 }
 
 #if !FROM_PICTURE
+uniform float crack_border; // how much the border of a crack counts: next to nothing, told where the second level is made
+const float DEEP = 1.0 / 128.0;
+
 // The farthest of the sixteen that is not alone.
 float farthest_of_enough() {
     vec4 depths[4], borders[4];
@@ -92,6 +95,8 @@ void pull(ivec2 texel) {
 #if FROM_PICTURE
     // Cracks are no holes that anything could hide in: of those only that they are there is told on.
     holes = holes > 0.0 && weight > 0.0 ? CRACKS : holes;
+#else
+    sum.border *= holes >= DEEP * inside ? 1.0 : crack_border;
 #endif
     imageStore(level_depth, texel, vec4(as_stored(weight > 0.0 ? sum.depth * over : UNKNOWN), holes / inside, sum.border, 0.0));
 }

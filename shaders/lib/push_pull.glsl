@@ -24,8 +24,8 @@ void add(inout Sum sum, Texel texel, float share, float farthest) {
     sum.border += beside * texel.border;
 }
 
-// Of all that borders on holes there, a farthest one with what is of one surface with it must be this share: 0 on levels that see a hole
-// and little else; above them a glimpse of the sky is no background for everything around.
+// Of all that borders on holes there, a farthest one with what is of one surface with it must be this share: little on levels that see a
+// hole and not much else; above them a glimpse of the sky is no background for everything around.
 uniform float least_border;
 
 bool is_enough(float border, float of_all) {

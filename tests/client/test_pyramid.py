@@ -9,7 +9,7 @@ import pytest
 from holed import Holed
 
 from hmdwarp.client.choices import parse_fills
-from hmdwarp.client.fills.pyramid import LEAST_BORDER, LOCAL_LEVELS
+from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.reference._behind import Behind
@@ -22,7 +22,7 @@ from .late_pictures import square_before_a_wall
 def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
     (choice,) = parse_fills("pyramid")
     settings = choice.settings
-    chosen = Chosen(settings.holes, Behind(settings.tolerance, settings.floor), LOCAL_LEVELS, LEAST_BORDER)
+    chosen = Chosen(settings.holes, Behind(settings.tolerance, settings.floor), LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER)
     return pyramid(holed.colour, holed.inverse_depth, chosen)
 
 
@@ -92,10 +92,10 @@ def test_what_a_moving_head_uncovers_is_filled_from_the_wall_and_the_border_too(
 
 
 def test_a_glimpse_of_the_sky_is_no_background_for_a_wide_hole_elsewhere(gpu):
-    """A wall at 4 m, half the picture a hole; far to the right the sky shows beside a few lost pixels. No sky in the hole."""
+    """A wall at 4 m, half the picture a hole; far to the right a window, its sky full of cracks. No sky in the hole."""
     holed = Holed(gpu, 1, (512, 256), empty=0)
     holed.colour[:], holed.inverse_depth[:] = (0, 1, 0, 1), 0.25
-    sky, lost, hole = np.s_[100:120, 440:470], np.s_[110:112, 450:456], np.s_[:, :256]
+    sky, lost, hole = np.s_[20:240, 360:500], np.s_[30:230, 370:490:3], np.s_[:, :256]
     holed.colour[sky], holed.inverse_depth[sky] = (0, 0, 1, 1), 0.0
     for part in (lost, hole):
         holed.colour[part], holed.inverse_depth[part] = 0, -1

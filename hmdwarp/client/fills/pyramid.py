@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from ..picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
-# Texels of up to 2^LOCAL_LEVELS pixels prefer whatever is farthest; above, only what makes up that share of what borders on holes there.
-LOCAL_LEVELS, LEAST_BORDER = 6, 0.23
+# Up to texels of 2^LOCAL_LEVELS pixels the farthest is preferred if it is LEAST_LOCAL of what borders on holes below a texel. Above that it
+# must be LEAST_BORDER of it, and no longer takes the place of what is nearer by. What borders on cracks alone counts CRACK_BORDER.
+LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER = 6, 2.0**-10, 0.23, 2.0**-20
+NEVER = 1e6  # no share of holes is as large
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
 _FILLED, _FILLED_DEPTH = 0, 5
 
@@ -116,6 +118,7 @@ class Pyramid(Fill):
         for below, level in zip(self._levels, self._levels[1:], strict=False):
             below.bind(_FIRST)
             self._write_level(self._pull, below.size, level)
+            self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
             self._pull.run(*level.size)
             self._barrier()
 
@@ -127,8 +130,8 @@ class Pyramid(Fill):
     def _push_one(self, level: _Level, above: _Level) -> None:
         level.bind(_SECOND, write=True)
         self._read_above(self._push, above)
-        told = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size, "least_holes": self.settings.holes}
-        self._push.uniforms.set(**told)
+        told = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
+        self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **told)
         self._push.run(*level.size)
         self._barrier()
 
@@ -137,8 +140,11 @@ class Pyramid(Fill):
         program.uniforms.set(above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits(above))
 
     def _limits(self, level: _Level) -> dict[str, float]:
-        least = LEAST_BORDER if self._levels.index(level) >= LOCAL_LEVELS else 0.0
+        least = LEAST_LOCAL if self._is_local(level) else LEAST_BORDER
         return {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor, "least_border": least}
+
+    def _is_local(self, level: _Level) -> bool:
+        return self._levels.index(level) < LOCAL_LEVELS
 
     def _barrier(self) -> None:
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
