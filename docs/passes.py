@@ -9,7 +9,9 @@ Summary = dict[str, Any]
 Run = Callable[..., Summary]  # (trace, *options) -> summary.json
 
 LATENCIES = ("200", "400", "800")
-COMMON = ("--rate", "30", "--seconds", "4", "--metrics-every", "15", "--guard", "1.5", "--lens", "none")
+COMMON = ("--guard", "1.5", "--lens", "none", "--metrics-every", "15")
+SHORT = (*COMMON, "--rate", "30", "--start", "0.4", "--seconds", "2.5")
+LONG = (*COMMON, "--rate", "20", "--start", "2", "--seconds", "6")  # the head comes back to what it saw
 FILLS = (
     "none",
     "interpolate",
@@ -21,6 +23,7 @@ FILLS = (
     "model",
     "relight",
     "memory+relight",
+    "interpolate+memory+pyramid",
 )
 SLOW_FILLS = ("interpolate", "pyramid", "memory+pyramid", "model", "relight")  # after `mesh`, which takes a quarter of a second an eye
 NETWORKS = (
@@ -81,7 +84,7 @@ def fills_table(run: Run) -> str:
     for trace in ("look-around", "walk"):
         for warp, fills in (("forward", FILLS), ("mesh", SLOW_FILLS)):
             for fill in fills:
-                got = run(trace, *COMMON, "--latency", "400", "--warp", warp, "--fill", fill)
+                got = run(trace, *LONG, "--latency", "400", "--warp", warp, "--fill", fill)
                 rows.append(_line(trace, f"`{warp}`", f"`{fill}`", *_fill_figures(got)))
     return "\n".join(rows)
 
@@ -109,7 +112,7 @@ def link_table(run: Run) -> str:
     rows = _head(*head)
     for network, options in NETWORKS:
         for codec in CODECS if not options else ("h264",):
-            got = run("look-around", *COMMON, "--latency", "200", "--fill", "pyramid", "--codec", codec, *options)
+            got = run("look-around", *SHORT, "--latency", "200", "--fill", "pyramid", "--codec", codec, *options)
             rows.append(_line(network, codec, *_link_figures(got)))
     return "\n".join(rows)
 

@@ -1,8 +1,8 @@
 """Runs what the figures in README.md and docs/ come from and writes them there: `make docs`, about an hour, alone on the machine.
 
-`make docs OPTIONS=bench` renews a part (or hard-cases, picture, border, prediction, effects, fills, guard, link, speed). Every figure is
-printed by the program; nothing between the markers is edited by hand. `make docs OPTIONS=bench:FILE,FILE` takes what two runs left, the
-first with the defaults; `guard:FILE` the rows that a run left.
+`make docs OPTIONS=bench` renews a part (or another of PARTS). Every figure is printed by the program; nothing between the markers is
+edited by hand. `make docs OPTIONS=bench:FILE,FILE` takes what two runs left, the first with the defaults; `guard:FILE` the rows that a
+run left.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 import aims
 import guard
 import passes
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from hmdwarp.report.bench_cases import cases
 from hmdwarp.report.bench_charts import pareto_plot_png
@@ -185,6 +185,66 @@ def prediction(folder: Path) -> None:
     replace(RESULTS, "prediction", table(("latency ms", "predict"), rows))
 
 
+LABEL_PX = 38  # of the line of words over each picture of a strip
+EFFECT_SCENES = ("gallery", "workshop", "greenhouse", "cockpit")
+
+
+def effects_picture(folder: Path) -> None:
+    """docs/effects.png: a row for each of four scenes, 400 ms late: without its passes, with them, what should be seen."""
+    usual = (
+        "--latency",
+        "400",
+        "--guard",
+        "1.5",
+        "--size",
+        "480x400",
+        "--headset",
+        "flat-90",
+        "--rate",
+        "30",
+        "--start",
+        "1.7",
+        "--seconds",
+        "0.1",
+    )
+    usual += (
+        "--warp",
+        "iterative",
+        "--fill",
+        "pyramid",
+        "--lens",
+        "none",
+        "--against",
+        "",
+        "--metrics-every",
+        "100",
+        "--images",
+        "1",
+        "--quiet",
+    )
+    rows = []
+    for scene in EFFECT_SCENES:
+        panels = []
+        for asked in ("none", "auto"):
+            out = folder / f"picture-{scene}-{asked}"
+            program("replay", "walk", "--scene", scene, "--effects", asked, *usual, "--out", str(out))
+            strip = Image.open(out / "images" / "frame-000000-left.png")
+            panels += [strip.crop((k * strip.width // 4, 0, (k + 1) * strip.width // 4, strip.height)) for k in (1, 2)]
+        rows.append((panels[0], panels[2], panels[3]))
+    wide, high = rows[0][0].size
+    picture = Image.new("RGB", (3 * wide, len(rows) * high), "white")
+    for y, row in enumerate(rows):
+        for x, panel in enumerate(row):
+            picture.paste(panel, (x * wide, y * high))
+    words = ImageDraw.Draw(picture)
+    for y in range(len(rows)):
+        words.rectangle((0, y * high, 3 * wide, y * high + LABEL_PX - 1), fill="white")
+    for x, told in enumerate(("400 ms late, without its pass", "with it", "what should be seen")):
+        words.text((x * wide + 4, 4), told, fill="black", font_size=LABEL_PX - 14)
+    picture.thumbnail((1080, 4000), Image.Resampling.LANCZOS)
+    picture.save(ROOT / "docs" / "effects.png", optimize=True)
+
+
 def effects(folder: Path) -> None:
     """Each effect's scene with and without its pass."""
     from hmdwarp.scenes import scenes
@@ -229,6 +289,7 @@ def hard_cases(_: Path) -> None:
 PARTS = {
     "hard-cases": hard_cases,
     "picture": opening_picture,
+    "effects-picture": effects_picture,
     "speed": speed,
     "bench": bench,
     "border": border,

@@ -16,7 +16,6 @@ from hmdwarp.client.adaptive import AdaptiveCompensator
 from hmdwarp.client.choice import Rung
 from hmdwarp.client.choices import every_warp
 from hmdwarp.client.compensator import Compensator
-from hmdwarp.client.fills import fills
 from hmdwarp.client.given import Given
 from hmdwarp.client.governor import Governor
 from hmdwarp.client.plan import build_plan
@@ -25,7 +24,7 @@ from hmdwarp.frame import EyeImage, Layer, Needs
 from hmdwarp.ladder import ladder_from_file, read_rows
 from hmdwarp.report.schema import validate_summary
 from hmdwarp.rig import build_plan_for, build_rig
-from hmdwarp.trial import candidates, lens_ms, tried
+from hmdwarp.trial import FILLS, candidates, lens_ms, tried
 
 CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
 
@@ -221,7 +220,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
     options = small(warp="auto", budget_ms=AMPLE_MS)
-    every = set(itertools.product(every_warp(), fills.names()))
+    every = set(itertools.product(every_warp(), FILLS))
     assert {(c.warp, c.fill) for c in candidates(options)} == every
 
     def picky(one, *given):
@@ -242,7 +241,7 @@ def few(monkeypatch):
 def test_a_trial_of_its_own(few):
     said: list[str] = []
     found = tried(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3), said.append)
-    assert len(said) == 1 and said[0].startswith("trying 6 combinations")
+    assert len(said) == 1 and said[0].startswith("trying 9 combinations")
     assert found.machine is None and found.notes[0].startswith("Warp 'auto' tried")
     times, errors = [rung.total_ms for rung in found.rungs], [rung.error for rung in found.rungs]
     assert times == sorted(times) and errors == sorted(errors, reverse=True) and len(times) > 1

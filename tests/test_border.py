@@ -109,5 +109,3 @@ def test_what_is_no_guard_is_refused():
     for wrong in (0.9, math.nan, "much"):
         with pytest.raises((InputError, ValueError)):
             RunOptions(trace="still", guard=wrong)
-
-

@@ -129,7 +129,7 @@ def _nothing(gpu, size):
 @pytest.mark.parametrize("seed", [20, 21])
 def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
     world = World(gpu, seed, (57, 43), (61, 40))
-    world.bring(gpu, parse_warp("layered").warp)
+    world.bring(gpu, parse_warp("layered").entry)
     if layers == 4:
         behind = attrs.evolve(world.layers[1], inverse_depth=world.layers[1].inverse_depth * 0.7)
         behind.inverse_depth[behind.inverse_depth < 0] = -1
@@ -166,7 +166,7 @@ def test_a_hole_without_depth_is_filled_by_no_neighbour(gpu):
 def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, bad):
     """In the visible layer and behind it."""
     world, pictures = World(gpu, 4, (64, 48)), []
-    world.bring(gpu, parse_warp("layered").warp)
+    world.bring(gpu, parse_warp("layered").entry)
     for no_depth in (-1, bad):
         for depth in (world.inverse_depth, *(layer.inverse_depth for layer in world.layers)):
             depth[::5, ::3] = no_depth
@@ -178,7 +178,7 @@ def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, bad):
 
 def test_a_frame_with_fewer_layers_is_refused(gpu):
     world = World(gpu, 5, (16, 12))
-    world.bring(gpu, parse_warp("layered").warp)
+    world.bring(gpu, parse_warp("layered").entry)
     choice = parse_warp("layered:layers=4")
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     with pytest.raises(PlanError, match="wants 3 layers behind the visible one, this frame has 2"):
@@ -192,4 +192,8 @@ def test_impossible_numbers_of_layers_are_refused(layers):
 
 
 def test_what_it_needs_of_a_frame():
-    assert [parse_warp(f"layered:layers={n}").warp.needs(parse_warp(f"layered:layers={n}").settings).layers for n in (2, 3, 4)] == [1, 2, 3]
+    assert [parse_warp(f"layered:layers={n}").entry.needs(parse_warp(f"layered:layers={n}").settings).layers for n in (2, 3, 4)] == [
+        1,
+        2,
+        3,
+    ]

@@ -200,4 +200,4 @@ def test_settings_that_mean_nothing_are_refused(spec):
 
 def test_a_picture_beyond_the_names_of_its_cells_is_refused(gpu):
     with pytest.raises(InputError, match=f"at most {MOST_SIDE}"):
-        parse_warp("mesh").warp(gpu, (MOST_SIDE + 1, 4), (8, 8))
+        parse_warp("mesh").entry(gpu, (MOST_SIDE + 1, 4), (8, 8))

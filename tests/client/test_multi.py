@@ -144,7 +144,7 @@ def test_it_covers_what_forward_covers_and_more(gpu, seed):
 
 def test_an_unmoved_eye_is_shown_the_newest_frame_bit_for_bit_whatever_others_hold(gpu):
     world = World(gpu, 7, (64, 48), moved=False)
-    world.bring(gpu, parse_warp("multi").warp)
+    world.bring(gpu, parse_warp("multi").entry)
     assert len(world.others) == 2
     assert np.array_equal(world.warp(gpu, "multi"), world.colour)
 
@@ -160,7 +160,7 @@ def test_an_unmoved_eye_with_a_wider_view_is_given_more_around(gpu):
 @pytest.mark.parametrize("spec", ["multi", "multi:frames=0", "multi:frames=1,eye=own", "multi:frames=3"])
 def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     world = World(gpu, 30, (57, 43), (61, 40))
-    needs = parse_warp(spec).warp.needs(parse_warp(spec).settings)
+    needs = parse_warp(spec).entry.needs(parse_warp(spec).settings)
     world.others = tuple(LatePicture(*world._picture(), world._beside()) for _ in range(needs.past + needs.other_eye))
     if not world.others:
         world.bring = lambda gpu, entry: None
@@ -175,7 +175,7 @@ def test_any_number_of_pictures_equals_the_twin(gpu, spec):
 def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, bad):
     """In the newest picture and in the others."""
     world, pictures = World(gpu, 4, (64, 48)), []
-    world.bring(gpu, parse_warp("multi").warp)
+    world.bring(gpu, parse_warp("multi").entry)
     for no_depth in (-1, bad):
         for depth in (world.inverse_depth, *(one.inverse_depth for one in world.others)):
             depth[::5, ::3] = no_depth
@@ -208,7 +208,7 @@ def test_in_the_room_past_frames_and_the_other_eye_leave_fewer_holes(gpu):
 
 def test_what_it_needs_of_frames():
     specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40")
-    told = {spec: parse_warp(spec).warp.needs(parse_warp(spec).settings) for spec in specs}
+    told = {spec: parse_warp(spec).entry.needs(parse_warp(spec).settings) for spec in specs}
     assert (told["multi"].past, told["multi"].past_spacing_ns, told["multi"].other_eye) == (2, 300_000_000, True)
     assert (told["multi:frames=0,eye=own"].past, told["multi:frames=0,eye=own"].other_eye) == (0, False)
     assert told["multi:spacing=40"].past_spacing_ns == 40_000_000

@@ -8,6 +8,7 @@ import pytest
 from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.fills import fills
 from hmdwarp.client.given import Given
+from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.frame import EyeImage
@@ -215,7 +216,7 @@ def test_it_is_better_than_points_with_interpolation(gpu, trace):
         warp, canvas, filled = warps.get(name)(gpu, size, size), Canvas(gpu.gl, size), Canvas(gpu.gl, size)
         warp.run(Given(late, shown), canvas)
         if name == "forward":
-            fills.get("interpolate")(gpu, size).run(canvas, filled)
+            fills.get("interpolate")(gpu, size, size).run(Given(late, shown), ShownPicture(canvas), ShownPicture(filled))
             canvas = filled
         gpu.gl.memory_barrier()
         pictures[name] = np.frombuffer(canvas.texture.read(), np.float16).reshape(size[1], size[0], 4).astype(np.float64)

@@ -19,7 +19,7 @@ STEP = Pose((0.05, -0.02, 0.03))
 
 def takes_a_picture(name: str) -> bool:
     """Whether the warp works on somebody's own RGB-D frame."""
-    return set(parse_warp(name).warp.reads) <= set(PICTURE)
+    return set(parse_warp(name).entry.reads) <= set(PICTURE)
 
 
 @hard_case(takes_a_picture)

@@ -290,7 +290,7 @@ def unnormalised_quaternion(gpu, name):
 def _entry(name: str):
     from hmdwarp.client.choices import parse_warp
 
-    return parse_warp(name).warp
+    return parse_warp(name).entry
 
 
 assert SQUARE.tangents[1] == np.tan(np.pi / 4)  # the cases above count on 90 degrees

@@ -19,17 +19,17 @@ HALF = 2.0**-10  # of a stored half float, which llvmpipe truncates
 
 def reads_depth(name: str) -> bool:
     """Whether the warp moves things by their depth; the others (none, rotation, environment) see no parallax at all."""
-    return any(part.endswith(("inverse_depth", "layers", "others")) for part in parse_warp(name).warp.reads)
+    return any(part.endswith(("inverse_depth", "layers", "others")) for part in parse_warp(name).entry.reads)
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
     """Whether what it shows comes from the late picture: `environment` has pictures of its own. With settings or without."""
-    return "late.colour" in parse_warp(name).warp.reads
+    return "late.colour" in parse_warp(name).entry.reads
 
 
 def brings_more_pictures(name: str) -> bool:
     """Whether it shows other pictures than the late one too, which are noise here."""
-    return bool({"late.layers", "late.others"} & set(parse_warp(name).warp.reads))
+    return bool({"late.layers", "late.others"} & set(parse_warp(name).entry.reads))
 
 
 @attrs.frozen(eq=False)
