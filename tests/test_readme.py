@@ -39,7 +39,7 @@ def test_the_page_runs_from_top_to_bottom(tmp_path):
 
 def test_there_are_the_two_commands_and_seven_examples():
     assert [c for c in COMMANDS if c.startswith("make ")] == ["make replay", "make test"]
-    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 7
+    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 9
 
 
 @pytest.mark.slow
