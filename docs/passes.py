@@ -9,14 +9,14 @@ Summary = dict[str, Any]
 Run = Callable[..., Summary]  # (trace, *options) -> summary.json
 
 LATENCIES = ("200", "400", "800")
-COMMON = ("--guard", "1.5", "--lens", "none", "--metrics-every", "15")
-SHORT = (*COMMON, "--rate", "30", "--start", "0.4", "--seconds", "2.5")
-LONG = (*COMMON, "--rate", "20", "--start", "2", "--seconds", "6")  # the head comes back to what it saw
+COMMON = ("--guard", "1.5", "--lens", "none")
+SHORT = (*COMMON, "--rate", "30", "--start", "1", "--seconds", "1.2", "--metrics-every", "9")
+LONG = (*COMMON, "--rate", "20", "--start", "2", "--seconds", "6", "--metrics-every", "15")  # the head comes back to what it saw
 FILLS = (
     "none",
     "interpolate",
     "interpolate_full",
-    "stretch",
+    "stretch+pyramid",
     "pyramid",
     "wide+pyramid",
     "memory+pyramid",
@@ -25,12 +25,12 @@ FILLS = (
     "memory+relight",
     "interpolate+memory+pyramid",
 )
-SLOW_FILLS = ("interpolate", "pyramid", "memory+pyramid", "model", "relight")  # after `mesh`, which takes a quarter of a second an eye
+SLOW_FILLS = ("interpolate", "pyramid", "model", "relight")  # after `mesh`, which takes a quarter of a second an eye
 NETWORKS = (
     ("constant", ()),
     ("uniform jitter of 30 ms", ("--jitter", "uniform:30")),
-    ("2 % lost in bursts of three", ("--loss", "p=0.007,r=0.33")),
-    ("20 Mbit/s", ("--bandwidth", "20")),
+    ("10 % lost in bursts of three", ("--loss", "p=0.037,r=0.33", "--link-seed", "1")),
+    ("60 Mbit/s", ("--bandwidth", "60")),
 )
 CODECS = ("none", "h264", "hevc")
 
