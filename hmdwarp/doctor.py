@@ -51,7 +51,7 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
-    return [python(), packages(), *opengl(), *openxr(), window(), video()]
+    return [python(), packages(), *opengl(), *openxr(), window(), video(), codecs()]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
@@ -214,6 +214,23 @@ def video() -> Finding:
     except Exception as error:  # av's own errors, and loader errors of its libraries
         return Finding("H.264 encoder", State.OPTIONAL, f"none in PyAV ({type(error).__name__})", "pip install --force-reinstall av")
     return Finding("H.264 encoder", State.OK, f"{encoder.name} in PyAV {av.__version__}", facts={"encoder": encoder.name})
+
+
+def codecs() -> Finding:
+    """What frames may be encoded by on their way (`replay --codec`)."""
+    from .codec import CODECS
+
+    works, missing = [], []
+    for codec in CODECS:
+        if codec.is_none:
+            continue
+        try:
+            codec.check()
+            works.append(f"{codec.name} by {codec.encoder}")
+        except Exception as error:  # MachineError, and loader errors of av's libraries
+            missing.append(f"{codec.name} is missing ({type(error).__name__})")
+    state = State.OPTIONAL if missing else State.OK
+    return Finding("codecs", state, ", ".join([*works, *missing]), "pip install --force-reinstall av" if missing else "")
 
 
 def _one_line(text: object) -> str:
