@@ -33,7 +33,7 @@ from .poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSourc
 from .poses.predict import PREDICTORS, predict
 from .registry import unknown_name
 from .scenes import Scene, load_scene
-from .scenes.effects import SceneEffect, asked_effects
+from .scenes.effects import SceneEffect, asked_effects, effect_names
 from .server import Server
 
 
@@ -325,8 +325,10 @@ def build_plan_for(options: RunOptions, headset: Headset, scene: Scene | None) -
     """The plan of a run. Without a scene yet, only the names are checked. Errors: as build_plan; a lens the headset has not."""
     if options.lens != "none" and headset.lens is None:
         raise InputError(f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none")
-    effects = asked_effects(options.effects, scene.effects if scene is not None else SceneEffect.NONE)
+    calls_for = scene.effects if scene is not None else SceneEffect.NONE
+    effects = asked_effects(options.effects, calls_for)
     if options.against:
         plan_against(options)
+    told = {"forced": effect_names(effects & ~calls_for), "forbidden": effect_names(calls_for & ~effects)}
     fused, scanout = options.fused, options.scanout_ms > 0 and options.follow_scanout
-    return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout)
+    return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout, **told)

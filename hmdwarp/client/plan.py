@@ -5,7 +5,7 @@ What is not in the plan compiles nothing, allocates nothing and costs nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import reduce
 from operator import or_
 
@@ -150,12 +150,15 @@ def build_plan(
     brings: tuple[str, ...] = LATE,
     fused: bool = False,
     scanout: bool = False,
+    forced: Collection[str] = (),
+    forbidden: Collection[str] = (),
 ) -> Plan:
     """The plan for the named passes; warp and fill may carry settings (`mesh:cut=slope`), fills may be a chain (`memory+pyramid`).
 
     declared: what is to be compensated. client_geometry: whether the client has the scene's triangles to draw from. brings: what late
     pictures come with. fused: warp and lens in one resample; what is composited after the warp stays in the late picture then. scanout:
-    the display shows its rows one after the other; a warp that cannot follow shows them as in the middle of it.
+    the display shows its rows one after the other; a warp that cannot follow shows them as in the middle of it. forced, forbidden: names
+    of effects that are declared though the scene has none, and not declared though it has: only for the reasons told.
     Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none before it writes, and for what
     cannot be fused; InputError for a setting the warp or fill has not.
     """
@@ -163,10 +166,10 @@ def build_plan(
     if fused:
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
-    passes = _effect_passes(declared, choice.entry, fused, draft)
+    passes = _effect_passes(declared, choice.entry, fused, forbidden, draft)
     late, shown = ([one for one in passes if issubclass(one.made_by, LatePass) is before] for before in (True, False))
     for one in late:
-        draft.add("effects", one.made_by.name, _why(one), one.reads, one.made_by.writes)
+        draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, draft)
     follows = scanout and choice.entry.scans_out
     _plan_warp(choice, chosen_lens if fused else None, follows, draft)
@@ -184,7 +187,7 @@ def build_plan(
     if not chain:
         draft.leave_out("fill", f"fill 'none' was asked for: {fills.get('none').summary}")
     for one in shown:
-        draft.add("effects", one.made_by.name, _why(one), one.reads, one.made_by.writes)
+        draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     if fused:
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
@@ -210,12 +213,12 @@ class _Draft:
         self.left_out.append((name, reason))
 
 
-def _effect_passes(declared: SceneEffect, warp: type[Warp], fused: bool, draft: _Draft) -> list[PlannedEffect]:
+def _effect_passes(declared: SceneEffect, warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft) -> list[PlannedEffect]:
     """The passes for what is declared, in their order; what cannot be done with this warp is left out with its reason."""
     called_for = {effect.name: effect for effect in effects if effect.flag & declared}  # nothing else tests an effect's flag
     chosen: list[Effect] = []
     for effect in effects:
-        why_not = _why_not(effect, called_for, warp, fused)
+        why_not = _why_not(effect, called_for, warp, fused, forbidden)
         if why_not:
             draft.leave_out(effect.name, why_not)
         else:
@@ -224,9 +227,11 @@ def _effect_passes(declared: SceneEffect, warp: type[Warp], fused: bool, draft: 
     return [PlannedEffect(each, tuple(effect for effect in chosen if effect.made_by is each)) for each in made_by]
 
 
-def _why_not(effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp], fused: bool) -> str:
+def _why_not(effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp], fused: bool, forbidden: Collection[str]) -> str:
+    if effect.name in forbidden:
+        return f"the scene calls for it, but it was forbidden: {effect.without}"
     if effect.name not in called_for:
-        return "nothing in the scene calls for it, or it was forbidden"
+        return "nothing in the scene calls for it"
     if effect.refines and effect.refines not in called_for:
         return f"it refines {effect.refines}, which is left out: {effect.without}"
     if fused and not issubclass(effect.made_by, LatePass):
@@ -236,8 +241,10 @@ def _why_not(effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp],
     return ""
 
 
-def _why(planned: PlannedEffect) -> str:
-    return "the scene calls for it: " + "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
+def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
+    told = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
+    asked = [effect.name for effect in planned.effects if effect.name in forced]
+    return f"the scene calls for it: {told}" if not asked else f"forced, though the scene has nothing of {' and '.join(asked)}: {told}"
 
 
 def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -> None:

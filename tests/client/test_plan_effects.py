@@ -87,6 +87,14 @@ def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
         assert ("carries nothing" in left_out.get(effect.name, "")) == effect.made_by.carries
 
 
+def test_what_was_forced_or_forbidden_is_told_as_that():
+    left_out = dict(plan_of(SceneEffect.OVERLAY, forced=["overlay"], forbidden=["transparency"]).left_out)
+    assert left_out["transparency"].startswith("the scene calls for it, but it was forbidden: a pane has the depth")
+    assert left_out["rigid_motion"] == "nothing in the scene calls for it"
+    (step,) = [step for step in plan_of(SceneEffect.OVERLAY, forced=["overlay"]).steps if step.stage == "effects"]
+    assert step.reason.startswith("forced, though the scene has nothing of overlay")
+
+
 # --- what an experiment asks for -----------------------------------------------------------------------------------------
 
 
