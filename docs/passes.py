@@ -89,6 +89,18 @@ def fills_table(run: Run) -> str:
     return "\n".join(rows)
 
 
+def memory_table(run: Run) -> str:
+    """What a memory is worth to a head that comes back, without a guard band and with one."""
+    rows = _head(
+        "guard", "fill", "PSNR in former holes", "FLIP in former holes", "PSNR dB", "FLIP", "flicker", "fill ms an eye", "left empty %"
+    )
+    for guard in ("1", "1.5"):
+        for fill in ("pyramid", "memory+pyramid"):
+            got = run("look-around", *LONG, "--latency", "400", "--fill", fill, "--guard", guard)
+            rows.append(_line(guard, f"`{fill}`", *_fill_figures(got)))
+    return "\n".join(rows)
+
+
 def _fill_figures(got: Summary) -> list[str]:
     holes, empty = got["regions"]["holes"], got["filled"]["empty"] if len(got["filled"]) > 1 else got["regions"]["holes"]["share"]
     figures = [f"{holes['psnr_db']:.2f}", f"{holes['flip']:.3f}", f"{_quality(got, 'psnr_db'):.2f}", f"{_quality(got, 'flip'):.3f}"]

@@ -257,6 +257,12 @@ def effects(folder: Path) -> None:
 def fills(folder: Path) -> None:
     """Every fill, in former holes and over the whole picture."""
     replace(RESULTS, "fills", passes.fills_table(partial(run, folder)))
+    memory(folder)
+
+
+def memory(folder: Path) -> None:
+    """A head that comes back to what it saw."""
+    replace(RESULTS, "memory", passes.memory_table(partial(run, folder)))
 
 
 def guard_bands(folder: Path, *ready: str) -> None:
@@ -296,6 +302,7 @@ PARTS = {
     "prediction": prediction,
     "effects": effects,
     "fills": fills,
+    "memory": memory,
     "guard": guard_bands,
     "link": link,
 }
