@@ -11,6 +11,19 @@ Run = Callable[..., Summary]  # (trace, *options) -> summary.json
 LATENCIES = ("200", "400", "800")
 COMMON = ("--guard", "1.5", "--lens", "none")
 SHORT = (*COMMON, "--rate", "30", "--start", "1", "--seconds", "1.2", "--metrics-every", "9")
+SMALL = (
+    *COMMON,
+    "--size",
+    "240x300",
+    "--rate",
+    "20",
+    "--start",
+    "1",
+    "--seconds",
+    "0.8",
+    "--metrics-every",
+    "4",
+)  # mirrors are drawn slowly
 LONG = (*COMMON, "--rate", "20", "--start", "2", "--seconds", "6", "--metrics-every", "15")  # the head comes back to what it saw
 FILLS = (
     "none",
