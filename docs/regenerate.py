@@ -40,7 +40,7 @@ def program(*arguments: str) -> None:
 def run(folder: Path, trace: str, *options: str) -> dict:
     """One replay; its summary."""
     out = folder / "-".join([trace, *options]).replace("/", "_").replace("--", "")
-    program("replay", trace, *SMALL, "--against", "", "--quiet", "--out", str(out), *options)
+    program("replay", trace, *SMALL, "--against", "", "--images", "0", "--quiet", "--out", str(out), *options)
     return json.loads((out / "summary.json").read_text(encoding="utf-8"))
 
 
