@@ -71,7 +71,7 @@ def effects_table(run: Run, scenes: list[tuple[str, list[str]]]) -> str:
             for left_out in ("", *effects, *(("all",) if len(effects) > 1 else ())):
                 asked = {"": "auto", "all": "none"}.get(left_out, f"no-{left_out}")
                 got = run(
-                    "walk", *COMMON, "--scene", scene, "--latency", latency, "--effects", asked, "--warp", "iterative", "--fill", "pyramid"
+                    "walk", *SMALL, "--scene", scene, "--latency", latency, "--effects", asked, "--warp", "iterative", "--fill", "pyramid"
                 )
                 figures = (f"{_quality(got, 'psnr_db'):.2f}", f"{_quality(got, 'flip'):.3f}", f"{_quality(got, 'flicker'):.3f}")
                 ms, size = got["time_ms"]["effects"]["median"], got["link"]["frame_bytes"] / 1e6
