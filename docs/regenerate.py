@@ -185,7 +185,7 @@ def prediction(folder: Path) -> None:
     replace(RESULTS, "prediction", table(("latency ms", "predict"), rows))
 
 
-LABEL_PX = 38  # of the line of words over each picture of a strip
+LABEL_PX, WORDS_PX = 62, 36  # of the line of words over each picture of a strip, and of ours in its place
 EFFECT_SCENES = ("gallery", "workshop", "greenhouse", "cockpit")
 
 
@@ -240,7 +240,7 @@ def effects_picture(folder: Path) -> None:
     for y in range(len(rows)):
         words.rectangle((0, y * high, 3 * wide, y * high + LABEL_PX - 1), fill="white")
     for x, told in enumerate(("400 ms late, without its pass", "with it", "what should be seen")):
-        words.text((x * wide + 4, 4), told, fill="black", font_size=LABEL_PX - 14)
+        words.text((x * wide + 4, 4), told, fill="black", font_size=WORDS_PX)
     picture.thumbnail((1080, 4000), Image.Resampling.LANCZOS)
     picture.save(ROOT / "docs" / "effects.png", optimize=True)
 
