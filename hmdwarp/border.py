@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from .geometry import Fov, Pose
 from .headsets import Headset, load_headset
 from .options import AUTO, RunOptions
+from .pipeline import expected_age_ns
 from .poses import PoseSample, PoseTrack, load_trace
 from .poses.predict import predict
 from .poses.quaternions import conjugate, rotate
-from .rig import Timetable, latency_ns, timetable
+from .rig import Timetable, timetable
 
 QUANTILE = 0.95
 # A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and reaches farther.
@@ -58,7 +59,7 @@ def guard_for(headset: Headset, track: PoseTrack, times: Timetable, options: Run
     The server draws for the pose it is asked for, predicted or not, as in the run; the display shows the pose of the trace. The
     latency is that of the run, for a link with jitter the typical one.
     """
-    age_ns = times.age_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+    age_ns = expected_age_ns(options, times.age_ns)
     stride = -(-times.count // MOST_INSTANTS)
     shown_ns = np.array([times.first_ns + round(k * 1e9 / times.rate_hz) for k in range(0, times.count, stride)], dtype=np.int64)
     shown = track.sample_many(shown_ns)

@@ -62,6 +62,11 @@ class Channel:
             receive=coder.receive if coder is not None else None,
         )
 
+    def retime(self, network: LinkOptions, latency_ns: int) -> None:
+        """Frames sent from now on take another latency; those under way arrive as they would have. Errors: as LinkOptions.check."""
+        self.link.delay_by(network.delays(latency_ns))
+        self.latency_ns = latency_ns
+
     def send(self, frame: Frame, now_ns: int) -> None:
         """A frame leaves the server."""
         if self._coder is None:

@@ -13,6 +13,7 @@ from .scenes.effects import SceneEffect
 if TYPE_CHECKING:
     import moderngl
 
+    from .gpu.timers import Lap
     from .poses import PoseSample
 
 
@@ -131,12 +132,14 @@ def _textures(part: Any) -> Iterator[moderngl.Texture]:
 class Frame:
     """Both eyes as the server drew them at `drawn_ns`; `effects` is what the scene called for.
 
-    head: world_from_head the frame was asked for, and how that was obtained; None where only the views are known. took_ms: what was
-    measured on its way, by name (render, encode, decode); whoever does the work enters it.
+    head: world_from_head the frame was asked for, and how that was obtained; None where only the views are known. drawing: what the GPU
+    did for it, to be asked for its time when that is done. took_ms: what else was measured on its way, by name (encode, decode); whoever
+    does the work enters it.
     """
 
     eyes: tuple[EyeImage, ...]
     drawn_ns: int
     effects: SceneEffect = SceneEffect.NONE
     head: PoseSample | None = None
+    drawing: Lap | None = None
     took_ms: dict[str, float] = attrs.field(factory=dict)

@@ -12,12 +12,12 @@ import attrs
 from .client.choice import Rung, ladder
 from .errors import InputError
 from .headsets import Headset, load_headset
-from .options import RunOptions
+from .options import PipelineOptions
+from .plans import build_plan_for
 from .report.schema import SCHEMA, summary_faults
-from .rig import build_plan_for
 
 Row = Mapping[str, Any]
-LensTime = Callable[[RunOptions], float]
+LensTime = Callable[[PipelineOptions], float]
 
 
 @attrs.frozen
@@ -56,7 +56,7 @@ def read_rows(path: Path) -> list[Row]:
     return bench["rows"]
 
 
-def ladder_from_file(path: Path, options: RunOptions, lens_ms: LensTime | None) -> Ladder:
+def ladder_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> Ladder:
     """The ladder of a benchmark for a run.
 
     Rows of the run's size are taken if there are any; else those of the largest size, their times in proportion to the pixels. Where
@@ -78,7 +78,7 @@ def ladder_from_file(path: Path, options: RunOptions, lens_ms: LensTime | None) 
     return _fitted(usable, options, headset, lens_ms, [*notes, *_other_terms(usable, options, path.name)], path.name)
 
 
-def _fitted(rows: list[Row], options: RunOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str) -> Ladder:
+def _fitted(rows: list[Row], options: PipelineOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str) -> Ladder:
     other = {row["lens"] for row in rows} - {options.lens}
     try:
         rungs, more = _at_size([_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name)
@@ -99,7 +99,7 @@ def _without_lens(row: Row) -> Row:
     return {**row, "lens": "none", "time_ms": {**times, "total": total}}
 
 
-def _other_terms(rows: list[Row], options: RunOptions, name: str) -> list[str]:
+def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
     """What makes the benchmark's errors, or times, differ from this run's beyond what is put right."""
     told = []
     for key, mine, unit in (("guard", options.guard, ""), ("latency_ms", options.latency_ms, " ms"), ("scene", options.scene, "")):

@@ -13,7 +13,8 @@ from .gpu.textures import download
 from .loop import Refresh
 from .metrics.job import Compared, QualityJob
 from .metrics.pool import QualityPool
-from .rig import Rig, build_plan_for, plan_against
+from .plans import build_plan_for, plan_against
+from .rig import Rig
 from .truth import MOST_BANDS, draw_truth
 
 # The two things measured at a refresh: the asked-for warp and the one it is compared with.
@@ -53,7 +54,7 @@ class Probe:
         options = self._rig.options
         if options.against in ("", options.warp):
             return None
-        return self._rig.compensator(plan_against(options))
+        return self._rig.compensator(plan_against(options.against))
 
     def wants(self, number: int) -> bool:
         """Whether refresh `number` is measured, or is the neighbour of a measured one."""

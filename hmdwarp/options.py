@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import attrs
 
@@ -64,25 +64,22 @@ def parse_guard(text: str) -> float | Literal["auto"]:
 
 
 @attrs.frozen
-class RunOptions:
-    """One run: the same names and defaults as the command line's.
+class PipelineOptions:
+    """What a picture goes through from the server to the eye: the same names and defaults as the command line's.
 
     network: what lies between, beside the latency. coding: whether frames are encoded and decoded on the way. effects: as
     scenes.effects.asked_effects has it, "auto" for what the scene calls for, else what is forced or forbidden. mirrors:
     "geometry" or "screen", how the server draws plane mirrors (server.Server).
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
-    headset's. start_s, seconds: the shown part of the trace, None for all of it. guard: how much larger in tangents the server
-    draws; "auto" for what the trace calls for (border.settled, which replay does first). predict, horizon_ms: what pose the server is
-    asked for. against: the warp compared with, "" for none.
+    headset's. guard: how much larger in tangents the server draws; "auto" for what the trace calls for (border.settled, which replay
+    does first). predict, horizon_ms: what pose the server is asked for.
     fused: warp and lens in one resample. scanout_ms: from the first row of the display to its last, 0 for a display that lights up at
     once. follow_scanout: whether warps that can give every row a view of its own do so; others show all as in the middle of the scan-out.
     budget_ms: per eye, for warp "auto" alone, which takes the most accurate warp and fill within it and keeps to it (`fill` does not
-    count then). bench: the bench.json it knows them from, None to try all on this run's own frames first. metrics_every: pictures are
-    measured at every n-th refresh. workers: measuring processes, None for one per core.
+    count then). bench: the bench.json it knows them from, None to try all on the run's own frames first.
     Errors: InputError for a number that cannot be meant.
     """
 
-    trace: str
     scene: str = "room"
     latency_ms: float = attrs.field(default=200.0, validator=number("latency", " ms"))
     warp: str = "forward"
@@ -95,24 +92,14 @@ class RunOptions:
     headset: str = "rift-dk1"
     size: tuple[int, int] | None = None
     rate_hz: float | None = attrs.field(default=None, validator=number("rate", " Hz", above=True, most=1000))
-    start_s: float = attrs.field(default=0.0, validator=number("start", " s"))
-    seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
     guard: float | Literal["auto"] = attrs.field(default=1.0, validator=_guard)
     predict: str = "none"
     horizon_ms: float = attrs.field(default=100.0, validator=number("horizon", " ms"))
-    against: str = "none"
-    metrics_every: int = attrs.field(default=10, validator=number("metrics-every", least=1))
-    workers: int | None = attrs.field(default=None, validator=number("workers", most=256))
-    images: int = attrs.field(default=6, validator=number("images"))
-    video: bool = False
     fused: bool = False
     budget_ms: float | None = attrs.field(default=None, validator=number("budget", " ms", above=True))
     bench: Path | None = attrs.field(default=None, converter=attrs.converters.optional(Path))
     scanout_ms: float = attrs.field(default=0.0, validator=number("scanout", " ms", most=100))
     follow_scanout: bool = True
-    trace_options: TraceOptions = attrs.field(factory=TraceOptions)
-    out: Path = attrs.field(default=Path("out/replay"), converter=Path)
-    command: str = ""
 
     def __attrs_post_init__(self) -> None:
         if self.warp == AUTO:
@@ -122,8 +109,8 @@ class RunOptions:
         elif self.bench is not None:
             raise InputError(f"bench {self.bench}: only warp 'auto' chooses from a benchmark; warp '{self.warp}' is chosen already")
 
-    def with_pair(self, warp: str, fill: str) -> RunOptions:
-        """The same run with this warp and fill, instead of a choice of its own."""
+    def with_pair(self, warp: str, fill: str) -> Self:
+        """The same with this warp and fill, instead of a choice of its own."""
         return attrs.evolve(self, warp=warp, fill=fill, budget_ms=None, bench=None)
 
     def _check_auto(self) -> None:
@@ -131,3 +118,25 @@ class RunOptions:
             raise InputError("warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye (--budget MS)")
         if self.fused:
             raise InputError("fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; leave one out")
+
+
+@attrs.frozen(kw_only=True)
+class RunOptions(PipelineOptions):
+    """A replay: which trace, and what is measured and kept of it.
+
+    start_s, seconds: the shown part of the trace, None for all of it. against: the warp compared with, "" for none. metrics_every:
+    pictures are measured at every n-th refresh. workers: measuring processes, None for one per core.
+    Errors: InputError for a number that cannot be meant.
+    """
+
+    trace: str
+    start_s: float = attrs.field(default=0.0, validator=number("start", " s"))
+    seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
+    against: str = "none"
+    metrics_every: int = attrs.field(default=10, validator=number("metrics-every", least=1))
+    workers: int | None = attrs.field(default=None, validator=number("workers", most=256))
+    images: int = attrs.field(default=6, validator=number("images"))
+    video: bool = False
+    trace_options: TraceOptions = attrs.field(factory=TraceOptions)
+    out: Path = attrs.field(default=Path("out/replay"), converter=Path)
+    command: str = ""

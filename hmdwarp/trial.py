@@ -18,9 +18,11 @@ from .errors import PlanError
 from .headsets import Headset, load_headset
 from .ladder import Ladder, ladder_from_file
 from .metrics.pool import QualityPool, worker_count
-from .options import AUTO, RunOptions
-from .rig import Rig, build_plan_for, build_rig, guarded_size, memory_bytes
+from .options import AUTO, PipelineOptions, RunOptions
+from .plans import build_plan_for
+from .rig import Rig, build_rig
 from .scenes import load_scene
+from .sizes import guarded_size, memory_bytes
 
 INSTANTS, ROUNDS = 3, 2  # of the run, evenly spread; timed runs of both eyes at each
 # Every fill with every warp would be a hundred and more pictures at each instant, and some fills live on what they saw before, which a
@@ -43,7 +45,7 @@ def ladder_for(options: RunOptions, say: Say = lambda text: None) -> Ladder:
     return found
 
 
-def candidates(options: RunOptions) -> list[Combination]:
+def candidates(options: PipelineOptions) -> list[Combination]:
     """Every warp and variant with each of FILLS, but for those this run cannot have. Errors: as build_plan_for."""
     headset, scene = load_headset(options.headset), load_scene(options.scene)
     found = []

@@ -10,7 +10,7 @@ from replays import small
 
 from hmdwarp.client.weight import eye_bytes
 from hmdwarp.gpu.shaders import ShaderLibrary
-from hmdwarp.rig import build_rig, eye_sizes
+from hmdwarp.rig import build_rig
 
 ALLOCATIONS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "vertex_array")
 WORK = ((moderngl.ComputeShader, "run"), (moderngl.ComputeShader, "run_indirect"), (moderngl.VertexArray, "render"))
@@ -57,7 +57,7 @@ def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
                 if shown == refreshes:
                     break
             assert shown == refreshes
-            layers = eye_bytes(rig.plan.needs, eye_sizes(asked, rig.headset), rig.plan.layers)
+            layers = eye_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
             return Costs(frozenset(shaders), dict(made), dict(work), layers, rig.channel.passage.size_bytes, dict(textures))
 
 

@@ -22,8 +22,9 @@ from hmdwarp.client.plan import build_plan
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frame import EyeImage, Layer, Needs
 from hmdwarp.ladder import ladder_from_file, read_rows
+from hmdwarp.plans import build_plan_for
 from hmdwarp.report.schema import validate_summary
-from hmdwarp.rig import build_plan_for, build_rig
+from hmdwarp.rig import build_rig
 from hmdwarp.trial import FILLS, candidates, lens_ms, tried
 
 CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
@@ -199,7 +200,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
                 working = busy and time.perf_counter() - began < 0.15
             return result
 
-    monkeypatch.setattr("hmdwarp.rig.Compensator", Busy)
+    monkeypatch.setattr("hmdwarp.pipeline.Compensator", Busy)
     rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
     options = auto(a_bench(tmp_path / "b.json", rows), budget_ms=100.0, seconds=3.0, metrics_every=30)
     summary = run(tmp_path / "out", **options).summary

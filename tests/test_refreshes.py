@@ -12,8 +12,9 @@ from replays import run, small
 
 from hmdwarp.errors import InputError
 from hmdwarp.link import Link, LinkOptions
+from hmdwarp.pipeline import refreshes_of
 from hmdwarp.poses import PoseTrack
-from hmdwarp.rig import refreshes_of, timetable
+from hmdwarp.rig import timetable
 
 BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
 

@@ -18,7 +18,8 @@ from hmdwarp.client.given import Given
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
-from hmdwarp.rig import build_plan_for, build_rig
+from hmdwarp.plans import build_plan_for
+from hmdwarp.rig import build_rig
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of, draw_truth

@@ -13,8 +13,9 @@ from ..client.plan import Plan, build_plan
 from ..frame import Needs
 from ..link import Link, LinkOptions
 from ..options import RunOptions
+from ..pipeline import refreshes_of
 from ..poses import PoseTrack
-from ..rig import Timetable, refreshes_of, timetable
+from ..rig import Timetable, timetable
 from ..scenes import Scene
 from ..scenes.effects import asked_effects
 from .options import BenchOptions, Size

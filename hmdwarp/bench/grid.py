@@ -18,11 +18,11 @@ from ..errors import HmdwarpError
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link import LinkOptions
-from ..loop import Loop
+from ..loop import Loop, Requested
 from ..metrics.job import Compared, QualityJob
 from ..metrics.pool import QualityPool
 from ..poses import Origin, PoseSample
-from ..rig import Requested, Rig
+from ..rig import Rig
 from ..scenes import Scene
 from ..server.targets import TargetPool
 from .cases import Combination

@@ -12,7 +12,7 @@ from ..metrics.mismatch import Mismatch
 from ..metrics.pool import QualityPool
 from ..metrics.regions import REGIONS, pooled
 from ..outcome import summary_of
-from ..rig import Rig, guarded_size
+from ..rig import Rig
 from .casework import Measured
 from .traffic import passes_of
 
@@ -41,7 +41,7 @@ def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) 
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     base = summary_of(rig, combination.warp, combination.fill, combination.plan.lens.name, [*measured.times, *pictures])
-    late_pixels, shown_pixels = (w * h for w, h in (guarded_size(rig.options.guard, rig.headset, rig.size), rig.size))
+    late_pixels, shown_pixels = (w * h for w, h in (rig.pipeline.sizes.late, rig.pipeline.sizes.shown))
     return {
         **base,
         "frames": len(pictures),

@@ -14,15 +14,20 @@ import attrs
 from ..client.choice import choose
 from ..client.plan import build_plan, needs_of
 from ..errors import InputError
+from ..frame import Needs
 from ..gpu.bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..metrics.pool import QualityPool, worker_count
+from ..options import PipelineOptions
+from ..pipeline import check_held
+from ..plans import build_plan_for
 from ..poses import load_trace
 from ..report.files import OutputFolder
 from ..report.schema import SCHEMA
-from ..rig import build_plan_for, build_rig, check_room, guarded_size, memory_bytes, timetable
+from ..rig import build_rig, timetable
 from ..scenes import load_scene
+from ..sizes import eye_sizes, guarded_size, memory_bytes
 from ..version import __version__
 from . import fused, grid
 from .cases import (
@@ -164,8 +169,13 @@ def _examined(
         }
         for work in works:
             for batch in batched[work.case]:
-                check_room(gpu, work.run, headset, needs_of(c.plan for c in batch))
+                _check_room(gpu, work.run, headset, needs_of(c.plan for c in batch))
         return machine, copy_bandwidth(gpu), check_clocks(gpu), batched
+
+
+def _check_room(gpu: Gpu, run: PipelineOptions, headset: Headset, needs: Needs) -> None:
+    sizes = eye_sizes(run.guard, headset, run.size or headset.eye_size_px)
+    check_held(gpu, run, needs, sizes, run.rate_hz or headset.refresh_hz)
 
 
 def _total(options: BenchOptions, headset: Headset, works: list[_Work], batched: dict[Case, list[list[Combination]]]) -> int:

@@ -11,7 +11,7 @@ from . import _options as o
 if TYPE_CHECKING:
     from ..client.plan import Plan, Step
     from ..headsets import Headset
-    from ..options import RunOptions
+    from ..options import PipelineOptions
 
 
 def plan(
@@ -34,14 +34,13 @@ def plan(
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
-    from ..options import AUTO, RunOptions, parse_size
-    from ..rig import build_plan_for
+    from ..options import AUTO, PipelineOptions, parse_size
+    from ..plans import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
 
     chosen = load_headset(headset)
-    options = RunOptions(
-        trace="",
+    options = PipelineOptions(
         scene=scene,
         latency_ms=latency,
         warp=warp,
@@ -70,12 +69,12 @@ def plan(
     in_columns(weights)
 
 
-def _auto(options: RunOptions) -> None:
+def _auto(options: PipelineOptions) -> None:
     """What warp auto would choose from, as far as that can be told without running anything."""
     from ..client.choice import best_within
     from ..headsets import load_headset
     from ..ladder import ladder_from_file
-    from ..rig import plans_for
+    from ..plans import plans_for
     from ..scenes import load_scene
     from ..trial import INSTANTS, candidates
     from ._show import in_columns, paragraph
@@ -99,14 +98,15 @@ def _auto(options: RunOptions) -> None:
     in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.rungs)))
 
 
-def _weights(options: RunOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
+def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
     """What frames weigh that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..client.weight import eye_bytes
-    from ..rig import eye_sizes, frames_held
+    from ..pipeline import frames_held
+    from ..sizes import eye_sizes
 
     rate_hz = options.rate_hz or headset.refresh_hz
-    needs, sizes = needs_of(plans), eye_sizes(options, headset)
+    needs, sizes = needs_of(plans), eye_sizes(options.guard, headset, options.size or headset.eye_size_px)
     parts = eye_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
     told = ", ".join(f"{name} {2 * count / 1e6:.1f} MB" for name, count in parts.items())
     at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"

@@ -28,14 +28,16 @@ Stages = Sequence[tuple[str, float]]
 class EyeResult:
     """One eye after the plan. view: what is shown, half way through the scan-out if the display has one. `warped` holds the coverage
     before the fill, `shown` what the eye sees before the lens, `panel` what goes to the display; a warp that is fused with the lens
-    makes the panel alone, the others are None then. filled: after each fill of the chain, by its name. The textures belong to the
-    compensator and are written again at the next frame of that eye."""
+    makes the panel alone, the others are None then. filled: after each fill of the chain, by its name. inverse_depth: r32f, of `shown`, -1
+    where it is not known; None unless the plan makes it. The textures belong to the compensator and are written again at the next frame
+    of that eye."""
 
     view: View
     warped: Canvas | None
     shown: Canvas | None
     panel: Canvas
     filled: tuple[tuple[str, Canvas], ...] = ()
+    inverse_depth: moderngl.Texture | None = None
 
 
 @attrs.frozen(eq=False)
@@ -81,7 +83,7 @@ class Compensator:
         self._warp = plan.warp(gpu, late_size, shown_size, plan.choice.settings, output)
         pictures = pictures_read(plan.warp_needs)
         carry = Carry(self._warp)
-        self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.reads(SHOWN_DEPTH) else None
+        self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.makes_shown_depth else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills: list[Fill] = [one.entry(gpu, late_size, shown_size, one.settings, geometry) for one in plan.fills]
         tools = Tools(carry, pictures, images_given(plan.needs))
@@ -143,7 +145,7 @@ class Compensator:
                 self._lens.run(shown, given.shown.fov, given.eye, made.panel)
         names = (one.entry.name for one in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
-        return EyeResult(given.middle, made.warped.colour, shown, made.panel, filled)
+        return EyeResult(given.middle, made.warped.colour, shown, made.panel, filled, picture.inverse_depth)
 
     def took(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""

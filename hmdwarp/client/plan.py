@@ -5,7 +5,7 @@ What is not in the plan compiles nothing, allocates nothing and costs nothing.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import reduce
 from operator import or_
 
@@ -16,7 +16,7 @@ from ..frame import Needs
 from ..scenes.effects import SceneEffect
 from .choices import Choice, fill_text, parse_fills, parse_warp
 from .effects import Effect, EffectPass, LatePass, effects
-from .fills import fills
+from .fills import Fill, fills
 from .lens import LensPass, lenses
 from .warps import Warp
 
@@ -37,6 +37,7 @@ LATE = (
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
 PANEL = "panel.colour"
+STEP_SHOWN_DEPTH = "shown depth"
 
 
 @attrs.frozen
@@ -113,6 +114,11 @@ class Plan:
         """Whether the client draws its own depth for this plan."""
         return self.writes(CLIENT_DEPTH)
 
+    @property
+    def makes_shown_depth(self) -> bool:
+        """Whether the late depth is warped as the colour is."""
+        return any(step.name == STEP_SHOWN_DEPTH for step in self.steps)
+
     def writes(self, name: str) -> bool:
         """Whether a pass of the plan makes that."""
         return any(name in step.writes for step in self.steps)
@@ -152,17 +158,22 @@ def build_plan(
     scanout: bool = False,
     forced: Collection[str] = (),
     forbidden: Collection[str] = (),
+    distorts: str = "",
+    takes_depth: str = "",
 ) -> Plan:
     """The plan for the named passes; warp and fill may carry settings (`mesh:cut=slope`), fills may be a chain (`memory+pyramid`).
 
     declared: what is to be compensated. client_geometry: whether the client has the scene's triangles to draw from. brings: what late
     pictures come with. fused: warp and lens in one resample; what is composited after the warp stays in the late picture then. scanout:
     the display shows its rows one after the other; a warp that cannot follow shows them as in the middle of it. forced, forbidden: names
-    of effects that are declared though the scene has none, and not declared though it has: only for the reasons told.
+    of effects that are declared though the scene has none, and not declared though it has: only for the reasons told. distorts,
+    takes_depth: who, after this plan, corrects the lens, and who asks for the shown picture's depth; "" for nobody.
     Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none before it writes, and for what
     cannot be fused; InputError for a setting the warp or fill has not.
     """
     choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
+    if distorts and chosen_lens.is_pass:
+        raise PlanError(f"lens '{lens}': {distorts} corrects the lens by itself, and would do so again; use lens none")
     if fused:
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
@@ -175,13 +186,7 @@ def build_plan(
     _plan_warp(choice, chosen_lens if fused else None, follows, draft)
     if scanout and not follows:
         draft.leave_out("scan-out", f"warp '{choice.entry.name}' cannot follow it: all rows are shown as in its middle")
-    readers = [*(fill.entry for fill in chain), *(one.made_by for one in shown)]
-    if any(SHOWN_DEPTH in reader.reads for reader in readers):
-        what = " and ".join(dict.fromkeys(reader.name for reader in readers if SHOWN_DEPTH in reader.reads))
-        stage = "fill" if any(SHOWN_DEPTH in fill.entry.reads for fill in chain) else "effects"
-        draft.add(
-            stage, "shown depth", f"{what} asks how far things are: the late depth, warped as the colour", PICTURE[1:], (SHOWN_DEPTH,)
-        )
+    _plan_shown_depth([fill.entry for fill in chain], [one.made_by for one in shown], takes_depth, draft)
     for one in chain:
         draft.add("fill", f"fill {one}", f"asked for: {one.entry.summary}", one.entry.reads, one.entry.writes)
     if not chain:
@@ -192,6 +197,8 @@ def build_plan(
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
         draft.add("lens", f"lens {chosen_lens.name}", f"asked for: {chosen_lens.summary}", chosen_lens.reads, (PANEL,))
+    elif distorts:
+        draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
         draft.leave_out("lens", f"lens 'none' was asked for: {chosen_lens.summary}")
     _refuse_unwritten(draft.steps, brings, client_geometry)
@@ -262,6 +269,17 @@ def _plan_warp(choice: Choice, lens: type[LensPass] | None, follows: bool, draft
     else:
         fused = f"{reason}; fused with the lens: {lens.summary}"
         draft.add("warp", f"warp {choice} + lens {lens.name}", fused, warp.reads, (PANEL,))
+
+
+def _plan_shown_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str, draft: _Draft) -> None:
+    """The warped depth, where a pass or the display asks for it."""
+    readers = [reader.name for reader in (*chain, *shown) if SHOWN_DEPTH in reader.reads] + [takes_depth] * bool(takes_depth)
+    if not readers:
+        return
+    stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
+    what = " and ".join(dict.fromkeys(readers))
+    reason = f"{what} asks how far things are: the late depth, warped as the colour"
+    draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
 
 
 def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice, ...], lens: type[LensPass]) -> None:

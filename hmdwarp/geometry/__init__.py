@@ -7,17 +7,19 @@ from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metre
 from .mirror import Mirror
 from .pose import Pose
 from .rigid import RigidState
-from .view import Fov, View
+from .view import Eyes, Fov, View, guarded_eyes
 from .warp_map import WarpMap
 
 __all__ = [
     "DepthLayer",
+    "Eyes",
     "Fov",
     "Mirror",
     "Pose",
     "RigidState",
     "View",
     "WarpMap",
+    "guarded_eyes",
     "inverse_depth_from_clip",
     "inverse_depth_from_metres",
 ]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Protocol
 
 import attrs
 import numpy as np
@@ -61,11 +63,12 @@ class Fov:
         per_rad = [size[0] / (right - left) * (1 + x * x), size[1] / (up - down) * (1 + y * y)]
         return float(np.mean(per_rad) * math.pi / 180)
 
-    def guarded(self, factor: float, size: tuple[int, int]) -> tuple[Fov, tuple[int, int]]:
+    def guarded(self, factor: float, size: tuple[int, int], least: tuple[int, int] = (0, 0)) -> tuple[Fov, tuple[int, int]]:
         """A field of view `factor` times as large in tangents, at the same pixels per tangent, and its size in pixels.
 
         Whole pixels are added on each side (rounded up), so the pixel centres of the unguarded view are pixel centres of
-        the guarded one too and an unmoved head loses nothing. Errors: InputError if factor < 1 or the view leaves 89.5 degrees.
+        the guarded one too and an unmoved head loses nothing. least: a size it is filled up to, on the right and at the top.
+        Errors: InputError if factor < 1 or the view leaves 89.5 degrees.
         """
         if not factor >= 1 or not math.isfinite(factor):
             raise InputError(f"guard {factor} is no enlargement: wanted a factor of 1 or more")
@@ -73,9 +76,11 @@ class Fov:
         per_x, per_y = size[0] / (right - left), size[1] / (up - down)
         # 1e-9: a guard that means a whole number of pixels must not gain one by rounding.
         pad = [math.ceil(abs(t) * per * (factor - 1) - 1e-9) for t, per in ((left, per_x), (right, per_x), (down, per_y), (up, per_y))]
-        grown = (left - pad[0] / per_x, right + pad[1] / per_x, down - pad[2] / per_y, up + pad[3] / per_y)
-        if factor == 1:
+        pad[1] += max(0, least[0] - size[0] - pad[0] - pad[1])
+        pad[3] += max(0, least[1] - size[1] - pad[2] - pad[3])
+        if not any(pad):
             return self, size
+        grown = (left - pad[0] / per_x, right + pad[1] / per_x, down - pad[2] / per_y, up + pad[3] / per_y)
         return Fov.from_tangents(grown), (size[0] + pad[0] + pad[1], size[1] + pad[2] + pad[3])
 
 
@@ -97,3 +102,21 @@ class View:
         y = down + (np.arange(size[1]) + 0.5) * (up - down) / size[1]
         xx, yy = np.meshgrid(x, y)
         return np.stack([xx, yy, -np.ones_like(xx)], axis=-1)
+
+
+class Eyes(Protocol):
+    """Where the eyes sit in the head and what each sees: those of a headset, or of a runtime that may change them while it runs."""
+
+    def views(self, world_from_head: Pose) -> tuple[View, ...]:
+        """The view of each eye, the left one first."""
+
+
+def guarded_eyes(views: Sequence[View], factor: float, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+    """The fields of view of all eyes with a guard band (Fov.guarded), and the one size in pixels that all get.
+
+    Eyes that mirror each other have the same size anyway; of others, the smaller gets a little more on the right and at the top.
+    Errors: as Fov.guarded.
+    """
+    sizes = [view.fov.guarded(factor, size)[1] for view in views]
+    largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
+    return tuple(view.fov.guarded(factor, size, largest)[0] for view in views), largest

@@ -33,10 +33,28 @@ def has_real_gpu_timer(gl: moderngl.Context) -> bool:
     return wall_ns * 1e-3 < elapsed_ns <= wall_ns * 1.5
 
 
+Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in order
+
+
+class Lap:
+    """Some stages of a frame. Their times may be asked for later, when the GPU has long finished them."""
+
+    def __init__(self, pending: list[tuple[str, moderngl.Query]], done: list[tuple[str, float]], free: list[moderngl.Query]) -> None:
+        self._pending, self._done, self._free = pending, done, free
+
+    def read(self) -> Stages:
+        """Times of all stages; waits for the GPU if it has not finished. May be called again."""
+        for name, query in self._pending:
+            self._done.append((name, query.elapsed * 1e-6))
+            self._free.append(query)
+        self._pending = []
+        return tuple(self._done)
+
+
 class StageTimer:
     """Times the stages of one frame; `clock` says "gpu" or "wall".
 
-    GPU queries are read by collect() alone, so that a stage never waits for the one before it.
+    GPU queries are read by Lap.read() alone, so that a stage never waits for the one before it.
     """
 
     def __init__(self, gl: moderngl.Context) -> None:
@@ -61,14 +79,15 @@ class StageTimer:
         self._gl.finish()
         self._done.append((name, (time.perf_counter_ns() - started) * 1e-6))
 
+    def lap(self) -> Lap:
+        """Every stage since the last lap, in order. One that is never read costs its queries."""
+        lap = Lap(self._pending, self._done, self._free)
+        self._pending, self._done = [], []
+        return lap
+
     def collect(self) -> list[tuple[str, float]]:
-        """(stage, ms) of every stage since the last collect, in order; waits for the GPU if it has not finished."""
-        for name, query in self._pending:
-            self._done.append((name, query.elapsed * 1e-6))
-            self._free.append(query)
-        self._pending.clear()
-        done, self._done = self._done, []
-        return done
+        """(stage, ms) of every stage since the last lap, in order; waits for the GPU if it has not finished."""
+        return list(self.lap().read())
 
 
 def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:

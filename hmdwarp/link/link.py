@@ -55,6 +55,10 @@ class Link(Generic[Payload]):
         """Frames held, under way or shown."""
         return len(self._under_way) + (self._shown is not None)
 
+    def delay_by(self, delays: Iterator[int]) -> None:
+        """Frames sent from now on are delayed by these."""
+        self._delays = delays
+
     @property
     def tally(self) -> Tally:
         """What became of the frames so far; it stays after `close`."""

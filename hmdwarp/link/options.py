@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Self
 
@@ -76,6 +76,11 @@ class LinkOptions:
         """Errors: InputError for a network that cannot be with this latency."""
         self.delay.check(latency_ns)
 
+    def delays(self, latency_ns: int) -> Iterator[int]:
+        """How long each frame takes, in ns. Errors: as `check`."""
+        self.check(latency_ns)
+        return self.delay.samples(latency_ns, np.random.default_rng([self.seed, 0]))
+
     def link(
         self,
         latency_ns: int,
@@ -84,11 +89,8 @@ class LinkOptions:
         receive: Callable[[Any], bool] | None = None,
     ) -> Link:
         """A new link through this network; see `Link` for the callbacks. Errors: as `check`."""
-        self.check(latency_ns)
-        for_delays, for_losses = (np.random.default_rng([self.seed, which]) for which in range(2))
-        delays = self.delay.samples(latency_ns, for_delays)
-        losses = self.loss.samples(for_losses) if self.loss is not None else None
-        return Link(delays, losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)
+        losses = self.loss.samples(np.random.default_rng([self.seed, 1])) if self.loss is not None else None
+        return Link(self.delays(latency_ns), losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)
 
 
 def parse_jitter(text: str) -> DelayModel:

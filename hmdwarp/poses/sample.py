@@ -20,8 +20,12 @@ class Origin(enum.IntEnum):
 
 @attrs.frozen(eq=False)
 class PoseSample:
-    """`pose` is world_from_head at `time_ns`: the instant that was asked for, not that of the sample it came from."""
+    """`pose` is world_from_head at `time_ns`: the instant that was asked for, not that of the sample it came from.
+
+    read_ns: when a live source read it from its device, on the same clock; None for a recorded one, which nobody had to hurry for.
+    """
 
     time_ns: int
     pose: Pose
     origin: Origin
+    read_ns: int | None = None

@@ -9,7 +9,7 @@ import moderngl
 
 from ..errors import InputError
 from ..frame import EyeImage, Frame, Needs
-from ..geometry import View
+from ..geometry import View, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..registry import unknown_name
@@ -85,14 +85,14 @@ class Server:
         return into
 
     def draw_frame(self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None) -> Frame:
-        """All eyes into pooled targets, each with its field of view enlarged by `guard` (see Fov.guarded), with what `needs` asks for.
+        """All eyes into pooled targets, each with its field of view enlarged by `guard` (see guarded_eyes), with what `needs` asks for.
 
         The frame's views are the enlarged ones. Give the frame back with recycle(). Errors: InputError for a guard below 1, and for a
         cube beyond the GL limit.
         """
         eyes, needs = [], needs if needs is not None else Needs()
-        for view in views:
-            fov, grown = view.fov.guarded(guard, size)
+        fovs, grown = guarded_eyes(views, guard, size)
+        for view, fov in zip(views, fovs, strict=True):
             drawing = Drawing(view, size, drawn_ns, needs, self._marched)
             eye = self._draw(attrs.evolve(view, fov=fov), grown, drawing)
             wide = draw_wide(self._draw, drawing) if needs.wide else None

@@ -132,7 +132,7 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
     looked_at = {0, 7, 8, 23, 29}
 
     def seen(refresh, rig):
-        return refresh.frame.drawn_ns, [frame.drawn_ns for frame in rig.history.frames], refresh.head.pose.position_m.tolist()
+        return refresh.frame.drawn_ns, [frame.drawn_ns for frame in rig.loop.history.frames], refresh.head.pose.position_m.tolist()
 
     with build_rig(small(latency_ms=latency_ms), needs) as rig:
         whole = {}

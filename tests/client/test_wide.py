@@ -23,8 +23,8 @@ from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.options import RunOptions
 from hmdwarp.reference.memory import fill_from
-from hmdwarp.rig import eye_sizes
 from hmdwarp.server import Server
+from hmdwarp.sizes import eye_sizes
 
 SIZE = (120, 96)
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
@@ -73,7 +73,7 @@ def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
 
 def test_its_bytes_count():
     headset, options = load_headset("rift-dk1"), RunOptions(trace="", size=(480, 600))
-    sizes = eye_sizes(options, headset)
+    sizes = eye_sizes(options.guard, headset, options.size)
     wide, high = sizes.wide
     assert eye_bytes(Needs(wide=True), sizes)["late.wide"] == 12 * wide * high
     assert "late.wide" not in eye_bytes(Needs(), EyeSizes((8, 8), (8, 8), wide=sizes.wide))

@@ -1,0 +1,46 @@
+"""What can be changed while a run goes on: every control has a key, and the panel shows the same ones."""
+
+from __future__ import annotations
+
+import attrs
+
+
+@attrs.frozen
+class Control:
+    """name: as Command.control names it. key: as glfw's printable keys are written ("T", "[", "F11"); with shift it steps back.
+
+    back: a key of its own for a step back, "" for shift. what: for the help, a few words. of_display: whether the display does it by
+    itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel.
+    """
+
+    name: str
+    key: str
+    what: str
+    kind: str
+    back: str = ""
+    of_display: bool = False
+
+
+CONTROLS: tuple[Control, ...] = (
+    Control("latency", "]", "latency, 50 ms more or less", "number", back="["),
+    Control("warp", "T", "next warp", "choice"),
+    Control("fill", "F", "next fill", "choice"),
+    Control("guard", "G", "guard band, 0.25 more or less", "number"),
+    Control("scene", "N", "next scene", "choice"),
+    Control("effects", "C", "compensate effects: auto or none", "choice"),
+    Control("lens", "O", "lens on or off", "switch"),
+    Control("view", "V", "both eyes or one flat view", "switch"),
+    Control("recentre", "R", "head back to where it began", "action", of_display=True),
+    Control("full_screen", "F11", "full screen", "switch", of_display=True),
+    Control("vsync", "Y", "wait for the screen's refresh", "switch", of_display=True),
+    Control("panel", "P", "panel", "switch", of_display=True),
+    Control("help", "H", "this help", "switch", of_display=True),
+    Control("quit", "Escape", "let go of the mouse; end", "action", of_display=True),
+)
+# Moving is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down and up, shift is faster.
+MOVING = (("mouse", "turn (click first)"), ("W A S D", "walk"), ("Q E", "down, up"), ("shift", "faster"))
+
+
+def control(name: str) -> Control:
+    """The control of that name."""
+    return next(one for one in CONTROLS if one.name == name)

@@ -1,0 +1,83 @@
+"""What each control does to the options of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import attrs
+
+from ..client.choices import every_fill, every_warp
+from ..display import Command
+from ..options import AUTO
+from ..scenes import scenes
+from .options import BOTH, FLAT, LiveOptions
+
+LATENCY_STEP_MS, GUARD_STEP = 50.0, 0.25
+MOST_LATENCY_MS, MOST_GUARD = 2500.0, 3.0
+
+
+def choices() -> dict[str, tuple[object, ...]]:
+    """What the controls of kind "choice" may be set to."""
+    return {
+        "warp": tuple(every_warp()),
+        "fill": tuple(every_fill()),
+        "scene": tuple(scenes.names()),
+        "effects": ("auto", "none"),
+    }
+
+
+def values(options: LiveOptions) -> dict[str, object]:
+    """What each control that changes the run is set to."""
+    return {
+        "latency": options.latency_ms,
+        "warp": options.warp,
+        "fill": options.fill,
+        "guard": options.guard,
+        "scene": options.scene,
+        "effects": options.effects,
+        "lens": options.lens,
+        "view": options.view,
+    }
+
+
+def changed(options: LiveOptions, command: Command) -> LiveOptions:
+    """The options after the command. Errors: InputError for a value that cannot be meant."""
+    name, value = command.control, command.value
+    if value is None:
+        value = _STEPS[name](options, -1 if command.back else 1)
+    field = {"latency": "latency_ms"}.get(name, name)
+    return attrs.evolve(options, **{field: value}) if value is not None else options
+
+
+def _along(name: str) -> Callable[[LiveOptions, int], object]:
+    def step(options: LiveOptions, direction: int) -> object:
+        known, now = choices()[name], values(options)[name]
+        at = known.index(now) + direction if now in known else 0
+        return known[at % len(known)]
+
+    return step
+
+
+def _latency(options: LiveOptions, direction: int) -> float:
+    return min(max(options.latency_ms + direction * LATENCY_STEP_MS, 0.0), MOST_LATENCY_MS)
+
+
+def _guard(options: LiveOptions, direction: int) -> float:
+    return min(max(options.guard + direction * GUARD_STEP, 1.0), MOST_GUARD)
+
+
+def _lens(options: LiveOptions, _: int) -> str:
+    return "none" if options.lens != "none" else AUTO
+
+
+def _view(options: LiveOptions, _: int) -> str:
+    return FLAT if options.view == BOTH else BOTH
+
+
+_STEPS: dict[str, Callable[[LiveOptions, int], object]] = {
+    **{name: _along(name) for name in ("warp", "fill", "scene", "effects")},
+    "latency": _latency,
+    "guard": _guard,
+    "lens": _lens,
+    "view": _view,
+}

@@ -1,0 +1,47 @@
+"""When a live run is over: a signal, or as much as was asked for."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from types import FrameType
+
+
+class Ending:
+    """While it is entered, Ctrl-C, SIGTERM and SIGHUP only ask the run to end after the refresh under way; a second one of them interrupts
+    at once, for whoever will not wait.
+
+    asked: the number of the signal that came, None before. The clock runs from the first refresh on.
+    """
+
+    def __init__(self, seconds: float | None, frames: int | None) -> None:
+        self._seconds, self._frames = seconds, frames
+        self._began: float | None = None
+        self.asked: int | None = None
+        self._before: dict[int, object] = {}
+
+    def due(self, count: int) -> bool:
+        """Whether to end now, after `count` refreshes with a picture."""
+        if self._began is None and count:
+            self._began = time.monotonic()
+        late = self._seconds is not None and self._began is not None and time.monotonic() - self._began >= self._seconds
+        return self.asked is not None or late or (self._frames is not None and count >= self._frames)
+
+    def _ask(self, number: int, _: FrameType | None) -> None:
+        if self.asked is not None:
+            raise KeyboardInterrupt
+        self.asked = number
+
+    def __enter__(self) -> Ending:
+        if threading.current_thread() is threading.main_thread():
+            for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+                number = getattr(signal, name, None)
+                if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup ignores SIGHUP, and is obeyed
+                    self._before[number] = signal.signal(number, self._ask)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+        self._before.clear()

@@ -1,0 +1,60 @@
+"""Which display a live run gets, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+
+from ..display import Display, DisplayOptions
+from ..errors import MachineError
+from .options import DESKTOP, OPENXR, LiveOptions
+
+Watching = Callable[[str], AbstractContextManager[None]]
+
+
+def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], None]) -> Display:
+    """The headset or the window, as asked for; for "auto" the headset if one answers, else the reason why not and the window.
+
+    Errors: MachineError (and its kin) that says what is missing and what to do.
+    """
+    wanted = display_options(options, watching)
+    if options.source == DESKTOP:
+        return _desktop(wanted)
+    try:
+        return _openxr(wanted)
+    except MachineError as error:
+        if options.source == OPENXR:
+            raise
+        say(f"no headset: {error}")
+    try:
+        return _desktop(wanted)
+    except MachineError as error:
+        raise MachineError(f"no headset (said above), and no window: {error}") from error
+
+
+def display_options(options: LiveOptions, watching: Watching) -> DisplayOptions:
+    """What a display must know of the run."""
+    return DisplayOptions(
+        headset=options.headset,
+        view=options.view,
+        size=options.size,
+        full_screen=options.full_screen,
+        vsync=options.vsync,
+        panel=options.panel,
+        depth_layer=options.depth_layer,
+        watching=watching,
+    )
+
+
+def _openxr(wanted: DisplayOptions) -> Display:
+    from ..display.openxr import OpenXrDisplay
+
+    return OpenXrDisplay(wanted)
+
+
+def _desktop(wanted: DisplayOptions) -> Display:
+    from ..display.desktop import DesktopDisplay
+
+    return DesktopDisplay(wanted)
+
+

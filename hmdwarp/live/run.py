@@ -1,0 +1,143 @@
+"""The live driver: the loop, once for each refresh of a display, until somebody ends it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+
+from ..display import Closed, Display, Lost, Tick
+from ..errors import InputError
+from .changes import changed, choices, values
+from .ending import Ending
+from .log import LiveLog, LiveResult
+from .openings import open_display
+from .options import LiveOptions
+from .recorder import Recorder
+from .stage import Stage
+from .tidying import Tidying
+from .watchdog import Watchdog
+
+Say = Callable[[str], None]
+AfterRefresh = Callable[[int], None]
+WAITING = "waiting for the first frame"
+RETRY_S = 0.5
+
+
+def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
+    """Show it until it is ended: by the window, by the runtime, by Ctrl-C, or after the frames or seconds asked for.
+
+    say: gets a sentence now and then. after(number): called after each refresh that showed a picture, counted from 1.
+    Errors: InputError and its kin for what was asked; MachineError where there is no headset and no window, and where a lost headset
+    does not come back. What was recorded and logged until then is written in any case.
+    """
+    with ExitStack() as stack:
+        recorder = stack.enter_context(Recorder(options.record)) if options.record is not None else None
+        log = stack.enter_context(LiveLog(options))
+        ending = stack.enter_context(Ending(options.seconds, options.frames))
+        watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
+        display = stack.enter_context(_closing(open_display(options, watchdog.watching, say)))
+        stage = Stage(display, options)
+        stack.callback(stage.close)
+        if recorder is not None:
+            recorder.begin(display)
+        log.begin(display, stage)
+        _Driver(display, stage, log, recorder, ending, say, after).run()
+    return log.result()
+
+
+def _last_words(recorder: Recorder | None, log: LiveLog) -> Callable[[], None]:
+    """What the watchdog does before it ends the program: the recording first, it cannot be had again."""
+
+    def save() -> None:
+        if recorder is not None:
+            recorder.flush()
+        log.finish()
+
+    return save
+
+
+class _closing:  # noqa: N801 (as contextlib.closing, which leaves out __enter__'s type)
+    def __init__(self, display: Display) -> None:
+        self._display = display
+
+    def __enter__(self) -> Display:
+        return self._display
+
+    def __exit__(self, *_: object) -> None:
+        self._display.close()
+
+
+class _Driver:
+    def __init__(
+        self, display: Display, stage: Stage, log: LiveLog, recorder: Recorder | None, ending: Ending, say: Say, after: AfterRefresh
+    ) -> None:
+        self._display, self._stage, self._log, self._recorder = display, stage, log, recorder
+        self._ending, self._say, self._after = ending, say, after
+        self._status = log.status
+        self._status.choices = choices()
+        self._take_values()
+
+    def run(self) -> None:
+        with Tidying(self._stage.options.collect) as tidying:
+            while not self._ending.due(self._log.count):
+                try:
+                    tick = self._display.wait()
+                    if tick is not None:
+                        self._refresh(tick)
+                        tidying.between()
+                    self._obey()
+                except Closed as closed:
+                    self._say(str(closed))
+                    return
+                except Lost as lost:
+                    self._come_back(lost)
+
+    def _refresh(self, tick: Tick) -> None:
+        refresh = None
+        if tick.render:
+            loop = self._stage.loop
+            loop.draw(self._display.now_ns())
+            refresh = loop.show(tick.shown_ns)
+        notice = tick.notice or (WAITING if tick.render and refresh is None else "")
+        submitted_ns = self._display.show(refresh, notice)
+        self._log.add(tick, refresh, submitted_ns, notice)
+        if refresh is None:
+            return
+        if self._recorder is not None:
+            self._recorder.add(refresh.head)
+        self._after(self._log.count)
+        self._display.tell(self._status)
+
+    def _obey(self) -> None:
+        options = self._stage.options
+        for command in self._display.commands():
+            try:
+                self._stage.change(changed(self._stage.options, command))
+            except InputError as error:
+                self._say(str(error))
+                self._status.notice = str(error)
+        if self._stage.options is not options:
+            self._take_values()
+            self._log.changed(self._stage)
+
+    def _take_values(self) -> None:
+        self._status.values = values(self._stage.options)
+
+    def _come_back(self, lost: Lost) -> None:
+        """Wait until the display is there again. Errors: Lost, once that has taken too long."""
+        if self._recorder is not None:
+            self._recorder.flush()
+        wait_s = self._stage.options.reconnect_s
+        self._say(f"{lost}; waiting up to {wait_s:g} s for it to come back (Ctrl-C ends)")
+        until = time.monotonic() + wait_s
+        while time.monotonic() < until:
+            if self._ending.asked:
+                return
+            if self._display.reopen():
+                self._say("it is back")
+                return
+            time.sleep(RETRY_S)
+        raise Lost(f"{lost}; it has not come back within {wait_s:g} s")
+
+

@@ -1,0 +1,136 @@
+"""What is on: one display's pipeline, and how it changes while the run goes on."""
+
+from __future__ import annotations
+
+import attrs
+
+from ..client.plan import Plan, needs_of
+from ..codec import check_codec
+from ..display import Display
+from ..errors import InputError
+from ..frame import Needs
+from ..geometry import Pose
+from ..ladder import Ladder, ladder_from_file
+from ..loop import Loop, Requested
+from ..options import AUTO
+from ..pipeline import Course, Pipeline, build_pipeline, expected_age_ns, latency_ns
+from ..plans import plans_for
+from ..poses.predict import PREDICTORS
+from ..registry import unknown_name
+from ..scenes import Scene, load_scene
+from ..sizes import guarded_size
+from .options import LiveOptions
+from .recent import Recent
+
+
+class Stage:
+    """The pipeline for `options` on a display, built anew only as far as a change of options calls for it.
+
+    A change of latency alone touches the link: frames under way arrive as they would have. A change of warp or fill whose frames carry
+    the same exchanges the passes. Anything else builds a new pipeline, and its first frame has to arrive first.
+    Errors: InputError and its kin for what cannot be; the stage stays as it was then.
+    """
+
+    def __init__(self, display: Display, options: LiveOptions) -> None:
+        self._display = display
+        self.recent = Recent(display.source)
+        self.options, self.scene, self._ladder = options, load_scene(options.scene), self._ladder_for(options)
+        self.pipeline = self._build(options, self.scene, self._ladder)
+
+    @property
+    def loop(self) -> Loop:
+        """One refresh after the other."""
+        return self.pipeline.loop
+
+    @property
+    def plan(self) -> Plan:
+        """What runs."""
+        return self.loop.compensator.plan
+
+    def change(self, options: LiveOptions) -> None:
+        """Go on with these."""
+        before = self.options
+        if options == before:
+            return
+        if attrs.evolve(options, latency_ms=before.latency_ms) == before:
+            self.pipeline.channel.retime(options.network, latency_ns(options))
+        elif not self._exchanged(before, options):
+            self._rebuild(options)
+        self.options = options
+
+    def _exchanged(self, before: LiveOptions, options: LiveOptions) -> bool:
+        """Whether it was enough to exchange the passes."""
+        same = {name: getattr(before, name) for name in ("warp", "fill", "lens")}
+        if AUTO in (before.warp, options.warp) or attrs.evolve(options, **same) != before:
+            return False
+        (plan,) = self._plans(options, self.scene, Ladder())
+        if not _carries(self.pipeline.requested.needs, plan.needs):
+            return False
+        self.pipeline.exchange(plan)
+        return True
+
+    def _rebuild(self, options: LiveOptions) -> None:
+        if options.view != self.options.view:
+            self._display.look(options.view)
+        scene = self.scene if options.scene == self.options.scene else load_scene(options.scene)
+        ladder = self._ladder_for(options)
+        made = self._build(options, scene, ladder)
+        self.pipeline.close()
+        self.pipeline, self.scene, self._ladder = made, scene, ladder
+
+    def rebuild(self) -> None:
+        """After the display's eyes or sizes have changed."""
+        self._rebuild(self.options)
+
+    def _ladder_for(self, options: LiveOptions) -> Ladder:
+        if options.warp != AUTO:
+            return Ladder()
+        if options.bench is None:
+            raise InputError("warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench' and give it, --bench FILE")
+        return ladder_from_file(options.bench, attrs.evolve(options, lens="none"), None)
+
+    def _plans(self, options: LiveOptions, scene: Scene, ladder: Ladder) -> list[Plan]:
+        shown = self._display
+        told = {"distorts": shown.distorts, "takes_depth": shown.takes_depth}
+        return plans_for(attrs.evolve(options, lens=self._lens(options)), shown.headset, scene, ladder.rungs, **told)
+
+    def _lens(self, options: LiveOptions) -> str:
+        """Where nobody's lens is ours to correct, none; a runtime that corrects its own refuses another."""
+        headset = self._display.headset
+        if headset is None and not self._display.distorts:
+            return "none"
+        if options.lens != AUTO:
+            return options.lens
+        return "radial" if headset is not None and headset.lens is not None else "none"
+
+    def _build(self, options: LiveOptions, scene: Scene, ladder: Ladder) -> Pipeline:
+        shown = self._display
+        if options.predict not in PREDICTORS:
+            raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
+        check_codec(options.coding.codec)
+        plans = self._plans(options, scene, ladder)
+        needs = needs_of(plans)
+        _refuse_one_eye(needs, len(shown.eyes.views(Pose())))
+        size = options.size or shown.size
+        guarded_size(options.guard, shown.eyes, size)
+        predicted = self.recent.predictor(options.predict, expected_age_ns(options, latency_ns(options)), options.horizon_ms)
+        requested = Requested(self.recent, predicted, size, options.guard, needs, round(options.scanout_ms * 1e6))
+        course = Course(options.rate_hz or shown.rate_hz, latency_ns(options))
+        return build_pipeline(shown.gpu, options, scene, shown.eyes, plans, requested, course, shown.headset, ladder.rungs)
+
+    def close(self) -> None:
+        """Free it."""
+        self.pipeline.close()
+
+
+def _carries(carried: Needs, wanted: Needs) -> bool:
+    """Whether frames that carry the one are what a plan of the other expects: more older ones and the other eye do not disturb it."""
+    beside = {"past": 0, "past_spacing_ns": 0, "other_eye": False}
+    same = attrs.evolve(carried, **beside) == attrs.evolve(wanted, **beside)
+    past = not wanted.past or (wanted.past <= carried.past and wanted.past_spacing_ns == carried.past_spacing_ns)
+    return same and past and carried.other_eye >= wanted.other_eye
+
+
+def _refuse_one_eye(needs: Needs, eyes: int) -> None:
+    if needs.other_eye and eyes < 2:
+        raise InputError("the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes")
