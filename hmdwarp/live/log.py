@@ -23,6 +23,10 @@ class LiveResult:
     folder: Path | None
     summary: dict[str, Any]
 
+    def told(self) -> list[str]:
+        """What to tell at the end, line by line."""
+        return []
+
 
 class LiveLog:
     """count: refreshes with a picture. status: the numbers of the last ones."""
