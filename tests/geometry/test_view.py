@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import FOVS, SIZES
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry import Fov, Pose, View, guarded_eyes
 
 UNIT = 2.0**-53
 SIDES = ("left", "right", "down", "up")
@@ -154,3 +154,25 @@ def test_factors_that_do_not_enlarge_are_refused(factor):
 def test_a_guard_out_of_every_picture_is_refused():
     with pytest.raises(InputError, match="no field of view"):
         Fov(-1.2, 1.2, -1.2, 1.2).guarded(60, (10, 10))
+
+
+@given(GUARDABLE, GUARDABLE, SIZES, FACTORS)
+def test_eyes_that_differ_get_one_size(left, right, size, factor):
+    views = [View(Pose(), fov) for fov in (left, right)]
+    fovs, common = guarded_eyes(views, factor, size)
+    alone = [fov.guarded(factor, size) for fov in (left, right)]
+    assert common == tuple(max(each[1][axis] for each in alone) for axis in range(2))
+    for fov, grown, (own, own_size) in zip((left, right), fovs, alone, strict=True):
+        # As many pixels as the common size says, of the same grid, and never less than its own guard band on any side.
+        assert np.abs(np.round(pads(fov, size, grown)) - pads(fov, size, grown)).max() <= 4e-11
+        assert tuple(np.round(pads(fov, size, grown)).reshape(2, 2).sum(axis=1) + size) == common
+        assert (np.abs(grown.tangents) - np.abs(own.tangents)).min() >= -16 * UNIT
+        assert grown == own or own_size != common
+
+
+@given(GUARDABLE, SIZES, FACTORS)
+def test_eyes_that_mirror_each_other_get_their_own(fov, size, factor):
+    mirrored = Fov(-fov.right, -fov.left, fov.down, fov.up)
+    fovs, common = guarded_eyes([View(Pose(), fov), View(Pose(), mirrored)], factor, size)
+    assert (fovs[0], common) == fov.guarded(factor, size)
+    assert (fovs[1], common) == mirrored.guarded(factor, size)
