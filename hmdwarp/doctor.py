@@ -15,19 +15,14 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 
 import attrs
 
+from .display.openxr.trouble import APT, lacks, manifest_in_words, trouble
 from .gpu.context import HOW_TO_GET_GL
 from .version import __version__
 
 PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
-
-APT = "Debian, Ubuntu: sudo apt-get install"
-A_RUNTIME = "start the runtime that came with the headset and make it the active one there, or name its .json file in XR_RUNTIME_JSON"
-GRAPHICS_EXTENSIONS = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
-CLOCK_EXTENSION = "XR_KHR_convert_timespec_time"
 
 
 class State(enum.StrEnum):
@@ -137,60 +132,14 @@ def openxr() -> list[Finding]:
 
 def _runtime(known: dict[str, object]) -> Finding:
     name = f"{known['runtime']} {known['runtime_version']}" if "runtime" in known else "the runtime"
-    detail, remedy = _runtime_trouble(name, known) if "error" in known else _lacks(name, known)
+    detail, remedy = _runtime_trouble(name, known) if "error" in known else lacks(name, known["extensions"])
     if detail:
         return Finding("OpenXR runtime", State.OPTIONAL, detail, remedy, known)
     return Finding("OpenXR runtime", State.OK, f"{name}, headset '{known['headset']}'", facts=known)
 
 
 def _runtime_trouble(name: str, known: dict[str, object]) -> tuple[str, str]:
-    error, stage, restart = known["error"], known["stage"], "start, or restart, the runtime's service"
-    step = {"runtime": "when it was loaded", "instance": "when an instance was made", "headset": "when asked for a headset"}[stage]
-    if error == "died":
-        return f"{name} {known['message']} {step}", restart
-    if error in ("RuntimeUnavailableError", "FileAccessErrorError", "FileContentsInvalidError"):
-        return f"none: {manifest_in_words(os.environ)}", A_RUNTIME
-    if error in ("FormFactorUnavailableError", "FormFactorUnsupportedError"):
-        return f"{name} sees no headset ({error})", "connect the headset, switch it on and wake it"
-    if error == "RuntimeFailureError" and stage == "instance":
-        return f"its service does not answer ({manifest_in_words(os.environ)})", restart
-    return f"{name} failed {step}: {error}: {_one_line(known.get('message'))}", restart
-
-
-def _lacks(name: str, known: dict[str, object]) -> tuple[str, str]:
-    extensions = known["extensions"]
-    lacks = [] if set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
-    lacks += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
-    return (f"{name} lacks {' and '.join(lacks)}", "use a runtime that has it (Monado has)") if lacks else ("", "")
-
-
-def manifest(environ: Mapping[str, str]) -> Path | None:
-    """The runtime manifest that the OpenXR loader would take, existing or not; None where it finds none to try.
-
-    Source: OpenXR loader design, "Runtime discovery" on Linux.
-    """
-    if environ.get("XR_RUNTIME_JSON"):
-        return Path(environ["XR_RUNTIME_JSON"])
-    home = environ.get("XDG_CONFIG_HOME") or str(Path(environ.get("HOME", "/")) / ".config")
-    folders = [home, *(environ.get("XDG_CONFIG_DIRS") or "/etc/xdg").split(":"), "/etc"]
-    names = (f"active_runtime.{platform.machine()}.json", "active_runtime.json")
-    candidates = (Path(folder) / "openxr" / "1" / name for folder in folders for name in names)
-    return next((path for path in candidates if path.is_file()), None)
-
-
-def manifest_in_words(environ: Mapping[str, str]) -> str:
-    """Which manifest is active and what is wrong with it, in a few words."""
-    path = manifest(environ)
-    if path is None:
-        return "XR_RUNTIME_JSON is not set and there is no active_runtime.json"
-    source = "XR_RUNTIME_JSON names" if environ.get("XR_RUNTIME_JSON") else "active is"
-    try:
-        library = json.loads(path.read_text(encoding="utf-8"))["runtime"]["library_path"]
-    except OSError as error:
-        return f"{source} {path}: {error.strerror}"
-    except (ValueError, KeyError, TypeError):
-        return f"{source} {path}, which is no runtime manifest"
-    return f"{source} {path}, library {library}"
+    return trouble(known["stage"], known["error"], known.get("message"), name, manifest_in_words(os.environ))
 
 
 def window() -> Finding:

@@ -1,0 +1,1 @@
+"""A headset through OpenXR."""
