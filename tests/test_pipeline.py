@@ -81,8 +81,10 @@ def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard,
             made.server.pool(SIZE).release(truth.colour)
             if warp != "none":
                 # No latency: every warp gives the late picture back. A guard band of an odd number of pixels shifts the 2x2 quads over
-                # which textures' level of detail is taken (a level or two of 255), and an edge on a pixel's centre may fall either way.
-                assert (np.abs(found - wanted).max(axis=2) > 4).mean() < 0.01
+                # which textures' level of detail is taken: a few levels of 255 in textures seen aslant, never another surface (50 and more).
+                off = np.abs(found - wanted).max(axis=2)
+                assert off.max() <= 25
+                assert (off > 4).mean() < 0.03
         assert refresh.given[0].late.size == refresh.given[1].late.size == made.sizes.late
 
 
