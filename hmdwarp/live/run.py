@@ -32,7 +32,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     does not come back. What was recorded and logged until then is written in any case.
     """
     with ExitStack() as stack:
-        recorder = stack.enter_context(Recorder(options.record)) if options.record is not None else None
+        recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
         log = stack.enter_context(LiveLog(options))
         ending = stack.enter_context(Ending(options.seconds, options.frames))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import IO
 
 import numpy as np
@@ -19,6 +19,11 @@ def clock_offset_ns(track: PoseTrack) -> int:
     return track.epoch_ns if fits else 0
 
 
+def exact_text(values: Iterable[float], separator: str) -> str:
+    """Numbers (Python's own floats) in the shortest text that reads back as the same ones."""
+    return separator.join(map(repr, values))
+
+
 def write_rows(
     track: PoseTrack, stream: IO[str], separator: str, *, stamp: Callable[[int], str], order: str, decimals: tuple[int, int] | None = None
 ) -> None:
@@ -33,7 +38,7 @@ def write_rows(
         part = slice(a, a + _BLOCK)
         position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
         if decimals is None:
-            texts = [separator.join(map(repr, p + q)) for p, q in zip(position.tolist(), orientation.tolist(), strict=True)]
+            texts = [exact_text(p + q, separator) for p, q in zip(position.tolist(), orientation.tolist(), strict=True)]
         else:
             row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * 4)
             # + 0.0 turns a rounded -0.0 into 0.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import IO
+from collections.abc import Iterable
+from typing import IO, TYPE_CHECKING
 
 from ..options import TraceOptions
 from ..reading.head import Head
@@ -10,7 +11,10 @@ from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import FORMATS
 from ._base import TraceFormat, has, named_layout
-from ._writing import write_rows
+from ._writing import exact_text, write_rows
+
+if TYPE_CHECKING:
+    from ...geometry import Pose
 
 COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 TITLE = "hmdwarp head trace"
@@ -40,8 +44,17 @@ FORMAT = FORMATS.register(Native())
 
 def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:
     """Comment header, column names, rows. decimals: of positions and quaternions; None writes every bit."""
-    head = [TITLE, f"origin: {track.origin or 'not told'}", f"rate: {track.rate_hz:.6g} Hz", f"axes: {AXES}", *track.notes]
-    # One line each: a note with a newline in it would become a row.
-    stream.writelines(f"# {' '.join(text.split())}\n" for text in head)
-    stream.write(",".join(COLUMNS) + "\n")
+    stream.write(header_text(track.origin, track.rate_hz, track.notes))
     write_rows(track, stream, ",", stamp=str, order="xyzw", decimals=decimals)
+
+
+def header_text(origin: str, rate_hz: float, notes: Iterable[str] = ()) -> str:
+    """All that stands above the rows. origin: where the motion comes from, in words. notes: things a reader should know."""
+    head = [TITLE, f"origin: {origin or 'not told'}", f"rate: {rate_hz:.6g} Hz", f"axes: {AXES}", *notes]
+    # One line each: a note with a newline in it would become a row.
+    return "".join(f"# {' '.join(text.split())}\n" for text in head) + ",".join(COLUMNS) + "\n"
+
+
+def row_text(time_ns: int, pose: Pose) -> str:
+    """One sample, every bit of it: for who writes a trace while it grows."""
+    return f"{time_ns},{exact_text((*pose.position_m.tolist(), *pose.orientation_xyzw.tolist()), ',')}\n"
