@@ -10,7 +10,8 @@ from types import FrameType
 
 class Ending:
     """While it is entered, Ctrl-C, SIGTERM and SIGHUP only ask the run to end after the refresh under way; a second one of them interrupts
-    at once, for whoever will not wait.
+    at once, for whoever will not wait. Ctrl-C is the usual way to end a live run; the others are raised once more when it is left, after
+    everything inside has been written, so that the program ends by them.
 
     asked: the number of the signal that came, None before. The clock runs from the first refresh on.
     """
@@ -45,3 +46,5 @@ class Ending:
         for number, handler in self._before.items():
             signal.signal(number, handler)  # type: ignore[arg-type]
         self._before.clear()
+        if self.asked not in (None, signal.SIGINT):
+            signal.raise_signal(self.asked)

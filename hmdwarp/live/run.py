@@ -32,9 +32,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     does not come back. What was recorded and logged until then is written in any case.
     """
     with ExitStack() as stack:
+        ending = stack.enter_context(Ending(options.seconds, options.frames))  # outermost: a signal ends the program when all is written
         recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
         log = stack.enter_context(LiveLog(options))
-        ending = stack.enter_context(Ending(options.seconds, options.frames))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(_closing(open_display(options, watchdog.watching, say)))
         stage = Stage(display, options)
