@@ -10,7 +10,7 @@ class Control:
     """name: as Command.control names it. key: as glfw's printable keys are written ("T", "[", "F11"); with shift it steps back.
 
     back: a key of its own for a step back, "" for shift. what: for the help, a few words. of_display: whether the display does it by
-    itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel.
+    itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel. span: the least and most of a number.
     """
 
     name: str
@@ -19,13 +19,14 @@ class Control:
     kind: str
     back: str = ""
     of_display: bool = False
+    span: tuple[float, float] = (0.0, 0.0)
 
 
 CONTROLS: tuple[Control, ...] = (
-    Control("latency", "]", "latency, 50 ms more or less", "number", back="["),
+    Control("latency", "]", "latency, 50 ms more or less", "number", back="[", span=(0.0, 2500.0)),
     Control("warp", "T", "next warp", "choice"),
     Control("fill", "F", "next fill", "choice"),
-    Control("guard", "G", "guard band, 0.25 more or less", "number"),
+    Control("guard", "G", "guard band, 0.25 more or less", "number", span=(1.0, 3.0)),
     Control("scene", "N", "next scene", "choice"),
     Control("effects", "C", "compensate effects: auto or none", "choice"),
     Control("lens", "O", "lens on or off", "switch"),

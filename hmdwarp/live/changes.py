@@ -8,12 +8,12 @@ import attrs
 
 from ..client.choices import every_fill, every_warp
 from ..display import Command
+from ..display.controls import control
 from ..options import AUTO
 from ..scenes import scenes
 from .options import BOTH, FLAT, LiveOptions
 
 LATENCY_STEP_MS, GUARD_STEP = 50.0, 0.25
-MOST_LATENCY_MS, MOST_GUARD = 2500.0, 3.0
 
 
 def choices() -> dict[str, tuple[object, ...]]:
@@ -59,11 +59,16 @@ def _along(name: str) -> Callable[[LiveOptions, int], object]:
 
 
 def _latency(options: LiveOptions, direction: int) -> float:
-    return min(max(options.latency_ms + direction * LATENCY_STEP_MS, 0.0), MOST_LATENCY_MS)
+    return _within("latency", options.latency_ms + direction * LATENCY_STEP_MS)
 
 
 def _guard(options: LiveOptions, direction: int) -> float:
-    return min(max(options.guard + direction * GUARD_STEP, 1.0), MOST_GUARD)
+    return _within("guard", options.guard + direction * GUARD_STEP)
+
+
+def _within(name: str, value: float) -> float:
+    least, most = control(name).span
+    return min(max(value, least), most)
 
 
 def _lens(options: LiveOptions, _: int) -> str:
