@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import HmdwarpError
 from . import QUALITY, STAGES
@@ -25,29 +26,32 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
     Errors: HmdwarpError for NaN or infinite values, which no measurement gives.
     """
     rows = list(rows)
-    columns = {name: _present(rows, name) for name in QUALITY}
+    names = (*(f"{stage}_ms" for stage in STAGES), *QUALITY)
+    return aggregate_columns({name: [float(row[name]) for row in rows if row.get(name) is not None] for name in names})
+
+
+def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> dict[str, dict]:
+    """`aggregate` for whole columns, without what was not measured; a column that is not there was never measured. Errors: as aggregate."""
+    for name, values in columns.items():
+        if not np.isfinite(values).all():
+            raise HmdwarpError(f"a {name} that is no finite number was measured; wanted a number, or None for not measured")
+    quality = {name: columns.get(name, ()) for name in QUALITY}
     return {
-        "time_ms": {stage: _middle_and_tail(_present(rows, f"{stage}_ms")) for stage in STAGES},
-        "quality": {name: _mean_and_tail(values, 5 if name in HIGHER_IS_BETTER else 95) for name, values in columns.items()},
-        "measured": {name: len(values) for name, values in columns.items()},
+        "time_ms": {stage: middle_and_tail(columns.get(f"{stage}_ms", ())) for stage in STAGES},
+        "quality": {name: _mean_and_tail(values, 5 if name in HIGHER_IS_BETTER else 95) for name, values in quality.items()},
+        "measured": {name: len(values) for name, values in quality.items()},
     }
 
 
-def _present(rows: list[Mapping[str, Any]], name: str) -> list[float]:
-    values = [float(row[name]) for row in rows if row.get(name) is not None]
-    if not all(map(math.isfinite, values)):
-        raise HmdwarpError(f"a {name} that is no finite number was measured; wanted a number, or None for not measured")
-    return values
-
-
-def _mean_and_tail(values: list[float], percentile: int) -> dict[str, float | None]:
-    if not values:
+def _mean_and_tail(values: Sequence[float] | NDArray[np.float64], percentile: int) -> dict[str, float | None]:
+    if not len(values):
         return {"mean": None, "p95": None}
     # fsum: the mean must not depend on the order of the rows.
     return {"mean": math.fsum(values) / len(values), "p95": float(np.percentile(values, percentile))}
 
 
-def _middle_and_tail(values: list[float]) -> dict[str, float | None]:
-    if not values:
+def middle_and_tail(values: Sequence[float] | NDArray[np.float64]) -> dict[str, float | None]:
+    """{median, p95}, None for both where there are no values."""
+    if not len(values):
         return {"median": None, "p95": None}
     return {"median": float(np.median(values)), "p95": float(np.percentile(values, 95))}

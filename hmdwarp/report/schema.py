@@ -13,14 +13,15 @@ SCHEMA = 1
 
 POSE_PARTS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 
-# One row per frame and eye. Figures are empty where a frame was not measured.
+# One row per frame and eye, of a replay and of a live run. Figures are empty where a frame was not measured, all but holes in a live run.
 FRAME_COLUMNS = (
     "frame",  # counts the shown frames from 0
     "eye",  # 0 left, 1 right
-    "time_s",  # shown_ns since the start of the trace, in seconds
+    "time_s",  # shown_ns since the start of the trace, in seconds; live: since the first picture
     "shown_ns",  # when the picture is seen
     "drawn_ns",  # when the late frame it was made from was drawn
     "age_ms",  # shown_ns - drawn_ns
+    "pose_age_ms",  # from reading the head to handing the picture over; empty in a replay
     "pose_origin",  # how the shown pose was obtained: measured, interpolated, predicted, held
     "angular_speed_deg_s",
     "linear_speed_m_s",
@@ -29,7 +30,7 @@ FRAME_COLUMNS = (
     *(f"shown_{part}" for part in POSE_PARTS),  # world_from_head the picture was warped to
     "drawn_origin",  # how the pose the frame was drawn for was obtained
     *(f"drawn_{part}" for part in POSE_PARTS),  # world_from_head the frame was drawn for
-    "warp",  # what made the picture; the same in all rows unless warp "auto" chose
+    "warp",  # what made the picture; the same in all rows unless warp "auto" chose, or somebody in a live run
     "fill",
 )
 

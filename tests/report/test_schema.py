@@ -61,8 +61,8 @@ def test_what_is_no_object(thing):
 
 def test_columns_are_the_contract_s():
     assert FRAME_COLUMNS == (
-        "frame", "eye", "time_s", "shown_ns", "drawn_ns", "age_ms", "pose_origin", "angular_speed_deg_s", "linear_speed_m_s",
-        "warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms",
+        "frame", "eye", "time_s", "shown_ns", "drawn_ns", "age_ms", "pose_age_ms", "pose_origin",
+        "angular_speed_deg_s", "linear_speed_m_s", "warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms",
         "psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker",
         "shown_x_m", "shown_y_m", "shown_z_m", "shown_qx", "shown_qy", "shown_qz", "shown_qw",
         "drawn_origin", "drawn_x_m", "drawn_y_m", "drawn_z_m", "drawn_qx", "drawn_qy", "drawn_qz", "drawn_qw", "warp", "fill",
