@@ -66,7 +66,7 @@ def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
     """The mirrors in the axes of an eye, as the uniforms of shaders/lib/mirrors.glsl."""
     if len(mirrors) > MOST_MIRRORS:
         raise ValueError(f"{len(mirrors)} mirrors: wanted at most {MOST_MIRRORS}")
-    eye_from_world = view.pose.rotation.as_matrix().T
+    eye_from_world = view.pose.rotation_matrix.T
     rows = np.zeros((3, MOST_MIRRORS, 4))
     reflectivity = np.zeros(MOST_MIRRORS)
     for i, mirror in enumerate(mirrors):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
+
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from ..errors import InputError
 
 Vector = NDArray[np.float64]
+Quaternion = tuple[float, float, float, float]
 
 
 def frozen_vector(length: int):
@@ -20,7 +24,7 @@ def frozen_vector(length: int):
             array = np.array(value, dtype=np.float64)
         except (TypeError, ValueError) as error:  # text, ragged lists
             raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
-        if array.shape != (length,) or not np.isfinite(array).all():
+        if array.shape != (length,) or not all(map(math.isfinite, array.tolist())):
             raise InputError(f"wanted {length} finite numbers, found {value!r}")
         array.flags.writeable = False
         return array
@@ -28,18 +32,59 @@ def frozen_vector(length: int):
     return convert
 
 
+_four_numbers = frozen_vector(4)
+
+
 def _unit_quaternion(value: ArrayLike) -> Vector:
-    given = frozen_vector(4)(value)
-    largest = float(np.abs(given).max())
+    given = _four_numbers(value)
+    x, y, z, w = given.tolist()
+    largest = max(abs(x), abs(y), abs(z), abs(w))
     if largest == 0:
         raise InputError(f"a quaternion of length 0 is no rotation: {value!r}")
     # A quaternion already unit to the last bits stays as it is (normalising leaves up to 6 units of 1.1e-16): q -> Pose -> q is bit-exact.
-    if largest <= 1 and abs(float(given @ given) - 1) < 1e-15:
+    if largest <= 1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15:
         return given
     array = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
     array /= np.sqrt(array @ array)
     array.flags.writeable = False
     return array
+
+
+# One rotation in plain floats, by SciPy's own formulas in its order of operations, so with its very bits: a SciPy object costs 15 us,
+# most of it to find out which kind of array it was given, and a refresh would make twenty.
+
+
+def _product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """The rotation b followed by a, normalised."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    x = aw * bx + bw * ax + (ay * bz - az * by)
+    y = aw * by + bw * ay + (az * bx - ax * bz)
+    z = aw * bz + bw * az + (ax * by - ay * bx)
+    return _normalised(x, y, z, aw * bw - ax * bx - ay * by - az * bz)
+
+
+def _normalised(x: float, y: float, z: float, w: float) -> Quaternion:
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    return x / length, y / length, z / length, w / length
+
+
+def _back(q: Quaternion) -> Quaternion:
+    x, y, z, w = q
+    return -x, -y, -z, w
+
+
+def _matrix(q: Quaternion) -> NDArray[np.float64]:
+    x, y, z, w = q
+    xx, yy, zz, ww = x * x, y * y, z * z, w * w
+    xy, zw, xz, yw, yz, xw = x * y, z * w, x * z, y * w, y * z, x * w
+    return np.array(
+        (
+            (xx - yy - zz + ww, 2 * (xy - zw), 2 * (xz + yw)),
+            (2 * (xy + zw), -xx + yy - zz + ww, 2 * (yz - xw)),
+            (2 * (xz - yw), 2 * (yz + xw), -xx - yy + zz + ww),
+        )
+    )
 
 
 @attrs.frozen(eq=False)
@@ -61,19 +106,30 @@ class Pose:
         """The orientation as a SciPy rotation."""
         return Rotation.from_quat(self.orientation_xyzw)
 
+    @cached_property
+    def rotation_matrix(self) -> NDArray[np.float64]:
+        """The orientation as a 3x3 matrix, read-only."""
+        matrix = _matrix(self._unit)
+        matrix.flags.writeable = False
+        return matrix
+
+    @cached_property
+    def _unit(self) -> Quaternion:
+        return _normalised(*self.orientation_xyzw.tolist())
+
     def transform(self, points: ArrayLike) -> Vector:
         """Points (..., 3) in b, in metres, to the same points in a."""
         points = np.asarray(points, dtype=np.float64)
-        return points @ self.rotation.as_matrix().T + self.position_m
+        return points @ self.rotation_matrix.T + self.position_m
 
     def __matmul__(self, other: Pose) -> Pose:
         """a_from_b @ b_from_c = a_from_c."""
-        return Pose(self.transform(other.position_m), (self.rotation * other.rotation).as_quat())
+        return Pose(self.transform(other.position_m), _product(self._unit, other._unit))
 
     def inverse(self) -> Pose:
         """b_from_a for a_from_b."""
-        back = self.rotation.inv()
-        return Pose(-back.as_matrix() @ self.position_m, back.as_quat())
+        back = _back(self._unit)
+        return Pose(-_matrix(back) @ self.position_m, back)
 
     def relative_to(self, other: Pose) -> Pose:
         """other_from_self, for two poses in the same frame, without passing through that frame's origin.
@@ -81,8 +137,8 @@ class Pose:
         The positions are subtracted before anything is rotated, so two eyes 1 mm apart keep all their digits even
         1e6 m from the origin (the difference of neighbouring floats is exact, Sterbenz 1974).
         """
-        back = other.rotation.inv()
-        return Pose(back.as_matrix() @ (self.position_m - other.position_m), (back * self.rotation).as_quat())
+        back = _back(other._unit)
+        return Pose(_matrix(back) @ (self.position_m - other.position_m), _product(back, self._unit))
 
     def towards(self, other: Pose, share: float) -> Pose:
         """The pose `share` (0..1) of the way to `other`: positions on the straight line, orientations on the shorter great arc.
@@ -96,7 +152,7 @@ class Pose:
     def matrix(self) -> NDArray[np.float64]:
         """The 4x4 homogeneous matrix."""
         out = np.eye(4)
-        out[:3, :3] = self.rotation.as_matrix()
+        out[:3, :3] = self.rotation_matrix
         out[:3, 3] = self.position_m
         return out
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import attrs
@@ -44,10 +45,12 @@ class Fov:
         """From the four tangents left, right, down, up."""
         return cls(*np.arctan(np.asarray(tangents, dtype=np.float64)))
 
-    @property
+    @cached_property
     def tangents(self) -> NDArray[np.float64]:
-        """(4,) left, right, down, up on the plane z = -1."""
-        return np.tan([self.left, self.right, self.down, self.up])
+        """(4,) left, right, down, up on the plane z = -1; read-only."""
+        tangents = np.tan([self.left, self.right, self.down, self.up])
+        tangents.flags.writeable = False
+        return tangents
 
     def pixel_from_tangent(self, size: tuple[int, int]) -> NDArray[np.float64]:
         """3x3: tangent point (x, y, 1) to pixel (px, py, 1) of a (w, h) picture; origin bottom left, centres at i + 0.5."""
@@ -117,6 +120,11 @@ def guarded_eyes(views: Sequence[View], factor: float, size: tuple[int, int]) ->
     Eyes that mirror each other have the same size anyway; of others, the smaller gets a little more on the right and at the top.
     Errors: as Fov.guarded.
     """
-    sizes = [view.fov.guarded(factor, size)[1] for view in views]
+    return _guarded_fovs(tuple(view.fov for view in views), factor, size)
+
+
+@lru_cache(maxsize=64)  # asked at every frame, of the same eyes
+def _guarded_fovs(fovs: tuple[Fov, ...], factor: float, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+    sizes = [fov.guarded(factor, size)[1] for fov in fovs]
     largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
-    return tuple(view.fov.guarded(factor, size, largest)[0] for view in views), largest
+    return tuple(fov.guarded(factor, size, largest)[0] for fov in fovs), largest

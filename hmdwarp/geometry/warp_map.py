@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .view import View
+from .view import Fov, View
 
 _FLIP_Z = np.diag([1.0, 1.0, -1.0])  # tangent point (x, y, 1) <-> eye point (x, y, -1)
 
@@ -28,9 +30,9 @@ class WarpMap:
     def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
         """The map from pixels of `frm` (w, h) to pixels of `to`, computed relative to the eyes in float64."""
         to_from_frm = frm.pose.relative_to(to.pose)
-        k_to = to.fov.pixel_from_tangent(to_size) @ _FLIP_Z
-        k_frm = frm.fov.pixel_from_tangent(frm_size) @ _FLIP_Z
-        return cls(k_to @ to_from_frm.rotation.as_matrix() @ np.linalg.inv(k_frm), k_to @ to_from_frm.position_m)
+        k_to, _ = _cameras(to.fov, to_size)
+        _, k_frm_inverse = _cameras(frm.fov, frm_size)
+        return cls(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
 
     def apply(self, pixels: ArrayLike, inverse_depth: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Pixels (..., 2) and inverse depth (...) to pixels (..., 2), inverse depth (...) and w (...) in the other view.
@@ -46,7 +48,17 @@ class WarpMap:
 
     def moves_whole_pixels(self) -> bool:
         """Whether every pixel centre lands on a pixel centre at any depth: nothing moved, or only a guard band was cut off."""
-        shift = np.round(self.H[:2, 2])
-        wanted = np.array([[1, 0, shift[0]], [0, 1, shift[1]], [0, 0, 1.0]])
+        (a, b, x), (c, d, y), (f, g, h) = self.H.tolist()
+        off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
         # 1e-9 px over the widest picture a GPU takes: what rounding leaves of two equal poses, far below any real motion.
-        return bool(np.abs(self.H - wanted).max() <= 1e-9 and np.abs(self.e).max() <= 1e-9)
+        return max(map(abs, off)) <= 1e-9
+
+
+@lru_cache(maxsize=64)  # a few fields of view and sizes, asked for at every frame
+def _cameras(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(3x3 from eye points (x, y, -1) to pixels, its inverse), read-only."""
+    pixel_from_eye = fov.pixel_from_tangent(size) @ _FLIP_Z
+    both = pixel_from_eye, np.linalg.inv(pixel_from_eye)
+    for matrix in both:
+        matrix.flags.writeable = False
+    return both

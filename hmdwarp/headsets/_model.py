@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -130,9 +131,12 @@ class Headset:
 
     def views(self, world_from_head: Pose) -> tuple[View, View]:
         """Both eyes' views for a head pose; the eyes sit half the pupil distance to either side, turned with the head."""
+        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)  # type: ignore[return-value]
+
+    @cached_property
+    def _eyes(self) -> tuple[tuple[Pose, Fov], ...]:
         half = self.ipd_m / 2
-        eyes = enumerate(Pose((x, 0, 0)) for x in (-half, half))
-        return tuple(View(world_from_head @ head_from_eye, self.fov(eye), head_from_eye) for eye, head_from_eye in eyes)  # type: ignore[return-value]
+        return tuple((Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate((-half, half)))
 
     def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(scale, offset), each (2,): position on the lens plane = panel pixel * scale + offset, in units of the lens."""

@@ -48,6 +48,7 @@ class Server:
         self._depth: ScenePasses | None = None
         self._behind: dict[tuple[Moving, ...], ScenePasses] = {}
         self._parts: dict[str, Part] = {}
+        self._chosen: dict[Needs, list[Part]] = {}
         self._easel = Easel(gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
@@ -68,11 +69,13 @@ class Server:
 
     def _parts_for(self, needs: Needs) -> list[Part]:
         """Those that the scene has, or that are asked for as layers; made when first needed."""
-        chosen = sorted((part for part in parts if part.in_scene(self.scene) or part.wanted(needs)), key=lambda part: part.order)
-        for part in chosen:
-            if part.name not in self._parts:
-                self._parts[part.name] = part(self._easel)
-        return [self._parts[part.name] for part in chosen]
+        if needs not in self._chosen:
+            chosen = sorted((part for part in parts if part.in_scene(self.scene) or part.wanted(needs)), key=lambda part: part.order)
+            for part in chosen:
+                if part.name not in self._parts:
+                    self._parts[part.name] = part(self._easel)
+            self._chosen[needs] = [self._parts[part.name] for part in chosen]
+        return self._chosen[needs]
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Inverse depth alone, into an r32f texture: what a client that has the geometry knows by itself."""

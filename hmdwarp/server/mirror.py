@@ -36,7 +36,7 @@ CLIP_DISTANCE_0 = 0x3000
 
 def plane_in_eye(mirror: Mirror, view: View) -> Array:
     """(4,): its product with an eye-space (x, y, z, 1) is how far before the mirror that is, in metres."""
-    eye_from_world = view.pose.rotation.as_matrix().T
+    eye_from_world = view.pose.rotation_matrix.T
     normal = eye_from_world @ mirror.normal
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
@@ -56,7 +56,7 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float64)
     corners = mirror.centre_m + signs @ np.array(grow) - view.pose.position_m
-    corners = _before(corners @ view.pose.rotation.as_matrix(), NEAR_M)
+    corners = _before(corners @ view.pose.rotation_matrix, NEAR_M)
     if not len(corners):
         return None
     pixels = corners[:, :2] / -corners[:, 2:] - np.array(view.fov.tangents[[0, 2]])
@@ -174,7 +174,7 @@ class Ball(MirrorSurface):
         self._image.uniforms.set(
             clip_from_scene=clip_from_eye(view.fov) @ from_scene,
             eye_from_scene=from_scene,
-            world_from_eye=view.pose.rotation.as_matrix(),
+            world_from_eye=view.pose.rotation_matrix,
             face_size=float(around.size[0] // 3),
             taken=taken,
             around=0,

@@ -109,10 +109,13 @@ def _runs(chunks: Chunks, clip: np.ndarray, eye: np.ndarray) -> Iterator[tuple[i
     seen = np.flatnonzero(visible(chunks.centres, chunks.half_sizes, clip))
     if not len(seen):
         return
-    group = nearest_first(chunks.centres, chunks.half_sizes, eye)[seen] * (int(chunks.batch.max()) + 1) + chunks.batch[seen]
-    seen = seen[np.argsort(group, kind="stable")]
-    group.sort()
-    first, end = chunks.first[seen], chunks.first[seen] + chunks.count[seen]
-    starts = np.flatnonzero(np.concatenate([[True], (first[1:] != end[:-1]) | (group[1:] != group[:-1])]))
-    for start, stop in zip(starts, [*(starts[1:] - 1), len(seen) - 1], strict=True):
-        yield int(chunks.batch[seen[start]]), int(first[start]), int(end[stop] - first[start])
+    batch = chunks.batch[seen]
+    group = nearest_first(chunks.centres, chunks.half_sizes, eye)[seen] * (int(batch.max()) + 1) + batch
+    order = np.argsort(group, kind="stable")
+    seen, group = seen[order], group[order]
+    first = chunks.first[seen]
+    end = first + chunks.count[seen]
+    breaks = (np.flatnonzero((first[1:] != end[:-1]) | (group[1:] != group[:-1])) + 1).tolist()
+    batch, first, end = batch[order].tolist(), first.tolist(), end.tolist()  # plain numbers: a NumPy one costs as much as the rest
+    for start, stop in zip([0, *breaks], [*breaks, len(end)], strict=True):
+        yield batch[start], first[start], end[stop - 1] - first[start]

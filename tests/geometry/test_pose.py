@@ -220,3 +220,22 @@ def test_a_turn_too_small_for_its_cosine_is_still_halved():
     """1e-8 rad leaves the quaternion's real part at 1; its angle is in the other three."""
     other = Pose((0, 0, 0), (0, 0.5e-8, 0, 1))
     assert abs(turn_between(Pose(), Pose().towards(other, 0.5)) - 0.5e-8) <= 1e-14
+
+
+# Another order of a sum of four products of numbers up to 1, and a square root: a few units in the last place.
+SUMMED = 8 * UNIT
+
+
+@given(poses(), poses())
+def test_turns_are_those_of_scipy(pose, other):
+    """The formulas are written out in plain floats; SciPy's own are the twin."""
+    assert np.abs(pose.rotation_matrix - pose.rotation.as_matrix()).max() <= SUMMED
+    assert np.abs((pose @ other).orientation_xyzw - (pose.rotation * other.rotation).as_quat()).max() <= SUMMED
+    assert np.abs(pose.inverse().orientation_xyzw - pose.rotation.inv().as_quat()).max() <= SUMMED
+    between = (other.rotation.inv() * pose.rotation).as_quat()
+    assert np.abs(pose.relative_to(other).orientation_xyzw - between).max() <= SUMMED
+
+
+def test_what_a_pose_remembers_cannot_be_changed():
+    with pytest.raises(ValueError, match="read-only"):
+        Pose().rotation_matrix[0, 0] = 2

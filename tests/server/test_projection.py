@@ -55,3 +55,11 @@ def test_nearest_first_never_puts_a_farther_box_into_an_earlier_class(centres, e
 
 def test_nearest_first_of_nothing_is_nothing():
     assert nearest_first(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(3)).size == 0
+
+
+@given(st.lists(vectors, min_size=1, max_size=40), vectors, st.integers(1, 6))
+def test_the_classes_are_those_of_numpys_quantiles(centres, eye, classes):
+    centres, eye = np.array(centres), np.array(eye)
+    farthest = np.linalg.norm(np.abs(centres - eye) + 1, axis=1)
+    wanted = np.searchsorted(np.quantile(farthest, np.arange(1, classes) / classes), farthest, side="left")
+    assert np.array_equal(nearest_first(centres, np.ones_like(centres), eye, classes), wanted)

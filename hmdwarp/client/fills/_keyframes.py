@@ -33,12 +33,12 @@ def directions(view: View) -> NDArray[np.float64]:
     share = (np.arange(SAMPLES) + 0.5) / SAMPLES
     x, y = np.meshgrid(left + share * (right - left), down + share * (up - down))
     rays = np.stack([x.ravel(), y.ravel(), -np.ones(x.size)], axis=-1)
-    return rays @ view.pose.rotation.as_matrix().T
+    return rays @ view.pose.rotation_matrix.T
 
 
 def sees(view: View, towards: NDArray[np.float64]) -> Mask:
     """(n,) which of the directions lie in the view's field of view."""
-    x, y, z = (towards @ view.pose.rotation.as_matrix()).T
+    x, y, z = (towards @ view.pose.rotation_matrix).T
     left, right, down, up = view.fov.tangents
     with np.errstate(divide="ignore", invalid="ignore"):
         across, above = -x / z, -y / z

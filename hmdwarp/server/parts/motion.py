@@ -113,7 +113,7 @@ class _Velocities:
         into = self._easel.acquire(eye.size, COLOUR, depth=False).colour
         framebuffer = self._easel.framebuffers.over(into)
         self._write(eye.drawn_ns)
-        self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation.as_matrix().T)
+        self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation_matrix.T)
         with gl.scope(framebuffer, moderngl.NOTHING):
             framebuffer.clear()
             for one, vertices in zip(self._deforming, self._vertices, strict=True):
