@@ -20,7 +20,7 @@ PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test bench-quick docs
+.PHONY: help setup replay test test-openxr bench-quick docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -35,6 +35,9 @@ replay: setup  ## the main job: replay a recorded head trace 200 ms late and rep
 
 test: setup  ## all tests, as CI runs them
 	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)
+
+test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
+	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)
 
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)

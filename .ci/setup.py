@@ -1,7 +1,7 @@
 """Makes .venv ready for `make`: the pinned Python packages, and Mesa where OpenGL is missing. Started by .ci/setup.
 
 Quick and without a network when nothing changed; an interrupted run is repaired by the next one.
-Options: --ci also installs what only CI needs (make, a browser for the report test), where apt may.
+Options: --ci also installs what only CI needs (make, a browser, X and OpenXR for tests), where apt may.
 Exit status: 0 ready; 3 the machine lacks something (the message holds the line to type); 1 a fault of ours.
 """
 
@@ -28,6 +28,13 @@ HALF_MADE = "half-made"
 CONSTRAINTS = ROOT / ".ci" / "constraints.txt"
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 MESA = ["libegl1", "libgl1", "libgl1-mesa-dri"]
+# (program, Debian package, whose): what CI needs beside a browser.
+FOR_TESTS = [
+    ("Xvfb", "xvfb", "the tests of windows"),
+    ("xauth", "xauth", "the tests of windows"),
+    ("xdotool", "xdotool", "the tests of windows"),
+    ("mmdebstrap", "mmdebstrap", "the tests with an OpenXR runtime"),
+]
 GL_PROBE = "import moderngl; moderngl.create_context(standalone=True, backend='egl', require=430)"
 NETWORK_TROUBLE = re.compile(
     r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|ConnectTimeout|ReadTimeout|timed out|ProxyError|SSLError"
@@ -136,14 +143,18 @@ def install_system_packages() -> None:
 
 
 def install_for_ci() -> None:
-    """make is needed; without a browser only the test that opens the report is skipped, which pytest then says."""
+    """make is needed; without the others only the tests that use them are skipped, which pytest then says."""
     if not shutil.which("make"):
         apt_install(["make"], "there is no make here")
+    lacking = [(package, f"there is no {program} for {tests}") for program, package, tests in FOR_TESTS if not shutil.which(program)]
+    groups = [lacking] if lacking else []
     if not any(shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome")):
+        groups.append([("chromium", "there is no browser for the report test")])
+    for group in groups:
         try:
-            apt_install(["chromium"], "there is no browser for the report test")
-        except Lacking as lacking:
-            say(f"going on without: {lacking}")
+            apt_install([package for package, _ in group], " and ".join(why for _, why in group))
+        except Lacking as error:
+            say(f"going on without: {error}")
 
 
 # --- the virtual environment ------------------------------------------------------------------------------------------

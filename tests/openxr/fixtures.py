@@ -1,0 +1,64 @@
+"""What tests inside Monado's root may ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from .monado import REMOTE, UNSEEN, Monado
+from .remote_head import RemoteHead
+from .screen import Screen
+
+__all__ = ["monado", "no_screen", "remote_head", "runtime", "screen"]
+
+MakeMonado = Callable[..., Monado]
+
+
+@pytest.fixture
+def runtime(tmp_path_factory, monkeypatch) -> Iterator[MakeMonado]:
+    """runtime(settings...) -> a Monado that was not started yet; this process and those it starts find it by their environment."""
+    made: list[Monado] = []
+
+    def make(*settings: dict[str, str]) -> Monado:
+        joined = {name: value for some in settings for name, value in some.items()}
+        monado = Monado(tmp_path_factory.mktemp("runtime"), joined)
+        for name, value in monado.environment.items():
+            monkeypatch.setenv(name, value)
+        made.append(monado)
+        return monado
+
+    yield make
+    for monado in made:
+        monado.kill()
+
+
+@pytest.fixture
+def monado(runtime) -> Monado:
+    """A running service whose head stays where `remote_head` puts it, and whose pictures go nowhere, at 20 a second."""
+    made = runtime(REMOTE, UNSEEN)
+    made.start()
+    return made
+
+
+@pytest.fixture
+def remote_head(monado) -> Iterator[RemoteHead]:
+    """Moves the head of `monado`."""
+    with RemoteHead() as head:
+        yield head
+
+
+@pytest.fixture
+def no_screen(monkeypatch) -> None:
+    """Neither X nor Wayland."""
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture
+def screen(monkeypatch) -> Iterator[Screen]:
+    """An X server; DISPLAY leads to it."""
+    with Screen() as made:
+        monkeypatch.setenv("DISPLAY", made.display)
+        monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+        yield made

@@ -1,0 +1,95 @@
+"""Drives the head of Monado's 'remote' device exactly: poses, fields of view and where the eyes sit, over TCP 4242.
+
+Source: Monado 25.0, src/xrt/drivers/remote/r_interface.h, struct r_remote_data, which is sent as it lies in memory.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import socket
+from collections.abc import Sequence
+
+from hmdwarp.geometry import Fov, Pose
+
+PORT = 4242
+
+
+class _Quaternion(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_float) for name in ("x", "y", "z", "w")]
+
+
+class _Vector(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_float) for name in ("x", "y", "z")]
+
+
+class _Pose(ctypes.Structure):
+    _fields_ = [("orientation", _Quaternion), ("position", _Vector)]
+
+    def put(self, pose: Pose) -> None:
+        self.orientation = _Quaternion(*pose.orientation_xyzw)
+        self.position = _Vector(*pose.position_m)
+
+
+class _Fov(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_float) for name in ("left", "right", "up", "down")]
+
+
+class _View(ctypes.Structure):
+    _fields_ = [("fov", _Fov), ("head_from_eye", _Pose), ("pad", ctypes.c_uint32)]
+
+
+class _Head(ctypes.Structure):
+    _fields_ = [("views", _View * 2), ("pose", _Pose), ("views_valid", ctypes.c_uint8), ("pad", ctypes.c_uint8 * 3)]
+
+
+class _Controller(ctypes.Structure):
+    _fields_ = [
+        ("pose", _Pose), ("linear_velocity", _Vector), ("angular_velocity", _Vector), ("hand_curl", ctypes.c_float * 5),
+        ("axes", ctypes.c_float * 8), ("buttons", ctypes.c_uint8 * 16),
+    ]  # fmt: skip
+
+
+class _Data(ctypes.Structure):
+    _fields_ = [("header", ctypes.c_uint64), ("head", _Head), ("left", _Controller), ("right", _Controller)]
+
+
+class RemoteHead:
+    """A connection to the service, which must run with monado.REMOTE. Use as a context manager."""
+
+    def __init__(self, host: str = "127.0.0.1", port: int = PORT) -> None:
+        self._socket = socket.create_connection((host, port), timeout=20)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._read()  # first comes what a reset would be
+        self._data = self._read()
+
+    def put(self, pose: Pose) -> None:
+        """world_from_head from now on."""
+        self._data.head.pose.put(pose)
+        self._socket.sendall(bytes(self._data))
+
+    def put_eyes(self, eyes: Sequence[tuple[Pose, Fov]]) -> None:
+        """head_from_eye and field of view of the left and the right eye from now on."""
+        self._data.head.views_valid = 1
+        for view, (head_from_eye, fov) in zip(self._data.head.views, eyes, strict=True):
+            view.fov = _Fov(fov.left, fov.right, fov.up, fov.down)
+            view.head_from_eye.put(head_from_eye)
+        self._socket.sendall(bytes(self._data))
+
+    def _read(self) -> _Data:
+        data = b""
+        while len(data) < ctypes.sizeof(_Data):
+            more = self._socket.recv(ctypes.sizeof(_Data) - len(data))
+            if not more:
+                raise ConnectionError("Monado's remote device closed the connection")
+            data += more
+        return _Data.from_buffer_copy(data)
+
+    def close(self) -> None:
+        """Let go of it; the head stays where it is."""
+        self._socket.close()
+
+    def __enter__(self) -> RemoteHead:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
