@@ -1,0 +1,226 @@
+"""The window as a display: pictures in it, a head led by mouse and keys, commands by keys and panel."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from ...gpu.context import Gpu
+from ...headsets import load_headset
+from ...poses.desktop import Walker
+from .. import Closed, Command, DisplayOptions, Tick
+from ..controls import control
+from ..status import Status
+from .opening import start
+from .pacing import Pacer, known_rate
+from .views import shown
+from .window import Window
+
+if TYPE_CHECKING:
+    from ...loop import Refresh
+
+TITLE = "hmdwarp"
+TITLE_NS = 250_000_000  # a title that changes more often cannot be read, and costs a round trip to the window manager
+LOOK_ROUND_NS = 1_000_000_000  # how often to ask which screen the window is on
+MINIMISED_S = 0.1
+NO_PANEL = "no panel: pip install 'hmdwarp[panel]'"
+
+
+class DesktopDisplay:
+    """As display.Display. Its clock is time.monotonic_ns, of its head and of its pictures.
+
+    Errors: MachineError that says why there is no window; InputError for a headset that is not known.
+    """
+
+    name = "desktop"
+    distorts = takes_depth = ""
+
+    def __init__(self, options: DisplayOptions) -> None:
+        self._headset = load_headset(options.headset)
+        self._size_asked = options.size
+        self.look(options.view)
+        self._glfw = start()
+        self._closers: list[Callable[[], None]] = [self._glfw.terminate]
+        try:
+            self._open(options)
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self, options: DisplayOptions) -> None:
+        from ..present import Presenter
+        from .hands import Hands, LedHead
+        from .overlay import Overlay
+
+        whole = self._shown.whole
+        self._window = Window(self._glfw, TITLE, whole, full_screen=options.full_screen, vsync=options.vsync)
+        self._closers.append(self._window.close)
+        self.gpu = Gpu(self._window.gl)
+        self._closers.append(self.gpu.close)
+        self._presenter = Presenter(self.gpu)
+        self._closers.append(self._presenter.close)
+        self._overlay = Overlay(self.gpu, self._presenter, self.now_ns)
+        self._pacer = Pacer(self._window.rate_hz, options.vsync)
+        self._walker = Walker(self.now_ns())
+        self._hands = Hands(self._window.handle, self._walker, self.now_ns)
+        self.source = LedHead(self._walker, self._read_inputs)
+        self._panel = self._hands.panel = _panel(self._window) if options.panel else None
+        self._panel_on = self._panel is not None
+        self._closers.append(self._close_panel)
+        self._pending: list[Command] = []
+        self._screens_changed = False
+        self._glfw.set_monitor_callback(self._note_screens)
+        self._status = Status()
+        self._begun_ns = self._titled_ns = self._looked_ns = 0
+        self.about = {"window": self._kind(), "screen": self._window.screen_in_words(), "renderer": self.gpu.renderer}
+
+    def _kind(self) -> str:
+        glfw = self._glfw
+        names = {glfw.PLATFORM_X11: "X11", glfw.PLATFORM_WAYLAND: "Wayland", glfw.PLATFORM_WIN32: "Windows", glfw.PLATFORM_COCOA: "macOS"}
+        return f"glfw {'.'.join(map(str, glfw.get_version()))}, {names.get(glfw.get_platform(), 'unknown')}, context: {self._window.api}"
+
+    # --- what the driver sees ---
+
+    @property
+    def rate_hz(self) -> float:
+        """Of the screen the window is on; 60 where it does not say."""
+        return self._pacer.rate_hz
+
+    def now_ns(self) -> int:
+        """time.monotonic_ns."""
+        return time.monotonic_ns()
+
+    def look(self, view: str) -> None:
+        """Another view from now on."""
+        self._shown = shown(view, self._headset, self._size_asked)
+        self.eyes, self.size, self.headset = self._shown.eyes, self._shown.size, self._shown.headset
+
+    def wait(self) -> Tick | None:
+        """Until it is time for the next picture; None while the window is minimised."""
+        self._read_inputs()
+        self._obey()
+        self._refuse_if_over()
+        if self._window.hidden:
+            self._glfw.wait_events_timeout(MINIMISED_S)
+            self._pacer.pause()
+            return None
+        self._look_round()
+        time.sleep(max(0, self._pacer.due(self.now_ns()) - self.now_ns()) * 1e-9)
+        self._begun_ns = self.now_ns()
+        return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
+
+    def show(self, refresh: Refresh | None, label: str = "") -> int:
+        """Draw the eyes' pictures, what is written over them and the panel, and swap."""
+        canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
+        size = self._window.framebuffer_size
+        self._overlay.draw(canvases, self._shown.count, self._shown.aspect, size, label)
+        if self._panel is not None and self._panel_on:
+            self._pending += self._panel.draw(self._status, size)
+        handed_over_ns = self.now_ns()
+        self._window.swap()
+        self._pacer.swapped(self._begun_ns, self.now_ns())
+        self._write_title()
+        return handed_over_ns
+
+    def commands(self) -> Sequence[Command]:
+        """Those that change the run; the window's own are done already."""
+        asked, self._pending = self._pending, []
+        return [command for command in asked if not self._do(command)]
+
+    def tell(self, status: Status) -> None:
+        """What the title line and the panel show."""
+        self._status = status
+        status.values.update(full_screen=self._window.fills_screen, vsync=self._window.vsync, panel=self._panel_on, help=self._overlay.help)
+
+    def reopen(self) -> bool:
+        """A window is closed, never lost."""
+        return False
+
+    def close(self) -> None:
+        """Let go of everything, in the opposite order."""
+        while self._closers:
+            self._closers.pop()()
+
+    # --- within a refresh ---
+
+    def _read_inputs(self) -> int:
+        self._glfw.poll_events()
+        self._hands.lead()
+        return self.now_ns()
+
+    def _refuse_if_over(self) -> None:
+        if self._glfw.window_should_close(self._window.handle):
+            raise Closed("the window was closed")
+        if self._window.lost():
+            raise Closed("the graphics driver was reset, and every picture in it is gone: the run ends here")
+
+    def _look_round(self) -> None:
+        now = self.now_ns()
+        if self._screens_changed or now - self._looked_ns >= LOOK_ROUND_NS:
+            self._looked_ns = now
+            if self._screens_changed:
+                self._screens_changed = False
+                self._window.screens_changed()
+            rate_hz = self._window.rate_hz
+            if known_rate(rate_hz) != self._pacer.rate_hz:
+                self._pacer.set(rate_hz, self._window.vsync)
+
+    def _note_screens(self, *_: object) -> None:
+        self._screens_changed = True
+
+    def _write_title(self) -> None:
+        now = self.now_ns()
+        if now - self._titled_ns >= TITLE_NS and self._status.values:
+            self._titled_ns = now
+            self._window.title(self._status.title())
+
+    # --- the window's own controls ---
+
+    def _obey(self) -> None:
+        """What came by keys: the window's own at once, the others when the driver asks for them."""
+        asked, self._hands.commands = self._hands.commands, []
+        self._pending += [command for command in asked if not self._do(command)]
+
+    def _do(self, command: Command) -> bool:
+        """Whether it was the window's own."""
+        if not control(command.control).of_display:
+            return False
+        getattr(self, f"_do_{command.control}")(command.value)
+        return True
+
+    def _do_recentre(self, _: object) -> None:
+        self._walker.recentre(self.now_ns())
+
+    def _do_full_screen(self, value: object) -> None:
+        self._window.fill_screen(not self._window.fills_screen if value is None else bool(value))
+        self._pacer.pause()
+
+    def _do_vsync(self, value: object) -> None:
+        self._window.wait_for_screen(not self._window.vsync if value is None else bool(value))
+        self._pacer.set(self._window.rate_hz, self._window.vsync)
+
+    def _do_panel(self, value: object) -> None:
+        self._panel_on = not self._panel_on if value is None else bool(value)
+        self._hands.panel = self._panel if self._panel_on else None
+        if self._panel_on and self._panel is None:
+            self._panel_on = False
+            self._overlay.say(NO_PANEL)
+
+    def _do_help(self, value: object) -> None:
+        self._overlay.help = not self._overlay.help if value is None else bool(value)
+
+    def _do_quit(self, _: object) -> None:
+        self._glfw.set_window_should_close(self._window.handle, True)
+
+    def _close_panel(self) -> None:
+        panel, self._panel = self._panel, None
+        if panel is not None:
+            panel.close()
+
+
+def _panel(window: Window):
+    """The panel of controls, None where its package is not installed."""
+    from .panel import make_panel
+
+    return make_panel(window.handle, window.gl)

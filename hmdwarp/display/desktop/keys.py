@@ -1,0 +1,83 @@
+"""Keys of a glfw window to commands; for every window of the program, that beside a headset too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import glfw
+
+from .. import Command
+from ..controls import CONTROLS, MOVING, Control
+
+# A control's key is where a US keyboard has it, so that one finger finds the same control everywhere; the help writes what the user's own
+# keyboard has printed there.
+_NAMED = {"[": glfw.KEY_LEFT_BRACKET, "]": glfw.KEY_RIGHT_BRACKET, "Escape": glfw.KEY_ESCAPE}
+# Right, up, forward.
+MOVES = {
+    glfw.KEY_W: (0, 0, 1),
+    glfw.KEY_S: (0, 0, -1),
+    glfw.KEY_A: (-1, 0, 0),
+    glfw.KEY_D: (1, 0, 0),
+    glfw.KEY_E: (0, 1, 0),
+    glfw.KEY_Q: (0, -1, 0),
+}
+STEPS_BACK = ("choice", "number")
+FASTER = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
+_OTHERS = glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER
+
+
+def token(name: str) -> int:
+    """glfw's number of a key as controls write it."""
+    return _NAMED[name] if name in _NAMED else getattr(glfw, f"KEY_{name.upper()}")
+
+
+def _commands() -> dict[int, tuple[Control, bool]]:
+    made: dict[int, tuple[Control, bool]] = {}
+    for control in CONTROLS:
+        made[token(control.key)] = (control, False)
+        if control.back:
+            made[token(control.back)] = (control, True)
+    return made
+
+
+_COMMANDS = _commands()
+
+
+def command_of(key: int, action: int, mods: int) -> Command | None:
+    """What a key event asks for, None for nothing: glfw's key, action and modifiers as its callback gives them.
+
+    Numbers go on while their key is held; everything else once a press. Shift steps back, where that key has no key of its own for it.
+    With Ctrl, Alt or Super a key is somebody else's.
+    """
+    if key not in _COMMANDS or mods & _OTHERS or action == glfw.RELEASE:
+        return None
+    control, back = _COMMANDS[key]
+    if action == glfw.REPEAT and control.kind != "number":
+        return None
+    shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
+    return Command(control.name, back=back or shifted)
+
+
+def direction(held: set[int]) -> tuple[int, int, int]:
+    """Right, up, forward, -1..1 each, of the keys held down; opposite ones cancel."""
+    moves = [MOVES[key] for key in held if key in MOVES]
+    return tuple(sum(axis) for axis in zip(*moves, strict=True)) if moves else (0, 0, 0)  # type: ignore[return-value]
+
+
+def label(name: str) -> str:
+    """What the user's keyboard has printed on that key. glfw must be running."""
+    printed = glfw.get_key_name(token(name), 0) if len(name) == 1 else None
+    return printed.upper() if printed else name
+
+
+def help_text(named: Callable[[str], str] = label) -> str:
+    """Every control and every way to move, a line each: keys, tab, what they do. named: what the user calls a key."""
+    rows = [(_keys_of(control, named), control.what) for control in CONTROLS]
+    rows += [(" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING]
+    return "\n".join(f"{keys}\t{what}" for keys, what in rows)
+
+
+def _keys_of(control: Control, named: Callable[[str], str]) -> str:
+    if control.back:
+        return f"{named(control.back)} {named(control.key)}"
+    return f"{named(control.key)} (shift: back)" if control.kind in STEPS_BACK else named(control.key)

@@ -1,0 +1,51 @@
+"""Starts glfw, and says in words why there is no window."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Mapping
+from types import ModuleType
+
+from ...errors import MachineError
+
+REMEDY = (
+    "run in a desktop session, or under a virtual screen (Debian, Ubuntu: sudo apt-get install xvfb, then put 'xvfb-run -a' before the "
+    "command); 'hmdwarp doctor' shows what is there"
+)
+
+
+def variant(environ: Mapping[str, str]) -> str:
+    """Which of glfw's two libraries fits, "x11" or "wayland"; "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone.
+
+    A session of the one kind may have given only the other's display: ssh -X, Xvfb and containers do.
+    """
+    wayland, x11 = environ.get("WAYLAND_DISPLAY"), environ.get("DISPLAY")
+    if "PYGLFW_LIBRARY_VARIANT" in environ or bool(wayland) == bool(x11):
+        return ""
+    return "wayland" if wayland else "x11"
+
+
+def start() -> ModuleType:
+    """glfw, running. Errors: MachineError that says why not."""
+    if platform.system() == "Linux":
+        if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+            raise MachineError(f"no window: neither DISPLAY nor WAYLAND_DISPLAY is set; {REMEDY}")
+        fitting = variant(os.environ)
+        if fitting:
+            os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting  # read when glfw is imported
+    try:
+        import glfw
+    except Exception as error:  # its loader raises what it likes where a library is missing
+        raise MachineError(f"no window: glfw cannot be loaded ({error}); pip install glfw") from error
+    glfw.ERROR_REPORTING = "log"  # else every refusal (a window's place under Wayland) is a warning on stderr
+    if not glfw.init():
+        raise MachineError(f"no window: {last_error(glfw)}; {REMEDY}")
+    return glfw
+
+
+def last_error(glfw: ModuleType) -> str:
+    """Why glfw refused what it was just asked for."""
+    code, told = glfw.get_error()
+    words = told.decode(errors="replace") if isinstance(told, bytes) else str(told or "no reason given")
+    return f"{' '.join(words.split())}" if code else "no reason given"

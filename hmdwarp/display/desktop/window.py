@@ -1,0 +1,218 @@
+"""A window with an OpenGL 4.3 core context: made, resized, full screen and back, swapped. Knows nothing of what is shown in it."""
+
+from __future__ import annotations
+
+import ctypes
+from types import ModuleType
+
+import moderngl
+
+from ...errors import MachineError
+from ...gpu.context import WANTED
+from .layout import Size, window_size
+from .opening import last_error
+
+FALLBACK_ROOM = (1280, 800)  # where no screen says how large it is
+_NO_ERROR = 0  # GL_NO_ERROR
+
+
+class WindowContext:
+    """A window's context as moderngl wants one: by glfw's own loader, so GLX and EGL, X11 and Wayland are all one."""
+
+    def __init__(self, glfw: ModuleType, handle: object) -> None:
+        self._glfw, self._handle = glfw, handle
+
+    def load_opengl_function(self, name: str) -> int:
+        """The address, 0 where the driver has no such function."""
+        return ctypes.cast(self._glfw.get_proc_address(name), ctypes.c_void_p).value or 0
+
+    def __enter__(self) -> WindowContext:
+        self._glfw.make_context_current(self._handle)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._glfw.make_context_current(None)
+
+    def release(self) -> None:
+        """Nothing: the window goes with its context."""
+
+
+class Window:
+    """wanted: (w, h) pixels of what it is to show. handle: glfw's. gl: its context, current when this returns.
+
+    Errors: MachineError that says why there is no window or no OpenGL 4.3 in it.
+    """
+
+    def __init__(self, glfw: ModuleType, title: str, wanted: Size, *, full_screen: bool = False, vsync: bool = True) -> None:
+        self._glfw, self._title = glfw, title
+        self.handle, self.api = _made(glfw, title)
+        self._fit(wanted)
+        self.place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
+        if full_screen:
+            self.fill_screen(True)
+        glfw.show_window(self.handle)
+        glfw.focus_window(self.handle)
+        context = WindowContext(glfw, self.handle)
+        context.__enter__()
+        self.vsync = vsync
+        self.wait_for_screen(vsync)
+        try:
+            self.gl = moderngl.create_context(require=WANTED, context=context)
+        except Exception as error:  # moderngl raises bare Exception and ValueError
+            self.close()
+            raise MachineError(f"no OpenGL {WANTED / 100:.1f} in a window: {error}; 'hmdwarp doctor' shows what is there") from error
+        self.gl.gc_mode = "context_gc"
+        self._reset_status = self._function("glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR")
+
+    # --- sizes and places ---
+
+    def _fit(self, wanted: Size) -> None:
+        """As large as `wanted` pixels, whatever a unit of the window measures (HiDPI), within the screen."""
+        glfw = self._glfw
+        units, pixels = glfw.get_window_size(self.handle), glfw.get_framebuffer_size(self.handle)
+        scale = pixels[0] / units[0] if units[0] and pixels[0] else 1.0
+        monitor = glfw.get_primary_monitor()
+        room = glfw.get_monitor_workarea(monitor)[2:] if monitor else FALLBACK_ROOM
+        size = window_size(wanted, (round(room[0] * scale), round(room[1] * scale)))
+        glfw.set_window_size(self.handle, max(1, round(size[0] / scale)), max(1, round(size[1] / scale)))
+
+    @property
+    def framebuffer_size(self) -> Size:
+        """(w, h) in pixels; (0, 0) while it is minimised on some systems."""
+        return tuple(self._glfw.get_framebuffer_size(self.handle))  # type: ignore[return-value]
+
+    @property
+    def hidden(self) -> bool:
+        """Nobody could see a picture: minimised, or without a single pixel."""
+        return bool(self._glfw.get_window_attrib(self.handle, self._glfw.ICONIFIED)) or min(self.framebuffer_size) < 1
+
+    def monitor(self) -> object | None:
+        """The screen it is on: that which it fills, else that which most of it lies on; None without any."""
+        glfw = self._glfw
+        filled = glfw.get_window_monitor(self.handle)
+        if filled:
+            return filled
+        screens = glfw.get_monitors() or []
+        x, y = glfw.get_window_pos(self.handle)  # (0, 0) under Wayland, which does not tell
+        w, h = glfw.get_window_size(self.handle)
+        return max(screens, key=lambda screen: self._shared(screen, (x, y, w, h)), default=None)
+
+    def _shared(self, monitor: object, rectangle: tuple[int, int, int, int]) -> int:
+        x, y, w, h = rectangle
+        left, top = self._glfw.get_monitor_pos(monitor)
+        mode = self._glfw.get_video_mode(monitor)
+        if mode is None:
+            return 0
+        across = min(x + w, left + mode.size.width) - max(x, left)
+        down = min(y + h, top + mode.size.height) - max(y, top)
+        return max(0, across) * max(0, down)
+
+    @property
+    def rate_hz(self) -> float:
+        """Refreshes a second of the screen it is on; 0 where nobody says (virtual screens)."""
+        mode = self._mode(self.monitor())
+        return float(mode.refresh_rate) if mode is not None else 0.0
+
+    def _mode(self, monitor: object | None) -> object | None:
+        return self._glfw.get_video_mode(monitor) if monitor else None
+
+    def screen_in_words(self) -> str:
+        """Name, size and rate of the screen it is on."""
+        monitor = self.monitor()
+        mode = self._mode(monitor)
+        if monitor is None or mode is None:
+            return "none"
+        name = self._glfw.get_monitor_name(monitor)
+        name = name.decode(errors="replace") if isinstance(name, bytes) else str(name)
+        rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate > 0 else ""
+        return f"{name}, {mode.size.width}x{mode.size.height}{rate}"
+
+    # --- what can be asked of it ---
+
+    @property
+    def fills_screen(self) -> bool:
+        """Whether it has a screen for itself."""
+        return bool(self._glfw.get_window_monitor(self.handle))
+
+    def fill_screen(self, on: bool) -> None:
+        """The screen it is on, or back to where it was. Without any screen it stays a window."""
+        glfw = self._glfw
+        if on and not self.fills_screen:
+            monitor = self.monitor()
+            mode = self._mode(monitor)
+            if mode is not None:
+                self.place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
+                glfw.set_window_monitor(self.handle, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
+        elif not on and self.fills_screen:
+            self._leave_screen()
+
+    def _leave_screen(self) -> None:
+        place, self.place = self.place or (0, 0, *FALLBACK_ROOM), None
+        self._glfw.set_window_monitor(self.handle, None, *place, 0)
+
+    def screens_changed(self) -> bool:
+        """After a screen was plugged or unplugged: whether it had filled one that is gone, and is a window again."""
+        # glfw itself has taken the window off a screen that is gone; only where it was before is ours to know.
+        if self.place is None or self.fills_screen:
+            return False
+        self._leave_screen()
+        return True
+
+    def wait_for_screen(self, on: bool) -> None:
+        """Whether a swap waits for the screen. The context must be current."""
+        self.vsync = on
+        self._glfw.swap_interval(1 if on else 0)
+
+    def title(self, text: str) -> None:
+        """Write it over the window, if it is another than before."""
+        if text != self._title:
+            self._title = text
+            self._glfw.set_window_title(self.handle, text)
+
+    def swap(self) -> None:
+        """Show what was drawn. Returns when the screen has it: no second picture waits in the driver, where it would grow old."""
+        self._glfw.swap_buffers(self.handle)
+        self.gl.finish()
+
+    def lost(self) -> bool:
+        """Whether the driver was reset and the context with all its pictures is gone."""
+        return self._reset_status is not None and self._reset_status() != _NO_ERROR
+
+    def _function(self, *names: str) -> object | None:
+        address = next((a for a in map(WindowContext(self._glfw, self.handle).load_opengl_function, names) if a), 0)
+        return ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
+
+    def close(self) -> None:
+        """Destroy it. May be called twice."""
+        handle, self.handle = self.handle, None
+        if handle is not None:
+            self._glfw.destroy_window(handle)
+
+
+def _made(glfw: ModuleType, title: str) -> tuple[object, str]:
+    """A hidden window and by which interface its context was made; EGL where the system's own way (GLX) has none."""
+    said = []
+    for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
+        glfw.default_window_hints()
+        for hint, value in _hints(glfw, api).items():
+            glfw.window_hint(hint, value)
+        handle = glfw.create_window(640, 480, title, None, None)
+        if handle:
+            return handle, name
+        said.append(f"{name}: {last_error(glfw)}")
+    raise MachineError(f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(said)}); 'hmdwarp doctor' shows what is there")
+
+
+def _hints(glfw: ModuleType, api: int) -> dict[int, int]:
+    return {
+        glfw.VISIBLE: glfw.FALSE,
+        glfw.CONTEXT_CREATION_API: api,
+        glfw.CONTEXT_VERSION_MAJOR: WANTED // 100,
+        glfw.CONTEXT_VERSION_MINOR: WANTED // 10 % 10,
+        glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
+        # Ask to be told of a reset; drivers that cannot are not troubled by it.
+        glfw.CONTEXT_ROBUSTNESS: glfw.LOSE_CONTEXT_ON_RESET,
+        glfw.DEPTH_BITS: 0,
+        glfw.STENCIL_BITS: 0,
+        glfw.SCALE_FRAMEBUFFER: glfw.TRUE,
+    }

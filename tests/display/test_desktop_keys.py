@@ -1,0 +1,59 @@
+"""Every control has its key, no key does two things, and moves are no controls."""
+
+from __future__ import annotations
+
+import pytest
+
+glfw = pytest.importorskip("glfw", exc_type=ImportError)
+
+from hmdwarp.display.controls import CONTROLS, MOVING, control  # noqa: E402
+from hmdwarp.display.desktop.keys import FASTER, MOVES, command_of, direction, help_text, token  # noqa: E402
+
+
+def test_no_key_does_two_things():
+    tokens = [token(key) for one in CONTROLS for key in (one.key, one.back) if key]
+    assert len(set(tokens) | set(MOVES) | set(FASTER)) == len(tokens) + len(MOVES) + len(FASTER)
+
+
+@pytest.mark.parametrize("one", CONTROLS, ids=lambda one: one.name)
+def test_a_press_is_a_step_on(one):
+    command = command_of(token(one.key), glfw.PRESS, 0)
+    assert (command.control, command.value, command.back) == (one.name, None, False)
+    assert command_of(token(one.key), glfw.RELEASE, 0) is None
+    assert (command_of(token(one.key), glfw.REPEAT, 0) is not None) == (one.kind == "number")
+
+
+@pytest.mark.parametrize("one", [one for one in CONTROLS if one.kind in ("choice", "number")], ids=lambda one: one.name)
+def test_there_is_a_way_back(one):
+    command = command_of(token(one.back), glfw.PRESS, 0) if one.back else command_of(token(one.key), glfw.PRESS, glfw.MOD_SHIFT)
+    assert command.back and command.control == one.name
+
+
+def test_shift_turns_no_switch_around_and_no_key_that_has_its_own_way_back():
+    assert not command_of(token("]"), glfw.PRESS, glfw.MOD_SHIFT).back
+    assert not command_of(token(control("lens").key), glfw.PRESS, glfw.MOD_SHIFT).back
+
+
+@pytest.mark.parametrize("mods", [glfw.MOD_CONTROL, glfw.MOD_ALT, glfw.MOD_SUPER, glfw.MOD_ALT | glfw.MOD_SHIFT])
+def test_keys_of_the_desktop_are_left_to_it(mods):
+    assert command_of(glfw.KEY_T, glfw.PRESS, mods) is None
+
+
+def test_other_keys_do_nothing():
+    assert command_of(glfw.KEY_F5, glfw.PRESS, 0) is None
+    assert command_of(glfw.KEY_UNKNOWN, glfw.PRESS, 0) is None
+    assert all(command_of(key, glfw.PRESS, 0) is None for key in MOVES)
+
+
+def test_held_keys_add_up():
+    assert direction(set()) == (0, 0, 0)
+    assert direction({glfw.KEY_W, glfw.KEY_D, glfw.KEY_E}) == (1, 1, 1)
+    assert direction({glfw.KEY_W, glfw.KEY_S, glfw.KEY_LEFT_SHIFT, glfw.KEY_A}) == (-1, 0, 0)
+
+
+def test_the_help_names_everything():
+    lines = help_text(named=str.upper).splitlines()
+    assert len(lines) == len(CONTROLS) + len(MOVING)
+    for one in CONTROLS:
+        assert any(one.what in line and one.key.upper() in line.upper() for line in lines), one
+    assert any(line.startswith("W A S D") for line in lines)
