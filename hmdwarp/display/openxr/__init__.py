@@ -1,1 +1,27 @@
-"""A headset through OpenXR."""
+"""A headset through OpenXR. Its binding is loaded with the first name taken from here: that needs libGL and a moment."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .display import OpenXrDisplay
+    from .head import OpenXrHead
+
+__all__ = ["OpenXrDisplay", "OpenXrHead"]
+
+
+def __getattr__(name: str) -> Any:
+    """Errors: MachineError where the binding does not load."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from .binding import load_binding
+
+    load_binding()
+    if name == "OpenXrHead":
+        from .head import OpenXrHead
+
+        return OpenXrHead
+    from .display import OpenXrDisplay
+
+    return OpenXrDisplay

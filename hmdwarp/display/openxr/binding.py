@@ -1,0 +1,18 @@
+"""Loads pyopenxr, late: it wants libGL at once and takes a quarter of a second."""
+
+from __future__ import annotations
+
+from ...errors import MachineError
+from .trouble import trouble
+
+
+def load_binding() -> None:
+    """Load it, or say why not. Errors: MachineError.
+
+    Without libGL the import is an AttributeError, with a foreign loader an OSError: anything may come.
+    """
+    try:
+        import xr  # noqa: F401
+    except Exception as error:
+        words, remedy = trouble("binding", type(error).__name__, error)
+        raise MachineError(f"{words}: {remedy}") from error

@@ -1,0 +1,120 @@
+"""Everything that goes with the runtime's service, from the instance to the pictures: made at once, gone at once, made again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+
+import attrs
+import xr
+
+from ...errors import InputError, MachineError
+from .. import Closed
+from .calls import Calls
+from .eyes import COUNT, RuntimeEyes
+from .frames import Frames
+from .graphics import Graphics, check_requirements
+from .instance import DEPTH_EXTENSION, WITH_PICTURES, Instance, open_instance
+from .layer import Projection
+from .session import Session
+from .swapchain import Swapchain, colour_format, depth_format
+from .tracking import HeadTracker, Spaces
+
+READY_S = 5.0  # for a session that was just made to be wanted; runtimes take fractions of a second
+IDLE_S = 0.01  # between two looks at a session that does not run
+SEEN = 2  # frames with should_render on; before them the period is a guess (Monado: 16 ms)
+UNSEEN_S = 1.0  # a headset that nobody wears may never ask for a picture
+_STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
+
+
+@attrs.define(eq=False)
+class Connection:
+    """recommended: (w, h) of one eye. Close it whatever happened: nothing that fails then matters any more."""
+
+    instance: Instance
+    session: Session
+    spaces: Spaces
+    frames: Frames
+    recommended: tuple[int, int]
+    has_depth: bool
+    _largest: tuple[int, int]
+    _formats: list[int]
+    _cleanup: ExitStack
+    colours: list[Swapchain] = attrs.field(factory=list)
+    depths: list[Swapchain] = attrs.field(factory=list)
+    projection: Projection | None = None
+
+    def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
+        """Go through the first frames, empty, until the session runs, its period is known and the eyes are.
+
+        Errors: MachineError if that takes too long.
+        """
+        began, seen = time.monotonic(), 0
+        while seen < SEEN or not eyes.known:
+            waited = time.monotonic() - began
+            if eyes.known and waited > UNSEEN_S:
+                return
+            if waited > READY_S:
+                raise MachineError(_unready(calls.name, self.session.running))
+            try:
+                self.session.poll()
+            except Closed as closed:
+                raise MachineError(f"{closed.args[0]} before it began: put the headset on") from closed
+            if not self.session.running:
+                time.sleep(IDLE_S)
+                continue
+            self.frames.begin()
+            eyes.locate(calls, self.session.handle, self.spaces.head, self.frames.state.predicted_display_time)
+            self.frames.end()
+            seen += self.frames.state.should_render
+
+    def make_pictures(self, calls: Calls, graphics: Graphics, size: tuple[int, int], with_depth: bool) -> None:
+        """Pictures of that size for each eye. Errors: InputError for a size that is too large for the runtime."""
+        if size[0] > self._largest[0] or size[1] > self._largest[1]:
+            raise InputError(f"size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}")
+        kind, deep = colour_format(self._formats), depth_format(self._formats)
+        self.colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]
+        if with_depth and deep is not None:
+            self.depths = [self._swapchain(calls, graphics, size, deep) for _ in range(COUNT)]
+        self.projection = Projection(self.spaces.world, self.colours, self.depths)
+
+    def _swapchain(self, calls: Calls, graphics: Graphics, size: tuple[int, int], kind: int) -> Swapchain:
+        made = Swapchain(calls, graphics.gpu, self.session.handle, size, kind)
+        self._cleanup.callback(made.destroy)
+        return made
+
+    def close(self) -> None:
+        """Let go of all of it, in order."""
+        self.frames.abandon()
+        self._cleanup.close()
+
+
+def _unready(name: str, running: bool) -> str:
+    if running:
+        return f"{name} does not say what the eyes see: restart it"
+    return f"{name} did not begin a session within {READY_S:g} s: wake the headset, and end other programs that use it"
+
+
+def connect(calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: HeadTracker) -> Connection:
+    """A session with pictures. drawn_with: the graphics for a runtime that is there. Errors: MachineError."""
+    with ExitStack() as stack:
+        instance = open_instance(calls, WITH_PICTURES)
+        stack.callback(instance.destroy)
+        graphics = drawn_with(instance)
+        check_requirements(calls, instance, graphics.gpu)
+        views = calls.ask(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
+        if len(views) != COUNT:
+            raise MachineError(f"{calls.name} has {len(views)} views: wanted {COUNT}")
+        modes = [int(mode) for mode in calls.ask(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)]
+        opaque = xr.EnvironmentBlendMode.OPAQUE.value
+        session = Session(calls, instance, graphics.binding)
+        stack.callback(session.destroy)
+        spaces = Spaces(calls, instance, session.handle)
+        tracker.attach(calls, instance, spaces)
+        frames = Frames(calls, session.handle, opaque if opaque in modes else modes[0])
+        formats = [int(one) for one in calls.ask(xr.enumerate_swapchain_formats, session.handle)]
+        recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
+        largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
+        has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None
+        return Connection(instance, session, spaces, frames, recommended, has_depth, largest, formats, stack.pop_all())

@@ -1,0 +1,173 @@
+"""A headset as a display: the runtime says when, where and what each eye sees; it gets both pictures and, if it likes, their depths."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ...errors import MachineError
+from ...geometry import View
+from .. import Command, DisplayOptions, Tick
+from ..present import Presenter
+from .calls import Calls
+from .connection import IDLE_S, Connection, connect
+from .eyes import RuntimeEyes
+from .graphics import Graphics, open_graphics
+from .instance import Instance
+from .layer import NEAR_M
+from .tracking import HeadTracker
+
+if TYPE_CHECKING:
+    from ...loop import Refresh
+
+WHO = "the OpenXR runtime"
+LOST = "tracking lost"
+TITLE_NS = 250_000_000
+
+
+class OpenXrDisplay:
+    """display.Display for the headset of the active OpenXR runtime.
+
+    Times are CLOCK_MONOTONIC's, which outlives the runtime's service; the runtime's own instants are converted. With an X display it has
+    a window of its own that mirrors the left eye, else none; HMDWARP_OPENXR_GRAPHICS=egl or glx in the environment insists on the one
+    or the other.
+    Errors: MachineError that says which of loader, runtime, service, headset or extension is missing.
+    """
+
+    name = "openxr"
+    headset = None  # the runtime knows its lens, and corrects it
+    distorts = WHO
+
+    def __init__(self, options: DisplayOptions) -> None:
+        self._options, self._calls = options, Calls(options.watching)
+        self.eyes, self.source = RuntimeEyes(), HeadTracker()
+        self._graphics: Graphics | None = None
+        self._presenter: Presenter | None = None
+        self._connection: Connection | None = None
+        self._titled_ns = 0
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
+        self.gpu = self._graphics.gpu
+
+    def _open(self) -> None:
+        """Everything, or all but the graphics where they are there already."""
+        self._connection = made = connect(self._calls, self._drawn_with, self.source)
+        self.about = {**made.instance.about, "graphics": self._graphics.name, "space": made.spaces.name}
+        self.size = self._options.size or made.recommended
+        self.takes_depth = WHO if made.has_depth and self._options.depth_layer else ""
+        self._calls.stage = "running"
+        made.settle(self._calls, self.eyes)
+        made.make_pictures(self._calls, self._graphics, self.size, bool(self.takes_depth))
+        self._period_ns = made.frames.state.predicted_display_period
+        self.rate_hz = 1e9 / self._period_ns
+        self._last_shown_ns = 0
+
+    def _drawn_with(self, instance: Instance) -> Graphics:
+        if self._graphics is None:
+            self._graphics = open_graphics(instance)
+            self._presenter = Presenter(self._graphics.gpu)
+        return self._graphics
+
+    def now_ns(self) -> int:
+        """As Display.now_ns."""
+        return time.monotonic_ns()
+
+    def wait(self) -> Tick | None:
+        """As Display.wait; None while the runtime does not want frames, after 10 ms."""
+        made, state = self._connection, self._connection.frames.state
+        if self._graphics.mirror is not None:
+            self._graphics.mirror.poll()
+        made.session.poll()
+        if not made.session.running:
+            self._last_shown_ns = 0
+            time.sleep(IDLE_S)
+            return None
+        made.frames.begin()
+        self.source.offset_ns = made.instance.offset_ns()
+        self.eyes.locate(self._calls, made.session.handle, made.spaces.head, state.predicted_display_time)
+        shown_ns = state.predicted_display_time - self.source.offset_ns
+        self._period_ns = state.predicted_display_period or self._period_ns
+        missed = self._missed(shown_ns)
+        return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
+
+    def _missed(self, shown_ns: int) -> int:
+        last, self._last_shown_ns = self._last_shown_ns, shown_ns
+        return max(0, round((shown_ns - last) / self._period_ns) - 1) if last else 0
+
+    def show(self, refresh: Refresh | None, label: str = "") -> int:
+        """As Display.show: returns when xrEndFrame has come back."""
+        made = self._connection
+        if made.frames.state.should_render and (refresh is not None or label):
+            self._draw(refresh, label)
+            made.frames.end(made.projection.struct)
+        else:
+            made.frames.end()
+        submitted_ns = time.monotonic_ns()
+        if self._graphics.mirror is not None and refresh is not None:
+            self._graphics.mirror.show(self._presenter, refresh.eyes[0].panel)
+        return submitted_ns
+
+    def _draw(self, refresh: Refresh | None, label: str) -> None:
+        made, notice = self._connection, self._presenter.notice(label)
+        for eye, view in enumerate(self._views(refresh)):
+            result = refresh.eyes[eye] if refresh is not None else None
+            colour = made.colours[eye]
+            into = colour.acquire()
+            # A float format holds linear light, which the switch leaves alone.
+            self._presenter.show(
+                result.panel if result else None, into, (0, 0, *colour.size), hardware_srgb=True, notice=notice, eye=view
+            )
+            colour.release()
+            has_depth = bool(made.depths) and result is not None and result.inverse_depth is not None
+            if has_depth:
+                self._presenter.depth(result.inverse_depth, made.depths[eye].acquire(), NEAR_M)
+                made.depths[eye].release()
+            made.projection.fill(eye, view, has_depth)
+
+    def _views(self, refresh: Refresh | None) -> Sequence[View]:
+        """Those the pictures were made for; for a black picture, those of this refresh."""
+        if refresh is not None:
+            return [one.shown for one in refresh.given]
+        return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
+
+    def look(self, view: str) -> None:
+        """A headset has but one view."""
+
+    def commands(self) -> Sequence[Command]:
+        """The window's keys; without a window there is nobody to ask."""
+        return self._graphics.mirror.commands() if self._graphics.mirror is not None else ()
+
+    def tell(self, status: object) -> None:
+        """In the window's title, four times a second."""
+        now_ns = time.monotonic_ns()
+        if self._graphics.mirror is not None and now_ns - self._titled_ns >= TITLE_NS:
+            self._titled_ns = now_ns
+            self._graphics.mirror.title(status.title())
+
+    def reopen(self) -> bool:
+        """As Display.reopen: everything of the old session is let go of first."""
+        self._disconnect()
+        try:
+            self._open()
+        except MachineError:
+            self._disconnect()
+            return False
+        return True
+
+    def _disconnect(self) -> None:
+        made, self._connection = self._connection, None
+        if made is not None:
+            made.close()
+
+    def close(self) -> None:
+        """As Display.close."""
+        self._disconnect()
+        graphics, self._graphics = self._graphics, None
+        if graphics is not None:
+            if self._presenter is not None:
+                self._presenter.close()
+            graphics.close()

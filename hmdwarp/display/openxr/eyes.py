@@ -1,0 +1,65 @@
+"""Where the eyes sit in the head and what each sees, as the runtime has it at this moment."""
+
+from __future__ import annotations
+
+import ctypes
+
+import xr
+
+from ...errors import InputError
+from ...geometry import Fov, Pose, View
+from .calls import Calls
+
+_ORIENTATION = xr.ViewStateFlags.ORIENTATION_VALID_BIT.value
+COUNT = 2
+
+
+class RuntimeEyes:
+    """geometry.Eyes that follow the runtime: whoever turns the wheel for the distance of the eyes gets other views at the next refresh."""
+
+    def __init__(self) -> None:
+        self._state = xr.ViewState()
+        self._views = (xr.View * COUNT)(xr.View(), xr.View())
+        self._count = ctypes.c_uint32()
+        self._known: tuple[tuple[Pose, Fov], ...] = ()
+        self._bytes = b""
+
+    @property
+    def known(self) -> bool:
+        """Whether the runtime has said it yet."""
+        return bool(self._known)
+
+    def locate(self, calls: Calls, session: xr.Session, head: xr.Space, time: int) -> None:
+        """Ask for them in the head's own space, for an instant of the runtime's clock. What is not valid leaves them as they were.
+
+        Errors: Lost.
+        """
+        info = xr.ViewLocateInfo(xr.ViewConfigurationType.PRIMARY_STEREO, time, head)
+        arguments = (ctypes.byref(info), ctypes.byref(self._state), COUNT, ctypes.byref(self._count), self._views)
+        calls("xrLocateViews", session, *arguments)
+        if not self._state._view_state_flags & _ORIENTATION:
+            return
+        said = bytes(self._views)
+        if said != self._bytes:
+            self._take(said)
+
+    def _take(self, said: bytes) -> None:
+        try:
+            self._known = tuple((pose_of(view.pose), _fov_of(view.fov)) for view in self._views)
+        except InputError:  # no field of view yet, or a lost service's zeros
+            return
+        self._bytes = said
+
+    def views(self, world_from_head: Pose) -> tuple[View, ...]:
+        """As geometry.Eyes."""
+        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._known)
+
+
+def pose_of(pose: xr.Posef) -> Pose:
+    """Ours, of the runtime's. Errors: InputError for numbers that are no pose."""
+    at, turned = pose.position, pose.orientation
+    return Pose((at.x, at.y, at.z), (turned.x, turned.y, turned.z, turned.w))
+
+
+def _fov_of(fov: xr.Fovf) -> Fov:
+    return Fov(left=fov.angle_left, right=fov.angle_right, down=fov.angle_down, up=fov.angle_up)

@@ -1,0 +1,165 @@
+"""The OpenGL context whose pictures the runtime takes, and how it is told about it."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import attrs
+import xr
+
+from ...errors import InputError, MachineError
+from ...gpu.context import WANTED, Gpu
+from .calls import Calls
+from .instance import Instance
+from .trouble import EGL_EXTENSION, GLX_EXTENSION
+
+if TYPE_CHECKING:
+    from .mirror import Mirror
+
+VARIABLE = "HMDWARP_OPENXR_GRAPHICS"
+GLX, EGL = "glx", "egl"
+_CONFIG_ID, _FBCONFIG_ID, _VISUAL_ID, _NONE = 0x3028, 0x8013, 0x800B, 0
+
+
+@attrs.define(eq=False)
+class Graphics:
+    """gpu: with its context current. name: "GLX" or "EGL". binding: that context, as the runtime wants it. mirror: the window, if any."""
+
+    gpu: Gpu
+    name: str
+    binding: ctypes.Structure
+    mirror: Mirror | None = None
+
+    def close(self) -> None:
+        """The window goes after the context in it."""
+        self.gpu.close()
+        if self.mirror is not None:
+            self.mirror.close()
+
+
+def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
+    """Ways to draw for that runtime here, the best first: a window's context (GLX), which shows on the desktop what the left eye sees, or
+    one without a window (EGL). The environment's HMDWARP_OPENXR_GRAPHICS, egl or glx, allows only that one.
+
+    Errors: InputError for another word there; MachineError if nothing is left.
+    """
+    asked = environ.get(VARIABLE, "").lower()
+    if asked not in ("", EGL, GLX):
+        raise InputError(f"{VARIABLE} is '{asked}': wanted {EGL} or {GLX}")
+    able = []
+    if GLX_EXTENSION in extensions and environ.get("DISPLAY"):
+        able.append(GLX)
+    if EGL_EXTENSION in extensions:
+        able.append(EGL)
+    left = [kind for kind in able if asked in ("", kind)]
+    if left:
+        return left
+    if asked:
+        raise MachineError(f"{VARIABLE} is '{asked}', and this runtime can be drawn for by {' or '.join(able) or 'neither'} here")
+    raise MachineError(f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X server")
+
+
+def open_graphics(instance: Instance) -> Graphics:
+    """The first of `kinds` that works. Errors: MachineError that says why none does."""
+    said = []
+    for kind in kinds(instance.extensions, os.environ):
+        try:
+            return _windowed() if kind == GLX else _windowless()
+        except MachineError as error:
+            said.append(str(error))
+    raise MachineError("; ".join(said))
+
+
+def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
+    """The runtime wants to be asked which OpenGL it needs, before every session. Errors: MachineError if it needs a newer one."""
+    if GLX_EXTENSION not in instance.extensions:
+        return
+    needs = calls.ask(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
+    least = xr.Version(needs.min_api_version_supported)
+    found = gpu.gl.version_code
+    if least.major * 100 + least.minor * 10 > max(found, WANTED):
+        raise MachineError(f"{calls.name} wants OpenGL {least.major}.{least.minor}, found {found / 100:.1f}: update the GPU's driver")
+
+
+def _windowed() -> Graphics:
+    from .mirror import Mirror
+
+    mirror = Mirror()
+    try:
+        gpu = Gpu(mirror.gl)
+        return Graphics(gpu, "GLX", _glx_binding(), mirror)
+    except BaseException:
+        mirror.close()
+        raise
+
+
+def _windowless() -> Graphics:
+    gpu = Gpu()
+    try:
+        return Graphics(gpu, "EGL", _egl_binding())
+    except BaseException:
+        gpu.close()
+        raise
+
+
+def _library(name: str, *functions: str) -> ctypes.CDLL:
+    """Those functions of it answer with pointers."""
+    try:
+        library = ctypes.CDLL(name)
+    except OSError as error:
+        raise MachineError(f"{name} cannot be loaded ({error})") from error
+    for function in functions:
+        getattr(library, function).restype = ctypes.c_void_p
+    return library
+
+
+def _glx_binding() -> ctypes.Structure:
+    """Of the current context. Errors: MachineError if it is none of GLX (a window under Wayland)."""
+    glx = _library("libGL.so.1", "glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable", "glXChooseFBConfig")
+    display, context = glx.glXGetCurrentDisplay(), glx.glXGetCurrentContext()
+    if not (display and context):
+        raise MachineError("the window's context is not GLX's")
+    number, count = ctypes.c_int(), ctypes.c_int()
+    shown, drawn = ctypes.c_void_p(display), ctypes.c_void_p(context)
+    glx.glXQueryContext(shown, drawn, _FBCONFIG_ID, ctypes.byref(number))
+    wanted = (ctypes.c_int * 3)(_FBCONFIG_ID, number.value, _NONE)
+    screen = ctypes.CDLL("libX11.so.6").XDefaultScreen(shown)
+    chosen = ctypes.cast(glx.glXChooseFBConfig(shown, screen, wanted, ctypes.byref(count)), ctypes.POINTER(ctypes.c_void_p))
+    config, visual = chosen[0] if count.value else None, ctypes.c_int()
+    if config:
+        glx.glXGetFBConfigAttrib(shown, ctypes.c_void_p(config), _VISUAL_ID, ctypes.byref(visual))
+    binding = xr.GraphicsBindingOpenGLXlibKHR()
+    _put(binding, x_display=display, visualid=visual.value, glx_fbconfig=config, glx_context=context)
+    binding.glx_drawable = glx.glXGetCurrentDrawable()
+    return binding
+
+
+def _egl_binding() -> ctypes.Structure:
+    """Of the current context. Errors: MachineError if it is none of EGL."""
+    egl = _library("libEGL.so.1", "eglGetCurrentDisplay", "eglGetCurrentContext", "eglGetProcAddress")
+    display, context = egl.eglGetCurrentDisplay(), egl.eglGetCurrentContext()
+    if not (display and context):
+        raise MachineError("the context is not EGL's")
+    number, config, count = ctypes.c_int(), ctypes.c_void_p(), ctypes.c_int()
+    shown = ctypes.c_void_p(display)
+    egl.eglQueryContext(shown, ctypes.c_void_p(context), _CONFIG_ID, ctypes.byref(number))
+    wanted = (ctypes.c_int * 3)(_CONFIG_ID, number.value, _NONE_EGL)
+    egl.eglChooseConfig(shown, wanted, ctypes.byref(config), 1, ctypes.byref(count))
+    binding = xr.GraphicsBindingEGLMNDX()
+    _put(binding, get_proc_address=ctypes.cast(egl.eglGetProcAddress, ctypes.c_void_p).value)
+    _put(binding, display=display, config=config.value, context=context)
+    return binding
+
+
+_NONE_EGL = 0x3038
+
+
+def _put(binding: ctypes.Structure, **pointers: int | None) -> None:
+    """Write addresses into fields, whose types are pyopenxr's, PyOpenGL's or plain, as the machine has it."""
+    for name, value in pointers.items():
+        field = getattr(type(binding), name)
+        size = ctypes.sizeof(ctypes.c_uint32) if name == "visualid" else ctypes.sizeof(ctypes.c_void_p)
+        ctypes.memmove(ctypes.addressof(binding) + field.offset, (value or 0).to_bytes(size, "little"), size)

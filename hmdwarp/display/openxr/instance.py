@@ -1,0 +1,95 @@
+"""The runtime and its headset, before anything is drawn."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+
+import attrs
+import xr
+
+from ...errors import MachineError
+from ...version import __version__
+from .calls import Calls
+from .trouble import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, lacks
+
+DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
+FLOOR_EXTENSION = "XR_EXT_local_floor"
+HEADLESS_EXTENSION = "XR_MND_headless"
+WITH_PICTURES = (GLX_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION)
+WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION)
+NS = 1_000_000_000
+
+
+def offered_extensions(calls: Calls) -> list[str]:
+    """What the runtime has. Errors: MachineError where there is no runtime."""
+    calls.begin()
+    return sorted(_text(entry.extension_name) for entry in calls.ask(xr.enumerate_instance_extension_properties))
+
+
+@attrs.define(eq=False)
+class Instance:
+    """handle, system: OpenXR's. extensions: those that are on. about: runtime, runtime_version, headset."""
+
+    handle: xr.Instance
+    system: int
+    extensions: frozenset[str]
+    about: dict[str, str]
+    _convert: object
+    _timespec: xr.timespec
+    _time: ctypes.c_int64
+
+    def offset_ns(self) -> int:
+        """What to add to an instant of CLOCK_MONOTONIC to have it on the runtime's clock.
+
+        Measured anew at every refresh: a runtime may have a clock that drifts, and after it was restarted it may have another.
+        """
+        now_ns = time.monotonic_ns()
+        self._timespec.tv_sec, self._timespec.tv_nsec = divmod(now_ns, NS)
+        if self._convert(self.handle, ctypes.byref(self._timespec), ctypes.byref(self._time)) < 0:
+            return 0
+        return self._time.value - now_ns
+
+    def destroy(self) -> None:
+        """Whatever has become of it."""
+        with suppress(Exception):
+            xr.destroy_instance(self.handle)
+
+
+def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
+    """Connect to the runtime's service and find the headset. wanted: extensions, those of them that are offered are switched on.
+
+    Errors: MachineError that says what is missing.
+    """
+    offered = offered_extensions(calls)
+    words, remedy = lacks(calls.name, offered)
+    if words:
+        raise MachineError(f"{words}: {remedy}")
+    on = [name for name in wanted if name in offered]
+    calls.stage = "instance"
+    application = xr.ApplicationInfo(application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0))
+    handle = calls.ask(xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on))
+    try:
+        return _described(calls, handle, frozenset(on))
+    except BaseException:
+        xr.destroy_instance(handle)
+        raise
+
+
+def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
+    properties = calls.ask(xr.get_instance_properties, handle)
+    runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
+    calls.stage, calls.name = "headset", f"{runtime} {version}"
+    system = calls.ask(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+    headset = _text(calls.ask(xr.get_system_properties, handle, system).system_name)
+    pointer = calls.ask(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
+    convert = ctypes.cast(pointer, xr.PFN_xrConvertTimespecTimeToTimeKHR)
+    calls.stage = "session"
+    about = {"runtime": runtime, "runtime_version": version, "headset": headset}
+    return Instance(handle, system, on, about, convert, xr.timespec(), ctypes.c_int64())
+
+
+def _text(value: bytes | str) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)

@@ -1,0 +1,90 @@
+"""The runtime's pictures, as framebuffers to draw into."""
+
+from __future__ import annotations
+
+import ctypes
+from contextlib import suppress
+
+import moderngl
+import xr
+
+from ...errors import MachineError
+from ...gpu.context import Gpu
+from ...gpu.raw_gl import depth_framebuffer
+from .calls import Calls
+
+SRGB8_A8, RGBA16F, RGBA8 = 0x8C43, 0x881A, 0x8058
+# The best first. All of them are taken as linear light by the runtime once they are read: only the first stores it encoded.
+COLOURS = {SRGB8_A8: "f1", RGBA16F: "f2", RGBA8: "f1"}
+DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16 = 0x8CAC, 0x8CAD, 0x81A6, 0x88F0, 0x81A5
+DEPTHS = (DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16)
+
+_DRAWN = xr.SwapchainUsageFlags.COLOR_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT
+_DEPTH = xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT
+
+
+def colour_format(offered: list[int]) -> int:
+    """The best format for the picture. Errors: MachineError if the runtime has none that we can draw into."""
+    for one in COLOURS:
+        if one in offered:
+            return one
+    found = ", ".join(f"{one:#x}" for one in offered) or "none"
+    raise MachineError(f"the runtime's pictures have formats {found}: wanted one of {', '.join(f'{one:#x}' for one in COLOURS)}; update it")
+
+
+def depth_format(offered: list[int]) -> int | None:
+    """The best format for depth, None if the runtime has none."""
+    return next((one for one in DEPTHS if one in offered), None)
+
+
+class Swapchain:
+    """Pictures of one eye, (w, h) each, that the runtime and we hand to each other. is_depth: whether they hold depth."""
+
+    def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, size: tuple[int, int], kind: int) -> None:
+        self._calls, self.size, self.is_depth = calls, size, kind not in COLOURS
+        wanted = xr.SwapchainCreateInfo(
+            usage_flags=_DEPTH if self.is_depth else _DRAWN, format=kind, sample_count=1,
+            width=size[0], height=size[1], face_count=1, array_size=1, mip_count=1,
+        )  # fmt: skip
+        self.handle = calls.ask(xr.create_swapchain, session, wanted)
+        self._textures: list[moderngl.Texture] = []
+        self._framebuffers: list[moderngl.Framebuffer] = []
+        try:
+            for image in calls.ask(xr.enumerate_swapchain_images, self.handle, xr.SwapchainImageOpenGLKHR):
+                self._framebuffers.append(self._framebuffer(gpu, image.image, kind))
+        except BaseException:
+            self.destroy()
+            raise
+        self._index = ctypes.c_uint32()
+        self._index_pointer = ctypes.byref(self._index)
+        self._wait = ctypes.byref(xr.SwapchainImageWaitInfo(timeout=xr.INFINITE_DURATION))
+
+    def _framebuffer(self, gpu: Gpu, image: int, kind: int) -> moderngl.Framebuffer:
+        if self.is_depth:
+            return depth_framebuffer(gpu.gl, image, self.size)
+        self._textures.append(gpu.gl.external_texture(image, self.size, 4, 0, COLOURS[kind]))
+        return gpu.gl.framebuffer([self._textures[-1]])
+
+    def whole(self) -> xr.SwapchainSubImage:
+        """All of a picture, for a layer."""
+        rectangle = xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*self.size))
+        return xr.SwapchainSubImage(self.handle, rectangle, 0)
+
+    def acquire(self) -> moderngl.Framebuffer:
+        """The next picture to draw into, once the runtime has done with it. Errors: Lost."""
+        self._calls("xrAcquireSwapchainImage", self.handle, None, self._index_pointer)
+        self._calls("xrWaitSwapchainImage", self.handle, self._wait)
+        return self._framebuffers[self._index.value]
+
+    def release(self) -> None:
+        """It is drawn. Errors: Lost."""
+        self._calls("xrReleaseSwapchainImage", self.handle, None)
+
+    def destroy(self) -> None:
+        """Our names for the pictures first, then the pictures, which are the runtime's."""
+        for thing in (*self._framebuffers, *self._textures):
+            thing.release()
+        self._framebuffers.clear()
+        self._textures.clear()
+        with suppress(Exception):  # of a session that is lost
+            xr.destroy_swapchain(self.handle)

@@ -1,0 +1,92 @@
+"""The head, as the runtime tracks it."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+
+import xr
+
+from ...errors import InputError
+from ...geometry import Pose
+from ...poses import Origin, PoseSample
+from .calls import Calls
+from .eyes import pose_of
+from .instance import FLOOR_EXTENSION, Instance
+
+_Flags = xr.SpaceLocationFlags
+_TURN_VALID, _TURN_TRACKED = _Flags.ORIENTATION_VALID_BIT.value, _Flags.ORIENTATION_TRACKED_BIT.value
+_PLACE_VALID = _Flags.POSITION_VALID_BIT.value
+_Space = xr.ReferenceSpaceType
+EYE_HEIGHT_M = 1.6  # of someone standing, where the runtime does not know the floor
+STANDING = Pose((0.0, EYE_HEIGHT_M, 0.0))
+
+
+class Spaces:
+    """world: the room, with its floor at y = 0 as far as the runtime knows. head. name: which one the world is."""
+
+    def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
+        offered = {int(one) for one in calls.ask(xr.enumerate_reference_spaces, session)}
+        self.name, kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
+        self.world = self._made(calls, session, kind, -height)
+        self.head = self._made(calls, session, _Space.VIEW, 0.0)
+
+    def _made(self, calls: Calls, session: xr.Session, kind: xr.ReferenceSpaceType, y: float) -> xr.Space:
+        origin = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, y, 0))
+        return calls.ask(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, origin))
+
+
+def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, float]:
+    """Its name, its kind, and how far its origin is above the floor, in metres."""
+    if _Space.STAGE.value in offered:
+        return "stage", _Space.STAGE, 0.0
+    if floor and _Space.LOCAL_FLOOR.value in offered:
+        return "local floor", _Space.LOCAL_FLOOR, 0.0
+    return f"local, taken to be {EYE_HEIGHT_M:g} m above the floor", _Space.LOCAL, EYE_HEIGHT_M
+
+
+class HeadTracker:
+    """A PoseSource on CLOCK_MONOTONIC. lost: whether at the last asking the runtime did not know how the head is turned.
+
+    A head that is lost is HELD where it was last. One that the runtime guesses (valid, not tracked) is PREDICTED, and so is any for an
+    instant to come; MEASURED is what is tracked and is over. A place that is not valid, as of headsets that know only turns, is held
+    while the turn goes on.
+    """
+
+    def __init__(self) -> None:
+        self._location = xr.SpaceLocation()
+        self._pointer = ctypes.byref(self._location)
+        self._time = ctypes.c_int64()
+        self._last = STANDING
+        self.lost = False
+
+    def attach(self, calls: Calls, instance: Instance, spaces: Spaces) -> None:
+        """From now on ask there."""
+        self._calls, self._spaces = calls, spaces
+        self.offset_ns = instance.offset_ns()
+
+    def start(self) -> None:
+        """It runs already."""
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        """As PoseSource.head_at. Errors: Lost."""
+        read_ns = time.monotonic_ns()
+        self._calls("xrLocateSpace", self._spaces.head, self._spaces.world, time_ns + self.offset_ns, self._pointer)
+        flags = self._location._location_flags
+        pose = self._told(flags) if flags & _TURN_VALID else None
+        self.lost = pose is None
+        if pose is None:
+            return PoseSample(time_ns, self._last, Origin.HELD, read_ns)
+        self._last = pose
+        tracked = time_ns <= read_ns and flags & _TURN_TRACKED
+        return PoseSample(time_ns, pose, Origin.MEASURED if tracked else Origin.PREDICTED, read_ns)
+
+    def _told(self, flags: int) -> Pose | None:
+        try:
+            pose = pose_of(self._location.pose)
+        except InputError:  # not a number, or no turn at all: some runtimes call even that valid
+            return None
+        return pose if flags & _PLACE_VALID else Pose(self._last.position_m, pose.orientation_xyzw)
+
+    def close(self) -> None:
+        """Nothing of its own."""

@@ -1,0 +1,69 @@
+"""The few GL calls that moderngl has no words for."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from collections.abc import Callable
+
+import moderngl
+
+from ..errors import MachineError
+
+_FRAMEBUFFER, _DRAW_BINDING, _READ_BINDING = 0x8D40, 0x8CA6, 0x8CAA
+_DRAW_FRAMEBUFFER, _READ_FRAMEBUFFER = 0x8CA9, 0x8CA8
+_DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D00, 0x0DE1, 0x8CD5
+_LOADERS = (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress"))
+
+
+@functools.cache
+def _address_of() -> Callable[[bytes], int | None]:
+    """Where the driver has its functions; either library knows those of the current context, however that was made."""
+    for library, name in _LOADERS:
+        try:
+            find = getattr(ctypes.CDLL(library), name)
+        except (OSError, AttributeError):
+            continue
+        find.restype, find.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
+        return find
+    raise MachineError(f"neither {' nor '.join(library for library, _ in _LOADERS)} is here: install libegl1 or libgl1")
+
+
+@functools.cache
+def gl_function(name: str, result: type | None, *arguments: type) -> Callable[..., int]:
+    """A function of the current context. Errors: MachineError if the driver has none of that name."""
+    address = _address_of()(name.encode())
+    if not address:
+        raise MachineError(f"this OpenGL driver has no {name}: update it")
+    return ctypes.CFUNCTYPE(result, *arguments)(address)
+
+
+def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int]) -> moderngl.Framebuffer:
+    """A framebuffer of somebody else's depth texture, by its GL name; that stays theirs.
+
+    moderngl takes no foreign texture for depth: it gets one of its own, which is then exchanged.
+    Errors: MachineError if the driver cannot draw into it.
+    """
+    place_holder = gl.depth_texture(size)
+    made = gl.framebuffer(depth_attachment=place_holder)
+    uint = ctypes.c_uint32
+    bind = gl_function("glBindFramebuffer", None, uint, uint)
+    attach = gl_function("glFramebufferTexture2D", None, uint, uint, uint, uint, ctypes.c_int32)
+    check = gl_function("glCheckFramebufferStatus", uint, uint)
+    drawn, read = _bound(_DRAW_BINDING), _bound(_READ_BINDING)
+    bind(_FRAMEBUFFER, made.glo)
+    attach(_FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, texture, 0)
+    status = check(_FRAMEBUFFER)
+    bind(_DRAW_FRAMEBUFFER, drawn)
+    bind(_READ_FRAMEBUFFER, read)
+    place_holder.release()
+    if status != _COMPLETE:
+        made.release()
+        raise MachineError(f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): use --no-depth-layer")
+    return made
+
+
+def _bound(which: int) -> int:
+    value = ctypes.c_int32()
+    gl_function("glGetIntegerv", None, ctypes.c_uint32, ctypes.POINTER(ctypes.c_int32))(which, ctypes.byref(value))
+    return value.value
