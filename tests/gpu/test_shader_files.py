@@ -16,6 +16,7 @@ from hmdwarp.client.choices import every_fill, parse_fills, parse_warp
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.warps import Output, warps
+from hmdwarp.display.present import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
@@ -24,6 +25,7 @@ from hmdwarp.gpu.context import Gpu
 from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
+from hmdwarp.live.holes import HoleCounter
 from hmdwarp.resources import folder
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
@@ -78,6 +80,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _draw_every_content(gpu)
         with Copier(gpu, 16):
             pass
+        HoleCounter(gpu).close()
+        Presenter(gpu).close()
         return gpu.shaders.used
     finally:
         gpu.shaders = before

@@ -1,0 +1,131 @@
+"""Text over the picture: drawn once into a texture, laid by the presenter where the eye finds it."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections import OrderedDict
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import View
+from ..gpu.textures import allocate, upload
+
+if TYPE_CHECKING:
+    from PIL.ImageFont import FreeTypeFont
+
+FONT_PX, LINE_PX, PAD_PX, COLUMN_PX = 28, 38, 18, 28
+LETTERS_A_LINE = 44
+KEPT = 16  # textures; notices are few, and a help text is the same each time
+
+# Head-locked, at 1 m: so large that 300 pixels a metre (640x800 an eye, 100 degrees) still show 13-pixel letters, and so small and
+# so near to the middle that both eyes of every headset here see all of it.
+AT_M = 1.0
+LINE_M = 0.056
+MOST_WIDE_M, MOST_HIGH_M = 1.1, 1.2
+MIDDLE_M, LOWEST_M = -0.35, -0.62
+
+# In a window without an eye to see it by: as many pixels as it has, but no more than this share of the place, above this margin.
+MOST_OF_PLACE, MARGIN = 0.94, 0.03
+
+
+@attrs.frozen(eq=False)
+class Notice:
+    """ink: r8 with mipmaps, 1 where a letter is; it belongs to the Notices that made it."""
+
+    text: str
+    ink: moderngl.Texture
+
+    def plate_from_place(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
+        """3x3: (x, y, 1), in pixels of a (w, h) place whose origin is bottom left, to the plate's uv; its third row is positive before
+        the eye. eye: by whose eye it is seen, 1 m before the head and a little below the middle; None for the bottom of the place."""
+        return np.linalg.inv(self._in_place(size) if eye is None else _seen(self._in_head(), eye, size))
+
+    def _in_place(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        """Pixels of the place from the plate's uv."""
+        w, h = self.ink.size
+        scale = min(1.0, MOST_OF_PLACE * size[0] / w, MOST_OF_PLACE * size[1] / h)
+        # At whole pixels letters of full size keep their edges.
+        left, bottom = round((size[0] - scale * w) / 2), round(min(MARGIN * size[1], (size[1] - scale * h) / 2))
+        return np.array([[scale * w, 0, left], [0, scale * h, bottom], [0, 0, 1.0]])
+
+    def _in_head(self) -> NDArray[np.float64]:
+        """Metres in the head's axes from the plate's uv: its point is this times (u, v, 1)."""
+        w, h = (pixels * LINE_M / LINE_PX for pixels in self.ink.size)
+        scale = min(1.0, MOST_WIDE_M / w, MOST_HIGH_M / h)
+        w, h = scale * w, scale * h
+        bottom = max(MIDDLE_M - h / 2, LOWEST_M)
+        return np.array([[w, 0, -w / 2], [0, h, bottom], [0, 0, -AT_M]])
+
+
+def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDArray[np.float64]:
+    """Pixels of the eye's picture, homogeneous, from the plate's uv."""
+    head_from_eye = eye.head_from_eye
+    from_eye = in_head - np.outer(head_from_eye.position_m, (0, 0, 1))
+    in_eye = head_from_eye.rotation.as_matrix().T @ from_eye
+    return eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
+
+
+class Notices:
+    """Textures of texts, each drawn once; the one that was not wanted for longest goes when there are too many."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self._kept: OrderedDict[str, Notice] = OrderedDict()
+
+    def of(self, text: str) -> Notice | None:
+        """The notice of that text, None of an empty one. Lines are wrapped; a tab in them makes two columns."""
+        if not text:
+            return None
+        if text not in self._kept:
+            if len(self._kept) == KEPT:
+                self._kept.popitem(last=False)[1].ink.release()
+            self._kept[text] = self._drawn(text)
+        self._kept.move_to_end(text)
+        return self._kept[text]
+
+    def _drawn(self, text: str) -> Notice:
+        ink = drawn(text)
+        texture = allocate(self._gl, ink.shape[::-1], (1, "f1"), linear=True)
+        upload(texture, ink)
+        texture.build_mipmaps()  # a head-locked plate shows letters at half their size
+        return Notice(text, texture)
+
+    def close(self) -> None:
+        """Free the textures."""
+        for notice in self._kept.values():
+            notice.ink.release()
+        self._kept.clear()
+
+
+def drawn(text: str) -> NDArray[np.uint8]:
+    """(h, w), top row first: 255 where a letter of the text is, with room around it."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    font = ImageFont.load_default(FONT_PX)
+    rows = [row for line in text.splitlines() for row in _wrapped(line)]
+    second_px = _widest(font, [row[0] for row in rows if len(row) == 2]) + COLUMN_PX
+    wide = max(_widest(font, [row[0] for row in rows]), _widest(font, [row[1] for row in rows if len(row) == 2], second_px))
+    size = (wide + 2 * PAD_PX, LINE_PX * len(rows) + PAD_PX)
+    image = Image.new("L", size)
+    draw = ImageDraw.Draw(image)
+    for number, row in enumerate(rows):
+        for column, part in enumerate(row):
+            draw.text((PAD_PX + column * second_px, PAD_PX / 2 + number * LINE_PX), part, 255, font)
+    return np.asarray(image)
+
+
+def _widest(font: FreeTypeFont, parts: list[str], from_px: int = 0) -> int:
+    return max((from_px + math.ceil(font.getlength(part)) for part in parts), default=0)
+
+
+def _wrapped(line: str) -> list[tuple[str, ...]]:
+    """Rows of one part, or of two columns."""
+    if "\t" in line:
+        before, _, after = line.partition("\t")
+        return [(before, after)]
+    return [(part,) for part in textwrap.wrap(line, LETTERS_A_LINE) or [""]]

@@ -1,0 +1,107 @@
+"""From linear light inside to the colours of a window or a runtime's picture, and from inverse depth to the depth it takes."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ..geometry import View
+from ..gpu.context import Gpu
+from ..gpu.textures import Canvas
+from .notice import Notice, Notices
+
+FRAMEBUFFER_SRGB = 0x8DB9
+Viewport = tuple[int, int, int, int]  # x, y, width, height in pixels, origin bottom left
+
+
+class Presenter:
+    """Draws finished pictures into framebuffers. One for each Gpu. All of GL's flags are off afterwards, as every pass expects them."""
+
+    def __init__(self, gpu: Gpu) -> None:
+        gl = self._gl = gpu.gl
+        self._notices = Notices(gl)
+        self._picture = gpu.shaders.draw("display/whole.vert", "display/picture.frag")
+        self._depth = gpu.shaders.draw("display/whole.vert", "display/depth.frag")
+        self._pictured = gl.vertex_array(self._picture.program, [])
+        self._deep = gl.vertex_array(self._depth.program, [])
+
+    def notice(self, text: str) -> Notice | None:
+        """What show() lays over the picture; None for "". Drawn at its first use, kept for the next ones."""
+        return self._notices.of(text)
+
+    def show(
+        self,
+        panel: Canvas | None,
+        into: moderngl.Framebuffer,
+        viewport: Viewport,
+        *,
+        hardware_srgb: bool,
+        notice: Notice | None = None,
+        eye: View | None = None,
+    ) -> None:
+        """The picture, black for None, scaled bilinearly into the viewport of `into`; alpha is 1 there, the rest stays.
+
+        hardware_srgb: whether `into` is sRGB and encodes by itself; else it gets the bytes of a window. Holes are black, light beyond
+        0..1 is clipped, NaN is black. notice: over it, as `eye` sees what is fixed to the head; eye None: at the bottom of the viewport.
+        """
+        size = viewport[2:]
+        named: dict[str, object] = {
+            "picture": 0,
+            "ink": 1,
+            "picture_size": panel.size if panel is not None else (0, 0),
+            "place": viewport,
+            "encodes": not hardware_srgb,
+            "noticed": notice is not None,
+        }
+        if panel is not None:
+            panel.texture.use(0)
+        if notice is not None:
+            notice.ink.use(1)
+            named["plate_from_place"] = notice.plate_from_place(size, eye)
+        self._picture.uniforms.set(**named)
+        # Off for a window too: one may be sRGB without having been asked to be.
+        (self._gl.enable_direct if hardware_srgb else self._gl.disable_direct)(FRAMEBUFFER_SRGB)
+        self._draw(self._pictured, into, viewport, moderngl.NOTHING)
+        self._gl.disable_direct(FRAMEBUFFER_SRGB)
+
+    def depth(self, inverse_depth: moderngl.Texture, into: moderngl.Framebuffer, near_m: float) -> None:
+        """Into the depth of `into`, all of it: near_m * inverse_depth, clipped to 0..1. inverse_depth: r32f, 1/m, -1 (not known) is 0.
+
+        near_m: where depth is 1; 0 is infinitely far. A picture of another size is taken pixel by pixel: depths must not be mixed.
+        Colours stay as they are.
+        """
+        w, h = into.size
+        inverse_depth.use(0)
+        ratio = (inverse_depth.width / w, inverse_depth.height / h)
+        self._depth.uniforms.set(inverse_depth=0, texel_from_pixel=ratio, near_m=near_m)
+        colours, self._gl.depth_func = into.color_mask, "1"
+        into.color_mask = _nothing_like(colours)
+        self._draw(self._deep, into, (0, 0, w, h), moderngl.DEPTH_TEST)
+        into.color_mask, self._gl.depth_func = colours, "<"
+
+    def _draw(self, array: moderngl.VertexArray, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
+        """No moderngl.Scope: it keeps its framebuffer until the context goes, and a runtime's framebuffers come and go."""
+        before, into.viewport = into.viewport, viewport
+        into.use()
+        self._gl.enable_only(flags)
+        array.render(moderngl.TRIANGLES, vertices=3)
+        self._gl.enable_only(moderngl.NOTHING)
+        into.viewport = before
+
+    def close(self) -> None:
+        """Free what is its own; the programs belong to the shader library."""
+        self._notices.close()
+        self._pictured.release()
+        self._deep.release()
+
+
+def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
+    """The largest part of `place`, in its middle, that has the shape of a (w, h) picture: what is left beside it is for bars."""
+    x, y, w, h = place
+    scale = min(w / picture[0], h / picture[1])
+    inside = (max(round(scale * picture[0]), 1), max(round(scale * picture[1]), 1))
+    return (x + (w - inside[0]) // 2, y + (h - inside[1]) // 2, *inside)
+
+
+def _nothing_like(mask: tuple) -> tuple:
+    """The colour mask that lets nothing through, of none, one or several attachments."""
+    return tuple(_nothing_like(part) if isinstance(part, tuple) else False for part in mask)
