@@ -39,6 +39,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         display = stack.enter_context(_closing(open_display(options, watchdog.watching, say)))
         stage = Stage(display, options)
         stack.callback(stage.close)
+        stack.callback(log.leave)
         if recorder is not None:
             recorder.begin(display)
         log.begin(display, stage)
@@ -128,6 +129,7 @@ class _Driver:
         """Wait until the display is there again. Errors: Lost, once that has taken too long."""
         if self._recorder is not None:
             self._recorder.flush()
+        self._log.went(str(lost))
         wait_s = self._stage.options.reconnect_s
         self._say(f"{lost}; waiting up to {wait_s:g} s for it to come back (Ctrl-C ends)")
         until = time.monotonic() + wait_s
@@ -135,6 +137,7 @@ class _Driver:
             if self._ending.asked:
                 return
             if self._display.reopen():
+                self._log.came_back()
                 self._say("it is back")
                 return
             time.sleep(RETRY_S)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
@@ -14,9 +14,13 @@ from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
 from .way import coding_rows, filled_rows, frame_rows, response_rows
 
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
 Rows = Sequence[Mapping[str, Any]]
 
 EYES = ("left eye", "right eye")
+CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 _SHORT_NOTE = {  # the figures that get a tile of their own
     "psnr_db": "larger is better, identical pictures count as 100",
     "ssim": "larger is better, 1 is identical",
@@ -55,7 +59,9 @@ class WorstFrame:
 
 
 @attrs.frozen
-class _Tile:
+class Tile:
+    """A figure large; baseline: the compared run's, as text."""
+
     label: str
     unit: str
     text: str
@@ -64,7 +70,9 @@ class _Tile:
 
 
 @attrs.frozen
-class _Chart:
+class Chart:
+    """A heading over an <svg> element."""
+
     heading: str
     svg: str
 
@@ -84,14 +92,9 @@ def render_report(
     summary, baseline_summary: as summary.json; rows, baseline_rows: as frames.csv's, None for absent values. command: what
     the user typed, exactly. notes: what the run noticed, one sentence each.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     names = column_names(summary, baseline_summary)
     comparison = comparison_rows(summary, baseline_summary)
-    return environment.get_template("report.html").render(
+    return environment().get_template("report.html").render(
         summary=summary,
         command=command,
         notes=list(notes),
@@ -108,31 +111,40 @@ def render_report(
         response=response_rows(summary),
         frames=frame_rows(summary),
         coding=coding_rows(summary),
-        clock={"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}[summary["clock"]],
+        clock=CLOCK_NAMES[summary["clock"]],
     )
 
 
-def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[_Tile]:
+def environment() -> Environment:
+    """What turns templates into pages: everything is escaped, and a name that is missing is an error."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    return Environment(
+        loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[Tile]:
     figures = [(f.label, f, "quality", "mean", _SHORT_NOTE[f.name]) for f in QUALITY_FIGURES if f.name in _SHORT_NOTE]
     figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
     tiles = []
     for label, figure, table, main, note in figures:
         other = None if baseline is None else f"{names[1]}: {figure.text(baseline[table][figure.name][main])}"
-        tiles.append(_Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
+        tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
     return tiles
 
 
-def _charts(summary: Summary, names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[_Chart]:
+def _charts(summary: Summary, names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[Chart]:
     charts = []
     for heading, column, unit, scale, from_zero in _CHARTS:
         series = [Series.of(names[0], rows, column, scale)]
         if baseline_rows is not None:
             series.append(Series.of(names[-1], baseline_rows, column, scale))
-        charts.append(_Chart(heading, time_series(series, unit, from_zero=from_zero)))
+        charts.append(Chart(heading, time_series(series, unit, from_zero=from_zero)))
     for heading, column, unit, scale, from_zero in _MOTION_CHARTS:
-        charts.append(_Chart(heading, time_series([Series.of("", rows, column, scale)], unit, from_zero=from_zero)))
+        charts.append(Chart(heading, time_series([Series.of("", rows, column, scale)], unit, from_zero=from_zero)))
     if "auto" in summary:
-        charts.append(_Chart("Time per eye", time_series([Series.of("", rows, "total_ms")], "ms", from_zero=True)))
+        charts.append(Chart("Time per eye", time_series([Series.of("", rows, "total_ms")], "ms", from_zero=True)))
     return charts
 
 
