@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from ..display import Closed, Display, Lost, Tick
-from ..errors import InputError
+from ..errors import InputError, MachineError
 from .changes import changed, choices, values
 from .ending import Ending
 from .log import LiveLog, LiveResult
@@ -97,6 +97,7 @@ class _Driver:
     def _refresh(self, tick: Tick) -> None:
         refresh = None
         if tick.render:
+            self._stage.fit()
             loop = self._stage.loop
             loop.draw(self._display.now_ns())
             refresh = loop.show(tick.shown_ns)
@@ -115,7 +116,9 @@ class _Driver:
         for command in self._display.commands():
             try:
                 self._stage.change(changed(self._stage.options, command))
-            except InputError as error:
+            except Lost:
+                raise
+            except (InputError, MachineError) as error:  # the run goes on as it was
                 self._say(str(error))
                 self._status.notice = str(error)
         if self._stage.options is not options:

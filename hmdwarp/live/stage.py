@@ -78,9 +78,11 @@ class Stage:
         self.pipeline.close()
         self.pipeline, self.scene, self._ladder = made, scene, ladder
 
-    def rebuild(self) -> None:
-        """After the display's eyes or sizes have changed."""
-        self._rebuild(self.options)
+    def fit(self) -> None:
+        """Build anew where the eyes have come to see so much more or less that frames with their guard band get another size."""
+        options = self.options
+        if options.guard > 1 and guarded_size(options.guard, self._display.eyes, self.pipeline.sizes.shown) != self.pipeline.sizes.late:
+            self._rebuild(options)
 
     def _ladder_for(self, options: LiveOptions) -> Ladder:
         if options.warp != AUTO:
