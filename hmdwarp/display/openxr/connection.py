@@ -23,7 +23,7 @@ from .tracking import HeadTracker, Spaces
 
 READY_S = 5.0  # for a session that was just made to be wanted; runtimes take fractions of a second
 IDLE_S = 0.01  # between two looks at a session that does not run
-SEEN = 2  # frames with should_render on; before them the period is a guess (Monado: 16 ms)
+SEEN = 4  # frames with should_render on; before that the period is a guess (Monado: 16 ms for up to two of them)
 UNSEEN_S = 1.0  # a headset that nobody wears may never ask for a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 

@@ -81,7 +81,7 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
 def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
     properties = calls.ask(xr.get_instance_properties, handle)
     runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
-    calls.stage, calls.name = "headset", f"{runtime} {version}"
+    calls.stage, calls.name = "headset", runtime if version in runtime else f"{runtime} {version}"  # Monado's name says it
     system = calls.ask(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
     headset = _text(calls.ask(xr.get_system_properties, handle, system).system_name)
     pointer = calls.ask(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
