@@ -17,6 +17,10 @@ HEADER = ",".join(FRAME_COLUMNS) + "\n"
 
 STAGE_COLUMNS = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
 NOT_KNOWN = (None,) * len(STAGE_COLUMNS)
+# What differs between the eyes of a refresh, by its place in a line.
+_EYE, _HOLES, _FIRST = (FRAME_COLUMNS.index(name) for name in ("eye", "hole_share", STAGE_COLUMNS[0]))
+_STAGES = slice(_FIRST, _FIRST + len(STAGE_COLUMNS))
+assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
 
 
 @attrs.define(eq=False)
@@ -44,12 +48,13 @@ class Moment:
 def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: Sequence[float | None]) -> str:
     """One line for each eye. stages: of each eye, in the order of STAGE_COLUMNS; holes: the share of each eye's pixels."""
     texts = _shared(moment)
+    fields = [texts.get(name, "") for name in FRAME_COLUMNS]
     lines = []
     for eye in range(moment.eyes):
-        texts["eye"] = str(eye)
-        texts.update(zip(STAGE_COLUMNS, map(_number, stages[eye]), strict=True))
-        texts["hole_share"] = _number(holes[eye])
-        lines.append(",".join([texts.get(name, "") for name in FRAME_COLUMNS]))
+        fields[_EYE] = str(eye)
+        fields[_STAGES] = map(_number, stages[eye])
+        fields[_HOLES] = _number(holes[eye])
+        lines.append(",".join(fields))
     lines.append("")
     return "\n".join(lines)
 
