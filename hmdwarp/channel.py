@@ -54,7 +54,7 @@ class Channel:
     ) -> None:
         self._coder, self._weight = coder, weight_bytes
         self.latency_ns = latency_ns
-        self._sizes: list[int] = []
+        self._frames = self._bytes = 0
         self.link: Link[Parcel] = network.link(
             latency_ns,
             discard=lambda parcel: offer(parcel.frame),
@@ -73,7 +73,8 @@ class Channel:
             parcel, size, key = Parcel(frame), self._weight, True
         else:
             parcel, size, key = self._coder.encode(frame, wants_key=self.link.needs_key(now_ns))
-        self._sizes.append(size)
+        self._frames += 1
+        self._bytes += size
         self.link.send(parcel, now_ns, size, key)
 
     def newest(self, now_ns: int) -> Frame | None:
@@ -88,7 +89,7 @@ class Channel:
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """The `link` of summary.json: what became of the frames, Mbit/s of both eyes, and what the codec took and lost."""
-        mean_bytes = sum(self._sizes) / len(self._sizes) if self._sizes else 0.0
+        mean_bytes = self._bytes / self._frames if self._frames else 0.0
         return {
             "frames": self.link.tally.as_dict(),
             "mbit_s": mean_bytes * 8 * rate_hz / 1e6,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from .gpu.scopes import drawing_into
 from .gpu.textures import SCALAR, allocate
 from .scenes._reduce import reduced, unlit
 from .server.moving import moving_parts, stands_still
@@ -83,7 +84,7 @@ class DrawnModel:
         picture.colour.texture.use(0)
         (picture.inverse_depth if picture.inverse_depth is not None else self._no_depth).use(1)
         self._cover.uniforms.set(warped=0, warped_inverse_depth=1)
-        with gl.scope(framebuffer, moderngl.DEPTH_TEST):
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
         gl.polygon_offset = 0.0, 2.0  # surfaces that touch the near plane must not get in front of what is covered
         self._passes.draw_into(view, framebuffer, None, time_ns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -117,15 +118,22 @@ class EyeImage:
 
 def _textures(part: Any) -> Iterator[moderngl.Texture]:
     """Those of an EyeImage, or of any part of one: a new kind of layer needs no entry here."""
-    if attrs.has(type(part)):
-        for field in attrs.fields(type(part)):
-            if field.name not in ("view", "bodies", "mirrors"):
-                yield from _textures(getattr(part, field.name))
-    elif isinstance(part, tuple):
+    if isinstance(part, tuple):
         for one in part:
             yield from _textures(one)
+    elif names := _parts_of(type(part)):
+        for name in names:
+            one = getattr(part, name)
+            if one is not None and one != ():
+                yield from _textures(one)
     elif part is not None and not isinstance(part, int):
         yield part
+
+
+@cache
+def _parts_of(kind: type) -> tuple[str, ...]:
+    """The fields that may hold textures; none for what is no part."""
+    return tuple(one.name for one in attrs.fields(kind) if one.name not in ("view", "bodies", "mirrors")) if attrs.has(kind) else ()
 
 
 @attrs.frozen(eq=False)

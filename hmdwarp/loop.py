@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from .client.given import Given
+from .frame import Frame
 from .link import ResponseTime
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from .client.compensator import Compensator, EyeResult
     from .client.history import History
     from .client.plan import Plan
-    from .frame import Frame, Needs
+    from .frame import Needs
     from .geometry import Eyes
     from .gpu.timers import Lap, Stages
     from .link import Passage
@@ -105,7 +106,7 @@ class Loop:
         timer = self._server.gpu.timer
         with timer.stage("render"):
             frame = self._server.draw_frame(self._eyes.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
-        self._channel.send(attrs.evolve(frame, head=head, drawing=timer.lap()), now_ns)
+        self._channel.send(Frame(frame.eyes, frame.drawn_ns, frame.effects, head, timer.lap()), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head at `shown_ns`; None before the first frame has arrived.

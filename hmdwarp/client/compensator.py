@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 import attrs
 import moderngl
@@ -56,6 +55,23 @@ class _Canvases:
     def canvases(self) -> set[Canvas]:
         pictures = (*self.filled, self.warped) if self.warped is not None else ()
         return {*(picture.colour for picture in pictures), *self.effects, self.panel}
+
+
+class _Stage:
+    """Times what is inside, and makes what compute passes stored visible to the next pass, to copies and to read-backs."""
+
+    __slots__ = ("_gl", "_timed")
+
+    def __init__(self, gpu: Gpu, name: str) -> None:
+        self._gl, self._timed = gpu.gl, gpu.timer.stage(name)
+
+    def __enter__(self) -> None:
+        self._timed.__enter__()
+
+    def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
+        if error is None:
+            self._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._timed.__exit__(error, *rest)
 
 
 class Compensator:
@@ -150,12 +166,8 @@ class Compensator:
     def took(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""
 
-    @contextmanager
-    def _stage(self, name: str) -> Iterator[None]:
-        """Times what is inside, and makes what compute passes stored visible to the next pass, to copies and to read-backs."""
-        with self.gpu.timer.stage(name):
-            yield
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+    def _stage(self, name: str) -> _Stage:
+        return _Stage(self.gpu, name)
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""

@@ -17,7 +17,7 @@ _FLIP_Z = np.diag([1.0, 1.0, -1.0])  # tangent point (x, y, 1) <-> eye point (x,
 class WarpMap:
     """`p_to ~ H p_from + e * inverse_depth`, p in homogeneous pixels, inverse_depth in 1/m measured in the from view.
 
-    H: (3, 3). e: (3,). The third component of the result, w, is the ratio of the two depths along -z, so
+    H: (3, 3). e: (3,); read-only as `between` makes them. The third component of the result, w, is the ratio of the two depths along -z, so
     `inverse_depth_to = inverse_depth_from / w`; w <= 0 means the point lies beside or behind the `to` eye, where no picture is.
     Exact for inverse_depth 0 (infinitely far), for a zero baseline (e = 0) and far from the world origin.
     Source: McMillan and Bishop 1995, Plenoptic Modeling, eq. 8-10 (the planar form of their warp).
@@ -32,7 +32,9 @@ class WarpMap:
         to_from_frm = frm.pose.relative_to(to.pose)
         k_to, _ = _cameras(to.fov, to_size)
         _, k_frm_inverse = _cameras(frm.fov, frm_size)
-        return cls(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
+        made = cls(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
+        made.H.flags.writeable = made.e.flags.writeable = False
+        return made
 
     def apply(self, pixels: ArrayLike, inverse_depth: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Pixels (..., 2) and inverse depth (...) to pixels (..., 2), inverse depth (...) and w (...) in the other view.

@@ -96,44 +96,78 @@ class Uniforms:
     def __init__(self, program: moderngl.Program | moderngl.ComputeShader, texts: list[str], name: str) -> None:
         self._program, self._name = program, name
         declared = " ".join(line.partition("//")[0] for line in texts)
-        self._names = {
-            re.sub(r"[\[=].*", "", part).strip() for match in self._DECLARED.finditer(declared) for part in match.group(1).split(",")
-        }
+        names = {re.sub(r"[\[=].*", "", part).strip() for match in self._DECLARED.finditer(declared) for part in match.group(1).split(",")}
+        self._members: dict[str, moderngl.Uniform | None] = {name: program.get(name, None) for name in names}
+        self._written: dict[str, object] = {}  # what cannot have changed since: told by identity, which costs nothing
         self._last: dict[str, bytes] = {}
 
     def declares(self, name: str) -> bool:
         """Whether the shader's text has a uniform of that name."""
-        return name in self._names
+        return name in self._members
 
     def set(self, **values: object) -> None:
         """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once.
 
+        The same number, tuple or read-only array as the last time is not written again; a tuple is one of numbers.
         Errors: ShaderError for a name the shader's text does not have, and for a value that does not fit.
         """
+        self._set(values, strict=True)
+
+    def set_declared(self, **values: object) -> None:
+        """`set` for what the shader's text declares, the rest left out: for shaders that share one set of values."""
+        self._set(values, strict=False)
+
+    def _set(self, values: Mapping[str, object], *, strict: bool) -> None:
+        written, members = self._written, self._members
         for name, value in values.items():
-            if name not in self._names:
-                raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(self._names))}")
-            member = self._program.get(name, None)
-            if member is not None:
+            if written.get(name, written) is value:
+                continue
+            member = members.get(name, members)
+            if member is members:
+                if strict:
+                    raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
+            elif member is not None:
                 self._write(name, member, value)
 
     def _write(self, name: str, member: moderngl.Uniform, value: object) -> None:
+        self._written.pop(name, None)
         try:
             if isinstance(value, np.ndarray):
-                self._write_array(name, member, value)
+                constant = not value.flags.writeable and value.base is None
+                self._write_array(name, member, value, constant)
             else:
+                constant = type(value) in (int, float, tuple)
                 self._last.pop(name, None)
                 member.value = value
         except (moderngl.Error, struct.error, TypeError, ValueError) as error:
             raise ShaderError(f"{self._name}: uniform '{name}' cannot take {value!r}: {error}") from error
+        if constant:
+            self._written[name] = value
 
-    def _write_array(self, name: str, member: moderngl.Uniform, value: np.ndarray) -> None:
-        if member.matrix:
-            value = np.swapaxes(value, -1, -2)  # GLSL matrices are column-major
-        data = np.ascontiguousarray(value, dtype=_DTYPES[member.fmt[-1]]).tobytes()
+    def _write_array(self, name: str, member: moderngl.Uniform, value: np.ndarray, constant: bool) -> None:
+        how = (_DTYPES[member.fmt[-1]], member.matrix)
+        data = _packed(name, value, *how) if constant else _bytes_of(value, *how)
         if self._last.get(name) != data:
             member.write(data)
             self._last[name] = data
+
+
+_last_packed: dict[str, tuple[np.ndarray, type, bool, bytes]] = {}  # by name: the same map goes to five programs of a warp
+
+
+def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
+    """`_bytes_of` an array that nobody can write to, so that the same object gives the same bytes."""
+    known, *how, data = _last_packed.get(name, (None, None, None, b""))
+    if known is not value or how != [dtype, matrix]:
+        data = _bytes_of(value, dtype, matrix)
+        _last_packed[name] = value, dtype, matrix, data
+    return data
+
+
+def _bytes_of(value: np.ndarray, dtype: type, matrix: bool) -> bytes:
+    """As GLSL has it: matrices column by column."""
+    array = np.swapaxes(value, -1, -2) if matrix else value
+    return np.ascontiguousarray(array, dtype=dtype).tobytes()
 
 
 class Compute:

@@ -45,7 +45,7 @@ class Link(Generic[Payload]):
         self._heard_ns: int | None = None  # when the sender first hears of a loss that no key frame has made good
         self._under_way: list[tuple[int, int, Passage, Payload]] = []  # a heap: ready_ns, then number, which differs
         self._shown: tuple[Passage, Payload] | None = None
-        self._tally = Tally()
+        self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
         self._drawn = 0
         self._last_ready_ns = 0
         self._last_sent_ns: int | None = None
@@ -62,7 +62,7 @@ class Link(Generic[Payload]):
     @property
     def tally(self) -> Tally:
         """What became of the frames so far; it stays after `close`."""
-        return self._tally
+        return Tally(**self._counts)
 
     @property
     def passage(self) -> Passage | None:
@@ -151,8 +151,8 @@ class Link(Generic[Payload]):
             self._discard(frame)
 
     def _arrive(self, what: str) -> None:
-        self._tally = attrs.evolve(self._tally, under_way=self._tally.under_way - 1)
+        self._counts["under_way"] -= 1
         self._count(what)
 
     def _count(self, what: str) -> None:
-        self._tally = attrs.evolve(self._tally, **{what: getattr(self._tally, what) + 1})
+        self._counts[what] += 1

@@ -126,12 +126,12 @@ class PoseTrack:
 
     def index_at(self, time_ns: int) -> int:
         """Index of the last sample at or before `time_ns`; -1 before the first."""
-        time_ns = operator.index(time_ns)
-        if time_ns < self.start_ns:
+        time_ns, times = operator.index(time_ns), self.time_ns
+        if time_ns < times[0]:
             return -1
-        if time_ns >= self.end_ns:
-            return len(self) - 1
-        return int(np.searchsorted(self.time_ns, time_ns, side="right")) - 1
+        if time_ns >= times[-1]:
+            return len(times) - 1
+        return int(times.searchsorted(time_ns, side="right")) - 1
 
     def pose(self, index: int) -> Pose:
         """The pose of one sample."""

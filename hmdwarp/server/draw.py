@@ -97,9 +97,8 @@ class Server:
         fovs, grown = guarded_eyes(views, guard, size)
         for view, fov in zip(views, fovs, strict=True):
             drawing = Drawing(view, size, drawn_ns, needs, self._marched)
-            eye = self._draw(attrs.evolve(view, fov=fov), grown, drawing)
-            wide = draw_wide(self._draw, drawing) if needs.wide else None
-            eyes.append(attrs.evolve(self._with_surroundings(eye, needs), wide=wide))
+            eye = self._with_surroundings(self._draw(View(view.pose, fov, view.head_from_eye), grown, drawing), needs)
+            eyes.append(attrs.evolve(eye, wide=draw_wide(self._draw, drawing)) if needs.wide else eye)
         return Frame(tuple(eyes), drawn_ns, self.scene.effects)
 
     def _with_surroundings(self, eye: EyeImage, needs: Needs) -> EyeImage:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..geometry import Fov, Pose, View
 from ..geometry.mirror import mirrors_in_eye, tangents_of_pixels
+from ..gpu.scopes import drawing_into
 from .cube import draw_cube
 from .moving import Place
 from .passes import ScenePasses, clear_depth
@@ -134,7 +135,6 @@ class MirrorSurface:
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
         """What it is, where the picture of `eye` shows it."""
-        gl = self._easel.gpu.gl
         clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._easel.scene.origin_m)
         told = {"reflectivity": self.mirror.shape.reflectivity, "shown_inverse_depth": 1, "keep": 1 - SAME_SURFACE}
         if self.mirror.normal_map >= 0:
@@ -142,7 +142,7 @@ class MirrorSurface:
             told |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}
         eye.inverse_depth.use(1)
         self._surface.uniforms.set(clip_from_scene=clip, **told)
-        with gl.scope(framebuffer, moderngl.CULL_FACE):
+        with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._drawn.render(moderngl.TRIANGLES)
 
     def close(self) -> None:
@@ -165,7 +165,7 @@ class Ball(MirrorSurface):
 
     def draw_image(self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target) -> None:
         """Colour and inverse depth of what mirror number `taken` of `mirrors` (their uniforms for this eye) shows."""
-        gl, view = self._easel.gpu.gl, eye.view
+        view = eye.view
         from_scene = eye_from_scene(view, self._easel.scene.origin_m)
         self._draw_around(around, eye.drawn_ns)
         around.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -181,7 +181,7 @@ class Ball(MirrorSurface):
             around_inverse_depth=1,
             **mirrors,
         )
-        with gl.scope(framebuffer, moderngl.CULL_FACE):
+        with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._curved.render(moderngl.TRIANGLES)
 
     def _draw_around(self, around: Target, time_ns: int) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..geometry import View
 from ..gpu.context import Gpu
+from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
@@ -51,7 +52,7 @@ class ScenePasses:
             one.set_time(time_ns)
         gl = self._gl
         framebuffer.viewport = viewport if viewport is not None else (0, 0, *framebuffer.size)
-        with gl.scope(framebuffer, moderngl.DEPTH_TEST):
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self._scene.origin_m), view.pose.position_m - self._scene.origin_m)
             self._draw_surfaces(self._vertices, self.buffers, view, still)
@@ -86,11 +87,13 @@ def draw_chunks(
 ) -> Iterator[Batch]:
     """Draw what may be seen of some buffers; yields each batch before it is drawn. clip: 4x4, eye: (3,), both for what the positions
     are relative to."""
-    before = -1
+    before, culled = -1, None
     for index, first, count in _runs(buffers.chunks, clip, eye):
         if index != before:
             batch, before = buffers.batches[index], index
-            (gl.disable if batch.double_sided else gl.enable)(moderngl.CULL_FACE)
+            if batch.double_sided is culled or culled is None:
+                culled = not batch.double_sided
+                (gl.enable if culled else gl.disable)(moderngl.CULL_FACE)
             yield batch
         vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 
@@ -99,7 +102,7 @@ def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None
     """Depth alone: every colour is written by a surface or by the background anyway."""
     wanted, nothing = framebuffer.color_mask, (False,) * 4
     framebuffer.color_mask = nothing if len(framebuffer.color_attachments) == 1 else (nothing,) * len(framebuffer.color_attachments)
-    with gl.scope(framebuffer):
+    with drawing_into(framebuffer):
         framebuffer.clear(depth=1.0)
     framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
 

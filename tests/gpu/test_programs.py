@@ -182,6 +182,51 @@ def test_values_that_do_not_fit_are_refused(gpu, shaders, name, value):
         program.uniforms.set(**{name: value})
 
 
+def read_only(values: list[float]) -> np.ndarray:
+    array = np.array(values)
+    array.flags.writeable = False
+    return array
+
+
+def test_what_may_have_changed_is_written_and_what_cannot_is_not(gpu, shaders, monkeypatch):
+    """The same array may hold other numbers, and so may what a read-only view shows; the same tuple may not."""
+    program = compute(gpu, shaders, f"{HEAD}uniform vec2 v;\nvoid main() {{ o[0] = v.x; o[1] = v.y; }}")
+    array = np.array([1.0, 2.0])
+    view = array[:]
+    view.flags.writeable = False
+    for value in (array, view):
+        for number in (3.0, 4.0):
+            array[0] = number
+            program.uniforms.set(v=value)
+            assert results(gpu, program, 2).tolist() == [number, 2.0]
+    written = []
+    write = type(program.program["v"]).write
+    monkeypatch.setattr(type(program.program["v"]), "write", lambda self, data: (written.append(self.name), write(self, data)))
+    constant, other = (5.0, 6.0), read_only([7.0, 8.0])
+    for value in (constant, constant, other, other, constant):
+        program.uniforms.set(v=value)
+        assert results(gpu, program, 2).tolist() == list(value)
+    assert written == ["v"] * 3
+
+
+def test_one_constant_goes_to_programs_of_other_types(gpu, shaders):
+    """What was packed for one program is not what another takes, be it for its type or for being no matrix."""
+    values = read_only([1.0, 2.0, 3.0, 4.0]).reshape(2, 2).copy()
+    values.flags.writeable = False
+    for kind, body in (("mat2 v", "v[1][0], v[0][1]"), ("vec2 v[2]", "v[0].y, v[1].x"), ("ivec2 v[2]", "v[0].y, v[1].x")):
+        program = compute(gpu, shaders, f"{HEAD}uniform {kind};\nvoid main() {{ vec2 r = vec2({body}); o[0] = r.x; o[1] = r.y; }}")
+        program.uniforms.set(v=values)
+        assert results(gpu, program, 2).tolist() == [2.0, 3.0], kind
+
+
+def test_a_shared_set_of_values_goes_where_it_is_declared(gpu, shaders):
+    program = compute(gpu, shaders, f"{HEAD}uniform float here;\nvoid main() {{ o[0] = here; }}")
+    program.uniforms.set_declared(here=2.0, elsewhere=3.0)
+    assert results(gpu, program, 1).tolist() == [2.0]
+    with pytest.raises(ShaderError, match="cannot take"):
+        program.uniforms.set_declared(here="2")
+
+
 # --- group counts --------------------------------------------------------------------------------------------------------
 
 MARK = """

@@ -136,3 +136,14 @@ def test_a_stage_that_fails_leaves_the_timer_usable(fake):
         with timer.stage("good"):
             pass
         assert [name for name, _ in timer.collect()] == ["good"]
+
+
+def test_the_query_of_a_stage_that_fails_is_used_again(fake):
+    gl = fake(1_000_000)
+    timer = StageTimer(gl)
+    probe = len(gl.queries)
+    for _ in range(3):
+        with pytest.raises(RuntimeError, match="broken"), timer.stage("bad"):
+            raise RuntimeError("broken")
+    assert len(gl.queries) - probe == 1
+    assert not gl.queries[-1].running

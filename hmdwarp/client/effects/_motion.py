@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import InputError, MachineError
 from ...geometry import Pose, RigidState, View, WarpMap
+from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, SCALAR, allocate
 from ..warps._mesh import steepest
 from ._base import LatePass
@@ -167,19 +168,19 @@ class MotionPass(LatePass):
             buffer.bind_to_storage_buffer(binding)
 
     def _run(self, program: Compute, named: dict[str, Any], size: tuple[int, int]) -> None:
-        _set_declared(program.uniforms, named)
+        program.uniforms.set_declared(**named)
         program.run(*size)
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def _draw_moving(self, named: dict[str, Any], into: _Moved) -> None:
         gl = self.gpu.gl
-        _set_declared(self._draw.uniforms, named)
+        self._draw.uniforms.set_declared(**named)
         wanted, nothing = into.framebuffer.color_mask, ((False,) * 4,) * 2
         into.framebuffer.color_mask = nothing
-        with gl.scope(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+        with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             into.framebuffer.clear(depth=1.0)
         into.framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
-        with gl.scope(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+        with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             gl.depth_func = "<"
             self._array.render_indirect(self._buffers[3], moderngl.TRIANGLES, count=self._draws)
         gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
@@ -197,10 +198,6 @@ def _table(maps: Sequence[WarpMap]) -> np.ndarray:
     for row, one in zip(table, maps, strict=True):
         row[:3, :3], row[3, :3], row[0, 3] = one.H.T, one.e, not rests(one)
     return table
-
-
-def _set_declared(uniforms: Any, named: dict[str, Any]) -> None:
-    uniforms.set(**{name: value for name, value in named.items() if uniforms.declares(name)})
 
 
 def _check(gpu: Gpu, size: tuple[int, int]) -> None:

@@ -25,13 +25,15 @@ class Radial(LensPass):
         if self.headset.lens is None:
             raise InputError(f"headset '{self.headset.name}' has no lens: use --lens none")
         self._terms = _terms(self.headset.lens)
+        self._looks: dict[int, tuple[Fov, dict[str, object]]] = {}
         self._program = self.gpu.shaders.compute("lens/radial.comp", **self.look_defines())
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         shown.texture.use(0)
         bind_texels(self._program, shown.texture)
         into.bind_for_writing()
-        sizes = {"late_size": shown.size, "late_pixel": (1 / shown.size[0], 1 / shown.size[1]), "shown_size": shown.size}
+        size = shown.size
+        sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
         self._program.uniforms.set(late_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.look_uniforms(fov, eye))
         self._program.run(*self.panel_size)
 
@@ -40,6 +42,13 @@ class Radial(LensPass):
         return {**super().look_defines(), "LENS_TERMS": len(self._terms), **one_colour}
 
     def look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
+        known, uniforms = self._looks.get(eye, (None, {}))
+        if known != fov:
+            uniforms = self._look_uniforms(fov, eye)
+            self._looks[eye] = fov, uniforms
+        return uniforms
+
+    def _look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         left, right, down, up = fov.tangents
         span = np.array([right - left, up - down])
         scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
@@ -54,4 +63,6 @@ def _terms(lens: RadialLens) -> np.ndarray:
     """(n, 3): what r^0, r^2, .. count for in the scales of red, green and blue, with as many terms as the longest has."""
     longest = max(map(len, lens.coefficients.values()))
     columns = [np.pad(lens.coefficients[colour], (0, longest - len(lens.coefficients[colour]))) for colour in COLOURS]
-    return np.stack(columns, axis=1) * lens.tangent_per_unit
+    terms = np.stack(columns, axis=1) * lens.tangent_per_unit
+    terms.flags.writeable = False
+    return terms

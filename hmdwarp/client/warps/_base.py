@@ -65,6 +65,8 @@ class Warp(ABC):
         self.gpu, self.late_size, self.shown_size = gpu, late_size, shown_size
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
+        late_pixel = (1 / late_size[0], 1 / late_size[1])
+        self._size_uniforms = {"late_size": tuple(late_size), "late_pixel": late_pixel, "shown_size": tuple(shown_size)}
         self.prepare()
 
     @abstractmethod
@@ -94,9 +96,4 @@ class Warp(ABC):
 
     def set_sizes(self, program: Compute) -> None:
         """The uniforms that stay the same as long as the sizes do."""
-        known = {
-            "late_size": self.late_size,
-            "late_pixel": (1 / self.late_size[0], 1 / self.late_size[1]),
-            "shown_size": self.shown_size,
-        }
-        program.uniforms.set(**{name: value for name, value in known.items() if program.uniforms.declares(name)})
+        program.uniforms.set_declared(**self._size_uniforms)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
+from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, Canvas, allocate
 from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
 from ._gather import bind_late_colour
@@ -130,7 +131,7 @@ class MeshWarp(Warp):
             self._run(self._choose, named, lambda: self._choose.program.run_indirect(self._buffers[6]))
 
     def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
-        _set_declared(program.uniforms, named)
+        program.uniforms.set_declared(**named)
         dispatch()
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
@@ -150,11 +151,11 @@ class MeshWarp(Warp):
             "late_parallax": back.e,
             "overlap": overlap(self.merging.get("tolerance", 0.0)),
         }
-        with gl.scope(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+        with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
             gl.depth_func = ">"  # what is written is larger where it is nearer
             for draw, array, calls, count in zip((self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True):
-                _set_declared(draw.uniforms, named)
+                draw.uniforms.set_declared(**named)
                 array.render_indirect(calls, moderngl.TRIANGLES, count=count)
             gl.depth_func = "<"
 
@@ -187,10 +188,6 @@ def reach(forward: WarpMap, shown_size: tuple[int, int]) -> float:
 def overlap(tolerance: float) -> float:
     """Late pixels by which large cells reach over their neighbours: both may be off by the tolerance, and the rasteriser by 1/256."""
     return min(2 * tolerance + 1 / 32, 0.5)
-
-
-def _set_declared(uniforms: Any, named: dict[str, Any]) -> None:
-    uniforms.set(**{name: value for name, value in named.items() if uniforms.declares(name)})
 
 
 def _check_machine(name: str, info: dict[str, Any]) -> None:

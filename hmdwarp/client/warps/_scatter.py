@@ -40,8 +40,8 @@ class ScatterWarp(Warp):
     def set(self, program: Compute, **more: object) -> None:
         """The sizes, the image units, and whatever else of `more` the program knows."""
         self.set_sizes(program)
-        known = {"late_colour": LATE_COLOUR, "late_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR, **more}
-        program.uniforms.set(**{name: value for name, value in known.items() if program.uniforms.declares(name)})
+        units = {"late_colour": LATE_COLOUR, "late_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
+        program.uniforms.set_declared(**units, **more)
 
     def empty_keys(self, words: int = 1) -> moderngl.Buffer:
         """A key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import Pose
+from ...gpu.scopes import drawing_into
 from ..projection import clip_from_eye
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ class Sheets:
         vertices = self._array(program)
         flags = (moderngl.BLEND if blending else 0) | (moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0)
         framebuffer.depth_mask = blending is None
-        with gl.scope(framebuffer, flags):
+        with drawing_into(framebuffer, flags):
             if blending is not None:
                 gl.blend_func = blending
             for run in runs:

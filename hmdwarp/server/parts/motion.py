@@ -8,6 +8,7 @@ import attrs
 import moderngl
 import numpy as np
 
+from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, MovingBody
 from ..passes import draw_chunks
@@ -81,7 +82,7 @@ class _Numbers:
         gl = self._easel.gpu.gl
         into = self._easel.acquire(eye.size, NUMBER, depth=False).colour
         framebuffer = self._easel.framebuffers.over(into)
-        with gl.scope(framebuffer, moderngl.NOTHING):
+        with drawing_into(framebuffer, moderngl.NOTHING):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
             for one, vertices in zip(self._bodies, self._vertices, strict=True):
                 self._draw.uniforms.set(body=one.number)
@@ -114,7 +115,7 @@ class _Velocities:
         framebuffer = self._easel.framebuffers.over(into)
         self._write(eye.drawn_ns)
         self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation_matrix.T)
-        with gl.scope(framebuffer, moderngl.NOTHING):
+        with drawing_into(framebuffer, moderngl.NOTHING):
             framebuffer.clear()
             for one, vertices in zip(self._deforming, self._vertices, strict=True):
                 _draw_where_shown(gl, self._draw, one, vertices, eye)

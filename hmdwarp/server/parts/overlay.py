@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
+from ...gpu.scopes import drawing_into
 from . import parts
 from ._base import Drawing, Easel, Part
 from ._sheets import OVER, OVER_KEEPING_COVERAGE, Sheets
@@ -44,7 +45,7 @@ class Overlay(Part):
             return eye
         into = self.easel.acquire(drawing.size, depth=False).colour
         framebuffer = self.easel.framebuffers.over(into)
-        with self.easel.gpu.gl.scope(framebuffer):
+        with drawing_into(framebuffer):
             framebuffer.clear()
         self._draw(drawing.view, drawing.time_ns, framebuffer, OVER)
         return attrs.evolve(eye, overlay=into)

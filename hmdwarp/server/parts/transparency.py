@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...frame import Layer, Transparent
+from ...gpu.scopes import drawing_into
 from ...gpu.textures import SCALAR, allocate
 from ...scenes import is_cutout
 from ..peel import SAME_SURFACE
@@ -67,7 +68,7 @@ class Transparency(Part):
 
     def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None) -> None:
         framebuffer = self.easel.framebuffers.over(into)
-        with self.easel.gpu.gl.scope(framebuffer):
+        with drawing_into(framebuffer):
             framebuffer.clear(*empty)
         eye.inverse_depth.use(1)
         if into is not self._unhidden_of(eye.size):
