@@ -14,6 +14,7 @@ from ..controls import control
 from ..status import Status
 from .opening import start
 from .pacing import Pacer, known_rate
+from .panel import HOW_TO_GET_THE_PANEL, installed, make_panel
 from .views import shown
 from .window import Window
 
@@ -24,7 +25,6 @@ TITLE = "hmdwarp"
 TITLE_NS = 250_000_000  # a title that changes more often cannot be read, and costs a round trip to the window manager
 LOOK_ROUND_NS = 1_000_000_000  # how often to ask which screen the window is on
 MINIMISED_S = 0.1
-NO_PANEL = "no panel: pip install 'hmdwarp[panel]'"
 
 
 class DesktopDisplay:
@@ -41,7 +41,7 @@ class DesktopDisplay:
         self._size_asked = options.size
         self.look(options.view)
         self._glfw = start()
-        self._closers: list[Callable[[], None]] = [self._glfw.terminate]
+        self._closers: list[Callable[[], None]] = []
         try:
             self._open(options)
         except BaseException:
@@ -53,8 +53,9 @@ class DesktopDisplay:
         from .hands import Hands, LedHead
         from .overlay import Overlay
 
-        whole = self._shown.whole
-        self._window = Window(self._glfw, TITLE, whole, full_screen=options.full_screen, vsync=options.vsync)
+        self._window = Window(
+            self._glfw, TITLE, self._shown.whole, _column() if options.panel else 0, full_screen=options.full_screen, vsync=options.vsync
+        )
         self._closers.append(self._window.close)
         self.gpu = Gpu(self._window.gl)
         self._closers.append(self.gpu.close)
@@ -65,8 +66,9 @@ class DesktopDisplay:
         self._walker = Walker(self.now_ns())
         self._hands = Hands(self._window.handle, self._walker, self.now_ns)
         self.source = LedHead(self._walker, self._read_inputs)
-        self._panel = self._hands.panel = _panel(self._window) if options.panel else None
-        self._panel_on = self._panel is not None
+        self._panel = None
+        if options.panel:
+            self._make_panel()
         self._closers.append(self._close_panel)
         self._pending: list[Command] = []
         self._screens_changed = False
@@ -99,8 +101,8 @@ class DesktopDisplay:
     def wait(self) -> Tick | None:
         """Until it is time for the next picture; None while the window is minimised."""
         self._read_inputs()
-        self._obey()
         self._refuse_if_over()
+        self._obey()
         if self._window.hidden:
             self._glfw.wait_events_timeout(MINIMISED_S)
             self._pacer.pause()
@@ -113,9 +115,9 @@ class DesktopDisplay:
     def show(self, refresh: Refresh | None, label: str = "") -> int:
         """Draw the eyes' pictures, what is written over them and the panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
-        size = self._window.framebuffer_size
-        self._overlay.draw(canvases, self._shown.count, self._shown.aspect, size, label)
-        if self._panel is not None and self._panel_on:
+        size, column = self._window.framebuffer_size, self._panel.column if self._panel is not None else 0
+        self._overlay.draw(canvases, self._shown.count, self._shown.aspect, size, column, label)
+        if self._panel is not None:
             self._pending += self._panel.draw(self._status, size)
         handed_over_ns = self.now_ns()
         self._window.swap()
@@ -131,7 +133,8 @@ class DesktopDisplay:
     def tell(self, status: Status) -> None:
         """What the title line and the panel show."""
         self._status = status
-        status.values.update(full_screen=self._window.fills_screen, vsync=self._window.vsync, panel=self._panel_on, help=self._overlay.help)
+        panel = self._panel is not None and self._panel.on
+        status.values.update(full_screen=self._window.fills_screen, vsync=self._window.vsync, panel=panel, help=self._overlay.help)
 
     def reopen(self) -> bool:
         """A window is closed, never lost."""
@@ -150,10 +153,9 @@ class DesktopDisplay:
         return self.now_ns()
 
     def _refuse_if_over(self) -> None:
-        if self._glfw.window_should_close(self._window.handle):
-            raise Closed("the window was closed")
-        if self._window.lost():
-            raise Closed("the graphics driver was reset, and every picture in it is gone: the run ends here")
+        reason = self._window.over()
+        if reason:
+            raise Closed(reason)
 
     def _look_round(self) -> None:
         now = self.now_ns()
@@ -201,17 +203,21 @@ class DesktopDisplay:
         self._pacer.set(self._window.rate_hz, self._window.vsync)
 
     def _do_panel(self, value: object) -> None:
-        self._panel_on = not self._panel_on if value is None else bool(value)
-        self._hands.panel = self._panel if self._panel_on else None
-        if self._panel_on and self._panel is None:
-            self._panel_on = False
-            self._overlay.say(NO_PANEL)
+        if self._panel is not None:
+            self._panel.on = not self._panel.on if value is None else bool(value)
+        elif not self._make_panel():
+            self._overlay.say(f"no panel: {HOW_TO_GET_THE_PANEL}")
 
     def _do_help(self, value: object) -> None:
         self._overlay.help = not self._overlay.help if value is None else bool(value)
 
     def _do_quit(self, _: object) -> None:
-        self._glfw.set_window_should_close(self._window.handle, True)
+        self._window.end()
+
+    def _make_panel(self) -> bool:
+        """Whether there is one, made when it is first wanted."""
+        self._panel = self._hands.panel = make_panel(self._window.handle, self._window.gl)
+        return self._panel is not None
 
     def _close_panel(self) -> None:
         panel, self._panel = self._panel, None
@@ -219,8 +225,10 @@ class DesktopDisplay:
             panel.close()
 
 
-def _panel(window: Window):
-    """The panel of controls, None where its package is not installed."""
-    from .panel import make_panel
+def _column() -> int:
+    """How wide the panel is on a usual screen, 0 where its package is missing."""
+    if not installed():
+        return 0
+    from .panel_style import WIDTH
 
-    return make_panel(window.handle, window.gl)
+    return WIDTH

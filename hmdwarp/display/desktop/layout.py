@@ -29,10 +29,18 @@ def flat_size(aspect: float) -> Size:
     return max(WHOLE, round(width / WHOLE) * WHOLE), max(WHOLE, round(width / aspect / WHOLE) * WHOLE)
 
 
-def window_size(wanted: Size, room: Size, least_height: int = 480, share: float = 0.9) -> Size:
-    """What a new window should measure for pictures of `wanted` pixels: so much, but no less than is well seen, and within `share` of
-    the room on the screen; the aspect is kept."""
+def beside(framebuffer: Size, column: int) -> Size:
+    """What a panel of that many columns at the right leaves for pictures; where that were less than half, they lie under it."""
+    width, height = framebuffer
+    return (width - column, height) if 2 * column <= width else framebuffer
+
+
+def window_size(wanted: Size, room: Size, column: int = 0, least_height: int = 480, share: float = 0.9) -> Size:
+    """What a new window should measure for pictures of `wanted` pixels and a panel beside them: so much, but no less than is well seen,
+    and within `share` of the room on the screen; the pictures' aspect is kept."""
     width, height = wanted
+    most = share * room[0], share * room[1]
+    column = column if 2 * column <= most[0] else 0
     scale = max(1.0, least_height / height)
-    scale = min(scale, share * room[0] / width, share * room[1] / height)
-    return max(1, round(width * scale)), max(1, round(height * scale))
+    scale = min(scale, (most[0] - column) / width, most[1] / height)
+    return max(1, round(width * scale)) + column, max(1, round(height * scale))

@@ -8,7 +8,7 @@ from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from ..present import Presenter
 from .keys import help_text
-from .layout import Size, viewports
+from .layout import Size, beside, viewports
 
 SAID_NS = 4_000_000_000  # how long a remark stays
 
@@ -25,9 +25,10 @@ class Overlay:
         """A remark over the picture, for a few seconds."""
         self._said, self._until_ns = text, self._now_ns() + SAID_NS
 
-    def draw(self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, label: str) -> None:
+    def draw(self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: str) -> None:
         """Into the window's framebuffer, (w, h) pixels. canvases: the eyes' pictures, none for black. count: of eyes, where there are no
-        pictures. aspect: width over height of one picture. label: a line over each picture."""
+        pictures. aspect: width over height of one picture. column: of it are left to a panel at the right.
+        label: a line over each picture."""
         self._screen.scissor = None
         self._screen.clear(0.0, 0.0, 0.0, 1.0)
         said = self._said if self._now_ns() < self._until_ns else ""
@@ -35,5 +36,5 @@ class Overlay:
         # The help before the first eye alone: beside it one sees what the keys do.
         notices = (self._presenter.notice(help_text()) if self.help else notice, notice)
         pictures = canvases or (None,) * count
-        for picture, over, place in zip(pictures, notices, viewports(size, len(pictures), aspect), strict=False):
+        for picture, over, place in zip(pictures, notices, viewports(beside(size, column), len(pictures), aspect), strict=False):
             self._presenter.show(picture, self._screen, place, hardware_srgb=False, notice=over)

@@ -9,6 +9,7 @@ import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
+from .connection import Connection
 from .layout import Size, window_size
 from .opening import last_error
 
@@ -38,15 +39,19 @@ class WindowContext:
 
 
 class Window:
-    """wanted: (w, h) pixels of what it is to show. handle: glfw's. gl: its context, current when this returns.
+    """wanted: (w, h) pixels of what it is to show. column: how much wider for what stands beside it, in pixels of a usual screen.
+    handle: glfw's. gl: its context, current when this returns.
 
     Errors: MachineError that says why there is no window or no OpenGL 4.3 in it.
     """
 
-    def __init__(self, glfw: ModuleType, title: str, wanted: Size, *, full_screen: bool = False, vsync: bool = True) -> None:
+    def __init__(
+        self, glfw: ModuleType, title: str, wanted: Size, column: int = 0, *, full_screen: bool = False, vsync: bool = True
+    ) -> None:
         self._glfw, self._title = glfw, title
         self.handle, self.api = _made(glfw, title)
-        self._fit(wanted)
+        self._connection = Connection(glfw)
+        self._fit(wanted, column)
         self.place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
         if full_screen:
             self.fill_screen(True)
@@ -66,14 +71,15 @@ class Window:
 
     # --- sizes and places ---
 
-    def _fit(self, wanted: Size) -> None:
+    def _fit(self, wanted: Size, column: int) -> None:
         """As large as `wanted` pixels, whatever a unit of the window measures (HiDPI), within the screen."""
         glfw = self._glfw
         units, pixels = glfw.get_window_size(self.handle), glfw.get_framebuffer_size(self.handle)
         scale = pixels[0] / units[0] if units[0] and pixels[0] else 1.0
         monitor = glfw.get_primary_monitor()
         room = glfw.get_monitor_workarea(monitor)[2:] if monitor else FALLBACK_ROOM
-        size = window_size(wanted, (round(room[0] * scale), round(room[1] * scale)))
+        content = glfw.get_window_content_scale(self.handle)[0] or 1.0
+        size = window_size(wanted, (round(room[0] * scale), round(room[1] * scale)), round(column * content))
         glfw.set_window_size(self.handle, max(1, round(size[0] / scale)), max(1, round(size[1] / scale)))
 
     @property
@@ -174,19 +180,30 @@ class Window:
         self._glfw.swap_buffers(self.handle)
         self.gl.finish()
 
-    def lost(self) -> bool:
-        """Whether the driver was reset and the context with all its pictures is gone."""
-        return self._reset_status is not None and self._reset_status() != _NO_ERROR
+    def over(self) -> str:
+        """Why nothing can be shown in it any more, in words; "" while it can."""
+        if self._connection.broken:
+            return "the connection to the screen broke: the window is gone"
+        if self._glfw.window_should_close(self.handle):
+            return "the window was closed"
+        if self._reset_status is not None and self._reset_status() != _NO_ERROR:
+            return "the graphics driver was reset, and every picture in it is gone: the run ends here"
+        return ""
 
     def _function(self, *names: str) -> object | None:
         address = next((a for a in map(WindowContext(self._glfw, self.handle).load_opengl_function, names) if a), 0)
         return ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
 
+    def end(self) -> None:
+        """Have it closed at the next chance."""
+        self._glfw.set_window_should_close(self.handle, True)
+
     def close(self) -> None:
-        """Destroy it. May be called twice."""
+        """Destroy it, and end glfw. May be called twice."""
         handle, self.handle = self.handle, None
-        if handle is not None:
+        if handle is not None and not self._connection.broken:
             self._glfw.destroy_window(handle)
+            self._glfw.terminate()
 
 
 def _made(glfw: ModuleType, title: str) -> tuple[object, str]:
@@ -200,6 +217,7 @@ def _made(glfw: ModuleType, title: str) -> tuple[object, str]:
         if handle:
             return handle, name
         said.append(f"{name}: {last_error(glfw)}")
+    glfw.terminate()
     raise MachineError(f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(said)}); 'hmdwarp doctor' shows what is there")
 
 
