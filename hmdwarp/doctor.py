@@ -46,7 +46,7 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
-    return [python(), packages(), *opengl(), *openxr(), window(), video(), codecs()]
+    return [python(), packages(), *opengl(), *openxr(), window(), panel(), video(), codecs()]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
@@ -152,6 +152,15 @@ def window() -> Finding:
         return Finding("desktop window", State.OPTIONAL, _one_line(known.get("message", known["error"])), remedy, known)
     size = "{}x{} at {} Hz".format(*known["size"], known["refresh_hz"] or "?") if known["size"] else "no monitor"
     return Finding("desktop window", State.OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
+
+
+def panel() -> Finding:
+    """The package behind the panel of controls and plots in the desktop window; optional, as every control has a key."""
+    try:
+        version = importlib.metadata.version("imgui-bundle")
+    except importlib.metadata.PackageNotFoundError:
+        return Finding("panel", State.OPTIONAL, "not installed: the window of hmdwarp live has its keys alone", "pip install 'hmdwarp[panel]'")
+    return Finding("panel", State.OK, f"imgui-bundle {version}", facts={"version": version})
 
 
 def video() -> Finding:

@@ -1,0 +1,62 @@
+"""The panel of controls and plots over a window, where its package is installed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+
+if TYPE_CHECKING:
+    from .panel_shown import Panel
+
+HOW_TO_GET_THE_PANEL = "pip install 'hmdwarp[panel]'"
+
+
+def make_panel(
+    window: Any,
+    gl: moderngl.Context,
+    *,
+    into: moderngl.Framebuffer | None = None,
+    clock: Callable[[], float] | None = None,
+    scale: float = 1.0,
+) -> Panel | None:
+    """A panel for a glfw window whose context `gl` is; None where its package is missing, for which HOW_TO_GET_THE_PANEL is the remedy.
+
+    Make it after the window has set its callbacks: they are chained, and every one of them is called as before. window: None for a
+    panel that nobody can touch, at that content scale. into: where it is shown; the window's own framebuffer by default.
+    clock: seconds, going on; glfw's by default, and without a window a sixtieth more at each call.
+    """
+    if not installed():
+        return None
+    import glfw
+
+    from .panel_input import NoInput, PanelInput
+    from .panel_shown import Panel
+
+    heard = PanelInput(window) if window is not None else NoInput(scale)
+    ticking = glfw.get_time if window is not None else count(1, 1 / 60).__next__
+    return Panel(gl, heard, into or gl.detect_framebuffer(0), clock or ticking)
+
+
+def installed() -> bool:
+    """Whether the panel's package is there and can be loaded (it wants libX11).
+
+    It brings a library of glfw of its own and names it in the environment, for the glfw package to take. That has its own already, and
+    the programs that are started from here are to keep theirs.
+    """
+    import glfw  # noqa: F401 (first)
+
+    before = os.environ.get("PYGLFW_LIBRARY")
+    try:
+        from imgui_bundle import imgui, implot  # noqa: F401
+    except ImportError:
+        return False
+    finally:
+        if before is None:
+            os.environ.pop("PYGLFW_LIBRARY", None)
+        else:
+            os.environ["PYGLFW_LIBRARY"] = before
+    return True

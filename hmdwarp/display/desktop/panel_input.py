@@ -1,0 +1,174 @@
+"""What mouse and keyboard do, for Dear ImGui: the window's callbacks are chained, so that the window hears everything as before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import glfw
+from imgui_bundle import imgui
+
+from .keys import label
+
+NOWHERE = (-3.4e38, -3.4e38)  # Dear ImGui's word for a mouse that is not here
+BUTTONS = 3  # left, right, middle
+# What is needed to type a number into a slider; everything else stays the window's alone.
+KEYS = {
+    glfw.KEY_ENTER: imgui.Key.enter,
+    glfw.KEY_KP_ENTER: imgui.Key.keypad_enter,
+    glfw.KEY_ESCAPE: imgui.Key.escape,
+    glfw.KEY_TAB: imgui.Key.tab,
+    glfw.KEY_BACKSPACE: imgui.Key.backspace,
+    glfw.KEY_DELETE: imgui.Key.delete,
+    glfw.KEY_LEFT: imgui.Key.left_arrow,
+    glfw.KEY_RIGHT: imgui.Key.right_arrow,
+    glfw.KEY_HOME: imgui.Key.home,
+    glfw.KEY_END: imgui.Key.end,
+    glfw.KEY_A: imgui.Key.a,
+    glfw.KEY_C: imgui.Key.c,
+    glfw.KEY_V: imgui.Key.v,
+    glfw.KEY_X: imgui.Key.x,
+    glfw.KEY_Z: imgui.Key.z,
+}
+MODIFIERS = {
+    glfw.KEY_LEFT_CONTROL: imgui.Key.mod_ctrl,
+    glfw.KEY_RIGHT_CONTROL: imgui.Key.mod_ctrl,
+    glfw.KEY_LEFT_SHIFT: imgui.Key.mod_shift,
+    glfw.KEY_RIGHT_SHIFT: imgui.Key.mod_shift,
+}
+Event = Callable[[imgui.IO], None]
+
+
+class PanelInput:
+    """Listens to a glfw window from now on; make it after the window has set callbacks of its own, which are called as before.
+
+    To be told: left, where the panel begins, in framebuffer pixels; typing, whether keys are being typed into it; on, whether to listen.
+    """
+
+    def __init__(self, window: Any) -> None:
+        self._window = window
+        self._events: list[Event] = []
+        self._before: list[tuple[Callable, Callable, Any]] = []
+        self._place: tuple[float, float] | None = None
+        self.left, self.typing, self.on = 0, False, True
+        for setter, heard in (
+            (glfw.set_cursor_pos_callback, self._moved),
+            (glfw.set_cursor_enter_callback, self._entered),
+            (glfw.set_mouse_button_callback, self._clicked),
+            (glfw.set_scroll_callback, self._scrolled),
+            (glfw.set_key_callback, self._pressed),
+            (glfw.set_char_callback, self._typed),
+            (glfw.set_window_focus_callback, self._focused),
+        ):
+            self._chain(setter, heard)
+
+    def _chain(self, setter: Callable, heard: Callable) -> None:
+        def both(*arguments: Any) -> None:
+            heard(*arguments[1:])
+            if before:
+                before(*arguments)
+
+        before = setter(self._window, both)
+        self._before.append((setter, both, before))
+
+    @property
+    def scale(self) -> float:
+        """Of the content, as the desktop has it: 2 on a screen of twice the usual density."""
+        return max(glfw.get_window_content_scale(self._window)) or 1.0
+
+    @property
+    def caught(self) -> bool:
+        """Whether the mouse turns the head just now, and is nobody else's."""
+        return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
+
+    @property
+    def cursor(self) -> tuple[float, float] | None:
+        """Where the mouse is, in framebuffer pixels from the top left; None outside of the window, or while the window has caught it."""
+        return None if self.caught else self._place  # glfw puts a mouse that is let go back to where it was caught
+
+    @staticmethod
+    def label(key: str) -> str:
+        """What the user's keyboard has printed on it."""
+        return label(key)
+
+    def take(self) -> list[Event]:
+        """What happened since the last time, oldest first; each is to be called with imgui's io."""
+        events, self._events = self._events, []
+        return events
+
+    def _in_pixels(self, x: float, y: float) -> tuple[float, float]:
+        """A place in the window's own units, which on some desktops are not pixels."""
+        (w, h), (fw, fh) = glfw.get_window_size(self._window), glfw.get_framebuffer_size(self._window)
+        return x * fw / max(w, 1), y * fh / max(h, 1)
+
+    def _note(self, event: Event) -> None:
+        if self.on:
+            self._events.append(event)
+
+    # --- callbacks, without the window ---
+
+    def _moved(self, x: float, y: float) -> None:
+        place = None if self.caught else self._in_pixels(x, y)
+        self._place = place or self._place
+        # A place beside the panel is told too, or a slider would not follow a hand that slips off it.
+        self._note(lambda io: io.add_mouse_pos_event(*((place[0] - self.left, place[1]) if place else NOWHERE)))
+
+    def _entered(self, entered: int) -> None:
+        if not entered:
+            self._place = None
+            self._note(lambda io: io.add_mouse_pos_event(*NOWHERE))
+
+    def _clicked(self, button: int, action: int, _: int) -> None:
+        if button < BUTTONS and not (action == glfw.PRESS and self.caught):
+            self._note(lambda io: io.add_mouse_button_event(button, action == glfw.PRESS))
+
+    def _scrolled(self, x: float, y: float) -> None:
+        if not self.caught:
+            self._note(lambda io: io.add_mouse_wheel_event(x, y))
+
+    def _pressed(self, key: int, _: int, action: int, __: int) -> None:
+        known = MODIFIERS.get(key) or KEYS.get(key)
+        if known is not None and action != glfw.REPEAT and (self.typing or key in MODIFIERS or action == glfw.RELEASE):
+            self._note(lambda io: io.add_key_event(known, action == glfw.PRESS))
+
+    def _typed(self, codepoint: int) -> None:
+        if self.typing:
+            self._note(lambda io: io.add_input_character(codepoint))
+
+    def _focused(self, focused: int) -> None:
+        self._note(lambda io: io.add_focus_event(bool(focused)))
+
+    def close(self) -> None:
+        """Give the callbacks back, where nobody has replaced ours in the meantime."""
+        for setter, ours, before in self._before:
+            # None would do by glfw's manual, but its Python package then calls the number 0 at the next event.
+            now = setter(self._window, before or _nothing)
+            if now is not ours:
+                setter(self._window, now)
+        self._before.clear()
+
+
+def _nothing(*_: object) -> None:
+    """Hears nothing."""
+
+
+class NoInput:
+    """Nobody there: for a panel that is only looked at, in a picture for instance."""
+
+    caught, cursor = False, None
+
+    def __init__(self, scale: float = 1.0) -> None:
+        self.scale = scale
+        self.left, self.typing, self.on = 0, False, True
+
+    @staticmethod
+    def label(key: str) -> str:
+        """As a keyboard of the United States has it."""
+        return key
+
+    def take(self) -> list[Event]:
+        """Nothing."""
+        return []
+
+    def close(self) -> None:
+        """Nothing to give back."""

@@ -1,0 +1,230 @@
+"""Draws what Dear ImGui wants drawn, with moderngl: into a texture of its own, and that over the window's picture.
+
+The bundle's own renderers are left alone: the compiled one brings a second libGL with it, which knows of no context of ours, and the
+Python one asks PyOpenGL for twenty states a frame.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Iterator, Sequence
+
+import attrs
+import moderngl
+import numpy as np
+from imgui_bundle import imgui
+
+from ...gpu.scopes import drawing_into
+from ...gpu.shaders import ShaderLibrary
+
+CORNER = np.dtype([("position_px", "<f4", 2), ("ink_uv", "<f4", 2), ("tint", "u1", 4)])  # ImDrawVert
+LEAST_BYTES = 1 << 18  # of each buffer: a panel in full has some 8000 corners
+
+# Over clear: the texture holds colours times alpha, so that it goes over a picture as the widgets themselves would have.
+INTO_TEXTURE = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+OVER_PICTURE = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+
+
+@attrs.frozen
+class Batch:
+    """Triangles with one texture: `count` of the corners' indices from `first` on, inside clip (left, top, right, bottom; pixels)."""
+
+    texture: moderngl.Texture
+    first: int
+    count: int
+    clip: tuple[float, float, float, float]
+
+
+class PanelRenderer:
+    """paint() renews the picture, put() lays it over a framebuffer. Both leave flags, blending and framebuffer as a pass expects them."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        draw = ShaderLibrary(gl).draw("display/panel.vert", "display/panel.frag")
+        self._program, self._uniforms = draw.program, draw.uniforms
+        self._corners = _Growing(gl)
+        self._indices = _Growing(gl)
+        self._array: moderngl.VertexArray | None = None
+        self._atlases: dict[int, moderngl.Texture] = {}
+        self.picture: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+
+    # --- the picture ---
+
+    def paint(self, data: imgui.ImDrawData, size: tuple[int, int]) -> int:
+        """Draw into the texture `picture` of that size, (w, h) in pixels. Gives how many rows from the top are in use."""
+        for texture in data.textures:
+            self._renew(texture)
+        corners, indices, batches = gathered(data, self._atlases)
+        self.draw(corners, indices, batches, size)
+        return min(math.ceil(corners["position_px"][:, 1].max()), size[1]) if len(corners) else 0
+
+    def draw(self, corners: np.ndarray, indices: np.ndarray, batches: Sequence[Batch], size: tuple[int, int]) -> None:
+        """Draw triangles into the texture. corners: CORNER; indices: uint32, three a triangle."""
+        self._resize(size)
+        with drawing_into(self._framebuffer, moderngl.BLEND):
+            self._framebuffer.scissor = None
+            self._framebuffer.clear()
+            self._gl.blend_func = INTO_TEXTURE
+            self._write(corners, indices)
+            self._uniforms.set(panel_size=tuple(map(float, size)))
+            for batch in batches:
+                left, top, right, bottom = _inside(batch.clip, size)
+                if right > left and bottom > top:
+                    batch.texture.use()
+                    self._framebuffer.scissor = (left, size[1] - bottom, right - left, bottom - top)
+                    self._array.render(vertices=batch.count, first=batch.first)
+            self._framebuffer.scissor = None
+            self._gl.blend_func = moderngl.DEFAULT_BLENDING
+
+    def _resize(self, size: tuple[int, int]) -> None:
+        if self.picture is not None and self.picture.size == size:
+            return
+        self._drop_picture()
+        self.picture = self._gl.texture(size, 4)
+        self.picture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._framebuffer = self._gl.framebuffer([self.picture])
+
+    def _write(self, corners: np.ndarray, indices: np.ndarray) -> None:
+        grown = self._corners.write(corners), self._indices.write(indices)
+        if self._array is None or any(grown):
+            if self._array is not None:
+                self._array.release()
+            layout = [(self._corners.buffer, "2f 2f 4f1", "position_px", "ink_uv", "tint")]
+            self._array = self._gl.vertex_array(self._program, layout, self._indices.buffer, index_element_size=4)
+
+    # --- over the picture ---
+
+    def put(self, into: moderngl.Framebuffer, corner: tuple[int, int], size: tuple[int, int]) -> None:
+        """Lay the top left part of the picture, of that size, over `into`; corner: (x, y) of its lower left pixel there."""
+        if self.picture is None or min(size) < 1:
+            return
+        w, h = self.picture.size
+        before = into.viewport
+        with drawing_into(into, moderngl.BLEND):
+            self._gl.blend_func = OVER_PICTURE
+            # The whole texture's place, so that its pixels and the framebuffer's coincide; what lies below the part is cut off.
+            into.viewport = (corner[0], corner[1] - (h - size[1]), w, h)
+            into.scissor = (*corner, *size)
+            self._write(*_whole(w, h))
+            self._uniforms.set(panel_size=(float(w), float(h)))
+            self.picture.use()
+            self._array.render(vertices=6)
+            into.scissor = None
+            into.viewport = before
+            self._gl.blend_func = moderngl.DEFAULT_BLENDING
+
+    # --- the atlases of glyphs ---
+
+    def _renew(self, texture: imgui.ImTextureData) -> None:
+        """Make, renew or drop our copy, as Dear ImGui asks for it since 1.92: glyphs are added when they are first wanted."""
+        if texture.status == imgui.ImTextureStatus.want_create:
+            made = self._gl.texture((texture.width, texture.height), 4, _pixels(texture))
+            self._atlases[made.glo] = made
+            texture.set_tex_id(made.glo)
+            texture.set_status(imgui.ImTextureStatus.ok)
+        elif texture.status == imgui.ImTextureStatus.want_updates:
+            box = texture.update_rect
+            part = np.ascontiguousarray(_pixels(texture)[box.y : box.y + box.h, box.x : box.x + box.w])
+            self._atlases[texture.tex_id].write(part, viewport=(box.x, box.y, box.w, box.h))
+            texture.set_status(imgui.ImTextureStatus.ok)
+        elif texture.status == imgui.ImTextureStatus.want_destroy:
+            self._forget(texture)
+
+    def _forget(self, texture: imgui.ImTextureData) -> None:
+        ours = self._atlases.pop(texture.tex_id, None)
+        if ours is not None:
+            ours.release()
+        texture.set_tex_id(0)
+        texture.set_status(imgui.ImTextureStatus.destroyed)
+
+    def _drop_picture(self) -> None:
+        if self.picture is not None:
+            self._framebuffer.release()
+            self.picture.release()
+        self.picture = self._framebuffer = None
+
+    def close(self) -> None:
+        """Free everything; Dear ImGui's context must still be there and current."""
+        for texture in imgui.get_platform_io().textures:
+            if texture.tex_id in self._atlases:
+                self._forget(texture)
+        self._drop_picture()
+        if self._array is not None:
+            self._array.release()
+        self._corners.close()
+        self._indices.close()
+        self._program.release()
+
+
+class _Growing:
+    """A buffer that is exchanged for one of twice the size when something does not fit."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self.buffer = gl.buffer(reserve=LEAST_BYTES, dynamic=True)
+
+    def write(self, values: np.ndarray) -> bool:
+        """Whether the buffer is another one now."""
+        grows = values.nbytes > self.buffer.size
+        if grows:
+            self.buffer.release()
+            self.buffer = self._gl.buffer(reserve=2 * values.nbytes, dynamic=True)
+        else:
+            self.buffer.orphan()
+        if values.size:
+            self.buffer.write(values)
+        return grows
+
+    def close(self) -> None:
+        self.buffer.release()
+
+
+def gathered(data: imgui.ImDrawData, atlases: dict[int, moderngl.Texture]) -> tuple[np.ndarray, np.ndarray, list[Batch]]:
+    """Copies of all corners and indices of a frame, as one array each, and the batches that use them."""
+    corners, indices, batches = [], [], []
+    first_corner = first_index = 0
+    for drawn in data.cmd_lists:
+        corners.append(_copied(drawn.vtx_buffer, CORNER))
+        indices.append(_copied(drawn.idx_buffer, np.dtype("<u4")) + np.uint32(first_corner))
+        batches += _batches(drawn, first_index, atlases)
+        first_corner += len(corners[-1])
+        first_index += len(indices[-1])
+    if not corners:
+        return np.empty(0, CORNER), np.empty(0, np.uint32), []
+    return np.concatenate(corners), np.concatenate(indices), batches
+
+
+def _batches(drawn: imgui.ImDrawList, first_index: int, atlases: dict[int, moderngl.Texture]) -> Iterator[Batch]:
+    for command in drawn.cmd_buffer:
+        texture = atlases.get(command.get_tex_id())
+        if texture is not None and command.elem_count:
+            clip = command.clip_rect
+            yield Batch(texture, first_index + command.idx_offset, command.elem_count, (clip.x, clip.y, clip.z, clip.w))
+
+
+def _copied(vector, dtype: np.dtype) -> np.ndarray:
+    """The elements of one of Dear ImGui's vectors, which holds them until its next frame only."""
+    count = vector.size()
+    if not count:
+        return np.empty(0, dtype)
+    return np.frombuffer(ctypes.string_at(vector.data_address(), count * dtype.itemsize), dtype)
+
+
+def _pixels(texture: imgui.ImTextureData) -> np.ndarray:
+    return texture.get_pixels_array().reshape(texture.height, texture.width, 4)
+
+
+def _inside(clip: tuple[float, float, float, float], size: tuple[int, int]) -> tuple[int, int, int, int]:
+    left, top, right, bottom = clip
+    return max(int(left), 0), max(int(top), 0), min(int(right), size[0]), min(int(bottom), size[1])
+
+
+def _whole(w: int, h: int) -> tuple[np.ndarray, np.ndarray]:
+    """The two triangles of the whole picture, white. v is turned: row 0 of what was drawn is the bottom one."""
+    corners = np.zeros(4, CORNER)
+    corners["position_px"] = [(0, 0), (w, 0), (w, h), (0, h)]
+    corners["ink_uv"] = [(0, 1), (1, 1), (1, 0), (0, 0)]
+    corners["tint"] = 255
+    return corners, np.array([0, 1, 2, 0, 2, 3], np.uint32)

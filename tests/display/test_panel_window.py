@@ -1,0 +1,204 @@
+"""The panel in a real window of a virtual screen, led by a real mouse and keyboard."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from hmdwarp.display.desktop.panel import HOW_TO_GET_THE_PANEL, installed
+
+if not installed():
+    pytest.skip(f"the panel's package is not installed: {HOW_TO_GET_THE_PANEL}", allow_module_level=True)
+for needed in ("Xvfb", "xdotool"):
+    if not shutil.which(needed):
+        pytest.skip(f"no {needed} here (Debian, Ubuntu: sudo apt-get install {needed.lower()})", allow_module_level=True)
+
+PATIENCE_S = 60.0  # against hanging alone
+TESTS = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def screen():
+    """A virtual screen; its DISPLAY."""
+    read, write = os.pipe()
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"]
+    server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    os.close(write)
+    try:
+        with os.fdopen(read) as told:
+            number = told.readline().strip()
+        assert number, "Xvfb did not start"
+        yield f":{number}"
+    finally:
+        server.terminate()
+        server.wait(PATIENCE_S)
+
+
+class Led:
+    """panel_window in a process of its own, and xdotool's hand on it."""
+
+    def __init__(self, display: str,) -> None:
+        paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
+        self._environment = {**os.environ, "DISPLAY": display, "PYTHONPATH": paths}
+        self._environment.pop("WAYLAND_DISPLAY", None)
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "display.panel_window"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=self._environment, cwd=TESTS,
+        )  # fmt: skip
+        self._said: queue.Queue[str] = queue.Queue()
+        self._reader = threading.Thread(target=self._listen)
+        self._reader.start()
+        self.all: list[dict] = []
+        self.scale = 0.0
+
+    def begin(self) -> Led:
+        """Wait until its window is there, and put the mouse out of the way."""
+        self.scale = self.until(lambda one: "scale" in one)["scale"]
+        self.hand("mousemove", "600", "700")
+        return self
+
+    def _listen(self) -> None:
+        for line in self._process.stdout:
+            self._said.put(line)
+
+    def until(self, wanted) -> dict:
+        """The next thing it says that is wanted; all others go to `all`."""
+        end = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                one = json.loads(self._said.get(timeout=max(end - time.monotonic(), 0.01)))
+            except queue.Empty:
+                raise AssertionError(f"it said only {self.all}, and ended with {self._process.poll()}") from None
+            self.all.append(one)
+            if wanted(one):
+                return one
+
+    def say(self, word: str) -> dict:
+        """Tell it something; its answer."""
+        self._process.stdin.write(word + "\n")
+        self._process.stdin.flush()
+        return self.until(lambda one: one.get("done") == word)
+
+    def hand(self, *what: str) -> None:
+        """xdotool, and time for a few refreshes, as a hand takes."""
+        subprocess.run(["xdotool", *what], env=self._environment, check=True, timeout=PATIENCE_S)
+        time.sleep(0.15)
+        self.say("where")
+
+    def grab(self) -> tuple[int, int]:
+        """Where the latency slider's grab is, once the panel has been drawn."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            at = self.say("where")["grab"]
+            if at is not None:
+                return tuple(at)
+            time.sleep(0.05)
+        raise AssertionError("no slider is to be seen")
+
+    def heard(self, key: str) -> list[dict]:
+        """All it said that has that key, since this was asked last."""
+        self.say("where")
+        found, self.all = [one for one in self.all if key in one], []
+        return found
+
+    def __enter__(self) -> Led:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """Ask it to end, and see that it does well."""
+        try:
+            self._process.stdin.write("end\n")
+            self._process.stdin.close()
+            status = self._process.wait(PATIENCE_S)
+        finally:
+            self._process.kill()
+            self._reader.join(PATIENCE_S)
+            self._process.stdout.close()
+        assert kind is not None or status == 0
+
+
+@pytest.fixture
+def led(screen):
+    with Led(screen) as made:
+        yield made.begin()
+
+
+def test_the_slider_of_latency_is_dragged(led):
+    x, y = led.grab()
+    led.hand("mousemove", str(x), str(y), "sleep", "0.2", "mousedown", "1")
+    led.hand("mousemove", str(x + 40), str(y))
+    led.hand("mousemove", str(x + 80), str(y + 200))
+    led.hand("mouseup", "1")
+    asked = led.heard("control")
+    assert {one["control"] for one in asked} == {"latency"}
+    values = [one["value"] for one in asked]
+    assert values == sorted(values) and values[-1] > 600
+    assert led.grab()[0] == pytest.approx(x + 80, abs=6)  # where the hand left it
+
+
+def test_a_click_beside_the_panel_is_the_windows_and_one_on_it_the_panels(led):
+    _, y = led.grab()
+    led.hand("mousemove", "100", "300", "click", "1")
+    assert [one["wanted"] for one in led.heard("click")] == [False, False]
+    led.hand("mousemove", "600", str(y), "sleep", "0.2", "click", "1")
+    assert [one["wanted"] for one in led.heard("click")] == [True, True]
+    led.say("off")
+    led.hand("click", "1")
+    assert [one["wanted"] for one in led.heard("click")] == [False, False]
+    led.say("on")
+    assert led.heard("control") == []  # what was clicked meanwhile is not made up for
+
+
+def test_a_caught_mouse_is_not_the_panels(led):
+    x, y = led.grab()
+    led.hand("mousemove", str(x), str(y))
+    led.say("catch")
+    led.hand("mousedown", "1", "mousemove_relative", "60", "0", "mouseup", "1")
+    assert [one["wanted"] for one in led.heard("click")] == [False, False]
+    assert led.heard("control") == []
+    led.say("free")
+
+
+def test_keys_are_the_windows_until_a_number_is_typed(led):
+    x, y = led.grab()
+    led.hand("mousemove", str(x), str(y), "sleep", "0.2", "key", "t")
+    assert [one["wanted"] for one in led.heard("key")] == [False, False]
+    led.hand("keydown", "ctrl", "sleep", "0.2", "click", "1", "sleep", "0.2", "keyup", "ctrl")
+    led.heard("key")
+    led.hand("type", "--delay", "60", "345")
+    typed = led.heard("key")
+    assert len(typed) == 6 and all(one["wanted"] for one in typed)
+    led.hand("key", "Return")
+    assert {"control": "latency", "value": 345.0} in led.all or {"control": "latency", "value": 345.0} in led.heard("control")
+    led.heard("key")
+    led.hand("key", "w")
+    assert [one["wanted"] for one in led.heard("key")] == [False, False]
+
+
+def test_closed_it_gives_the_callbacks_back(led):
+    led.grab()
+    led.say("close")
+    led.hand("mousemove", "600", "60", "click", "1", "key", "t")
+    assert [one["wanted"] for one in led.heard("click")] == [None, None]
+
+
+def test_a_screen_of_twice_the_density_has_a_panel_of_twice_the_size(screen):
+    if not shutil.which("xrdb"):
+        pytest.skip("no xrdb here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)")
+    environment = {**os.environ, "DISPLAY": screen}
+    subprocess.run(["xrdb", "-nocpp", "-merge"], input="Xft.dpi: 192\n", text=True, env=environment, check=True, timeout=PATIENCE_S)
+    try:
+        with Led(screen) as led:
+            assert led.begin().scale == 2.0
+            assert led.say("where")["column"] == 640  # 660 would be wider than the window
+    finally:
+        subprocess.run(["xrdb", "-remove"], env=environment, check=True, timeout=PATIENCE_S)
