@@ -47,15 +47,21 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     return log.result()
 
 
-def _last_words(recorder: Recorder | None, log: LiveLog) -> Callable[[], None]:
+def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
     """What the watchdog does before it ends the program: the recording first, it cannot be had again."""
 
-    def save() -> None:
-        if recorder is not None:
-            recorder.flush()
-        log.finish()
+    def save_recording() -> str:
+        if recorder is None:
+            return ""
+        recorder.flush()
+        return f"the recording until then is in {recorder.path}"
 
-    return save
+    def save_log() -> str:
+        log.finish()
+        folder = log.result().folder
+        return f"the log until then is in {folder}" if folder is not None else ""
+
+    return [save_recording, save_log]
 
 
 class _closing:  # noqa: N801 (as contextlib.closing, which leaves out __enter__'s type)
