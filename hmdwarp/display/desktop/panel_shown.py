@@ -78,11 +78,6 @@ class Panel:
 
     @property
     def column(self) -> int:
-        """How many pixels at the right of the framebuffer it takes, as last drawn; 0 while it is off."""
-        return self._column if self._on else 0
-
-    @property
-    def column(self) -> int:
         """How many pixels of the framebuffer's width it takes, at the right edge, if there are so many; 0 while it is off."""
         return round(style.WIDTH * self._heard.scale) if self._on else 0
 
