@@ -159,7 +159,7 @@ def panel() -> Finding:
     try:
         version = importlib.metadata.version("imgui-bundle")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("panel", State.OPTIONAL, "not installed: the window of 'hmdwarp live' has keys alone", "pip install 'hmdwarp[panel]'")
+        return Finding("panel", State.OPTIONAL, "not installed: the window of hmdwarp live has keys alone", "pip install 'hmdwarp[panel]'")
     return Finding("panel", State.OK, f"imgui-bundle {version}", facts={"version": version})
 
 
