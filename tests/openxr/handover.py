@@ -51,11 +51,19 @@ class Inner:
         while name not in self._outcomes:
             line = self._line()
             if line is None:
-                self._process.kill()
-                return Outcome("failed", f"the pytest in Monado's root did not tell what became of this test. It said:\n{self.said()}")
+                return Outcome("failed", self._silent())
             told = json.loads(line)
             self._outcomes[told["name"]] = Outcome(told["outcome"], told["text"])
         return self._outcomes[name]
+
+    def _silent(self) -> str:
+        """Why nothing more is told."""
+        try:
+            ended = f"ended with status {self._process.wait(1)}"
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            ended = f"has told nothing for {SILENCE_S:g} s"
+        return f"the pytest in Monado's root {ended}. It said:\n{self.said()}"
 
     def _line(self) -> bytes | None:
         while b"\n" not in self._bytes:

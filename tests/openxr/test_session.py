@@ -1,0 +1,363 @@
+"""The headset's display with a real runtime: whose eyes and head it has, what it hands over, and that it lets go whatever happens."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import signal
+import time
+
+import numpy as np
+import pytest
+import xr
+
+from hmdwarp.colour import picture_from_linear
+from hmdwarp.display import Closed, DisplayOptions, Lost
+from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
+from hmdwarp.display.openxr import head as head_module
+from hmdwarp.display.openxr.calls import Calls
+from hmdwarp.display.openxr.layer import NEAR_M
+from hmdwarp.display.openxr.swapchain import Swapchain
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.geometry import Fov, Pose
+from hmdwarp.gpu.textures import download, flip_rows
+from hmdwarp.poses import Origin
+from hmdwarp.poses.quaternions import angle_between
+
+from .live_runs import SMALL, Here, quick
+from .monado import REMOTE, UNSEEN
+
+pytestmark = pytest.mark.usefixtures("no_screen")
+
+HEAD = Pose((0.1, 1.7, -0.25), (0.1, -0.2, 0.05, 0.97))
+UNLIKE = [
+    (Pose((-0.034, 0.002, 0.01)), Fov(-0.8, 0.6, -0.7, 0.5)),
+    (Pose((0.029, -0.001, 0.0), (0.0, 0.1, 0.0, 1.0)), Fov(-0.55, 0.75, -0.65, 0.6)),  # canted outwards, too
+]
+FLOAT32 = 2e-7  # relative step of the runtime's numbers, all of which are below 2 here
+HANG_S = 60
+
+
+@pytest.fixture(autouse=True)
+def no_hang():
+    """A frame left open blocks the next xrWaitFrame for ever, inside C."""
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(HANG_S)
+    yield
+    signal.alarm(0)
+
+
+@pytest.fixture
+def display(monado):
+    made = OpenXrDisplay(DisplayOptions(size=SMALL))
+    yield made
+    made.close()
+
+
+def frames(display, count: int) -> list:
+    """Empty ones."""
+    ticks = []
+    while len(ticks) < count:
+        tick = display.wait()
+        if tick is not None:
+            ticks.append(tick)
+            display.show(None)
+    return ticks
+
+
+def until_head_at(display, wanted: Pose) -> None:
+    until = time.monotonic() + 20
+    while not display.source.head_at(display.now_ns()).pose.isclose(wanted, 1e-5):
+        assert time.monotonic() < until, "the runtime never said so"
+
+
+# --- whose eyes and head ---------------------------------------------------------------------------------------------------
+
+
+def test_the_head_is_the_runtimes(display, remote_head):
+    remote_head.put(HEAD)
+    until_head_at(display, HEAD)
+    now_ns = display.now_ns()
+    past, to_come = display.source.head_at(now_ns - 1_000_000), display.source.head_at(now_ns + 30_000_000)
+    for sample in (past, to_come):
+        assert np.abs(sample.pose.position_m - HEAD.position_m).max() < FLOAT32
+        # Monado turns it into its own space and back: a few steps more.
+        assert angle_between(sample.pose.orientation_xyzw, HEAD.orientation_xyzw) < 10 * FLOAT32
+        assert now_ns <= sample.read_ns <= display.now_ns()
+    assert (past.origin, to_come.origin) == (Origin.MEASURED, Origin.PREDICTED)
+
+
+def test_eyes_follow_the_runtime_while_it_runs(display, remote_head):
+    before = display.eyes.views(HEAD)
+    assert before[1].head_from_eye.position_m[0] - before[0].head_from_eye.position_m[0] == pytest.approx(0.063, abs=0.01)
+    remote_head.put_eyes(UNLIKE)
+    until = time.monotonic() + 20
+    while display.eyes.views(HEAD)[0].fov.left == before[0].fov.left and time.monotonic() < until:
+        frames(display, 1)
+    for view, (head_from_eye, fov) in zip(display.eyes.views(HEAD), UNLIKE, strict=True):
+        assert view.head_from_eye.isclose(head_from_eye, 4 * FLOAT32)
+        assert view.pose.isclose(HEAD @ head_from_eye, 1e-6)
+        assert np.allclose([view.fov.left, view.fov.right, view.fov.down, view.fov.up], [fov.left, fov.right, fov.down, fov.up], atol=1e-7)
+
+
+def test_a_head_that_is_lost_is_held_where_it_was(display, remote_head, monado):
+    """A dead service's locations are identities without a flag, and no error, as long as nobody polls."""
+    remote_head.put(HEAD)
+    until_head_at(display, HEAD)
+    assert not display.source.lost
+    monado.kill()
+    sample = display.source.head_at(display.now_ns())
+    assert display.source.lost and sample.origin is Origin.HELD
+    assert sample.pose.isclose(HEAD, 1e-5)
+
+
+# --- what is handed over -----------------------------------------------------------------------------------------------------
+
+
+class HandedOver:
+    """What reached the runtime: at each xrEndFrame the views of its layer, and each picture as it was when it was released."""
+
+    def __init__(self, monkeypatch) -> None:
+        self.layers: list[list[dict[str, object]]] = []
+        self.pictures: list[np.ndarray] = []
+        call, acquire, release, drawn = Calls.__call__, Swapchain.acquire, Swapchain.release, {}
+
+        def calling(calls, name, *arguments):
+            if name == "xrEndFrame":
+                self.layers.append(_views(arguments[1]._obj))
+            return call(calls, name, *arguments)
+
+        def acquiring(swapchain):
+            drawn[swapchain] = acquire(swapchain)
+            return drawn[swapchain]
+
+        def releasing(swapchain):
+            framebuffer, (w, h) = drawn[swapchain], swapchain.size
+            if swapchain.is_depth:
+                pixels = np.frombuffer(framebuffer.read(attachment=-1, dtype="f4"), np.float32).reshape(h, w)
+            else:
+                pixels = np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(h, w, 4)
+            self.pictures.append(flip_rows(pixels))
+            release(swapchain)
+
+        monkeypatch.setattr(Calls, "__call__", calling)
+        monkeypatch.setattr(Swapchain, "acquire", acquiring)
+        monkeypatch.setattr(Swapchain, "release", releasing)
+
+
+def _views(end: xr.FrameEndInfo) -> list[dict[str, object]]:
+    if not end.layer_count:
+        return []
+    layer = ctypes.cast(end._layers[0], ctypes.POINTER(xr.CompositionLayerProjection)).contents
+    found = []
+    for view in layer.views:
+        at, turned, fov = view.pose.position, view.pose.orientation, view.fov
+        depth = ctypes.cast(view._next, ctypes.POINTER(xr.CompositionLayerDepthInfoKHR)).contents if view._next else None
+        found.append({
+            "position": (at.x, at.y, at.z), "orientation": (turned.x, turned.y, turned.z, turned.w),
+            "fov": (fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up),
+            "depth": (depth.min_depth, depth.max_depth, depth.near_z, depth.far_z) if depth else None,
+        })  # fmt: skip
+    return found
+
+
+@pytest.mark.parametrize(("warp", "depth_layer"), [("forward", True), ("backward", True), ("forward", False)])
+def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, warp, depth_layer):
+    """Each eye's picture within a step of 8 bits, its depth as float32 has it, and the very pose and field of view it was warped for."""
+    remote_head.put(HEAD)
+    remote_head.put_eyes(UNLIKE)
+    here, expected, handed_over = Here(monkeypatch), [], HandedOver(monkeypatch)
+
+    def after(number: int) -> None:
+        refresh = here.watched.shown[-1]
+        expected.append([(one.shown, picture_from_linear(download(eye.panel.texture)), eye.inverse_depth) for one, eye in views_of(refresh)])
+        if depth_layer:
+            expected[-1] = [(shown, picture, download(inverse)) for shown, picture, inverse in expected[-1]]
+
+    here.run(quick(frames=4, scene="room", warp=warp, fill="interpolate", depth_layer=depth_layer), after)
+    layers, pictures = [layer for layer in handed_over.layers if layer], iter(handed_over.pictures)
+    assert len(layers) == 4
+    for layer, eyes in zip(layers, expected, strict=True):
+        for view, (shown, picture, inverse_depth) in zip(layer, eyes, strict=True):
+            assert np.array_equal(view["position"], shown.pose.position_m.astype(np.float32))
+            assert np.array_equal(view["orientation"], shown.pose.orientation_xyzw.astype(np.float32))
+            fov = shown.fov
+            assert np.array_equal(view["fov"], np.float32([fov.left, fov.right, fov.down, fov.up]))
+            arrived = next(pictures)
+            # Half a step by rounding here, and up to 0.6 by the encoding in hardware that OpenGL allows.
+            assert np.abs(arrived[..., :3].astype(int) - picture[..., :3]).max() <= 1
+            assert (arrived[..., 3] == 255).all() and arrived[..., :3].std() > 5
+            assert (view["depth"] is not None) == depth_layer
+            if depth_layer:
+                assert view["depth"] == pytest.approx((0, 1, math.inf, NEAR_M), rel=1e-7)
+                assert np.allclose(next(pictures), np.clip(NEAR_M * inverse_depth, 0, 1), rtol=1e-6, atol=0)
+    assert next(pictures, None) is None
+
+
+def views_of(refresh):
+    return zip(refresh.given, refresh.eyes, strict=True)
+
+
+def test_nothing_is_handed_over_where_nothing_would_be_seen(display, monkeypatch):
+    handed_over = HandedOver(monkeypatch)
+    display.wait()
+    display.show(None)
+    display.wait()
+    display.show(None, "waiting")
+    display.wait()
+    display._connection.frames.state.should_render = 0
+    display.show(None, "waiting")
+    assert [len(layer) for layer in handed_over.layers] == [0, 2, 0]
+    assert len(handed_over.pictures) == 2
+    for picture in handed_over.pictures:  # black, and a text in it
+        assert (picture[:20, :, :3] == 0).all() and picture[..., :3].max() > 100
+
+
+# --- in step, whatever happens -------------------------------------------------------------------------------------------------
+
+
+def test_times_are_one_clock(display):
+    before = display.now_ns()
+    ticks = frames(display, 5)
+    assert [tick.period_ns for tick in ticks] == [50_000_000] * 5
+    assert display.rate_hz == pytest.approx(20)
+    for tick in ticks:
+        assert before < tick.shown_ns < display.now_ns() + 1_000_000_000
+    assert abs(display.now_ns() - time.monotonic_ns()) < 1_000_000_000
+
+
+def test_refreshes_that_went_by_are_counted(display):
+    frames(display, 3)
+    display.wait()
+    time.sleep(0.22)
+    display.show(None)
+    assert sum(tick.missed for tick in frames(display, 2)) >= 3  # 4 periods of 50 ms and a bit
+
+
+@pytest.mark.parametrize("call", ["xrWaitFrame", "xrBeginFrame", "xrEndFrame"])
+@pytest.mark.parametrize("when", ["before", "after"])
+def test_an_interrupt_in_a_frame_leaves_none_open(display, monkeypatch, call, when):
+    frames(display, 2)
+    calling, hit = Calls.__call__, []
+
+    def interrupted(calls, name, *arguments):
+        ours = name == call and not hit
+        if ours and when == "before":
+            hit.append(name)
+            raise KeyboardInterrupt
+        result = calling(calls, name, *arguments)
+        if ours:
+            hit.append(name)
+            raise KeyboardInterrupt
+        return result
+
+    monkeypatch.setattr(Calls, "__call__", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        frames(display, 1)
+    frames(display, 3)  # blocks for ever where one was left open
+    display.close()
+
+
+@pytest.mark.parametrize("open_frame", [False, True])
+def test_one_after_the_other_in_one_process(monado, open_frame):
+    for _ in range(3):
+        display = OpenXrDisplay(DisplayOptions(size=SMALL))
+        if open_frame:
+            display.wait()
+        display.close()
+        display.close()
+
+
+def test_a_size_beyond_the_runtimes_is_refused_and_leaves_nothing(monado):
+    with pytest.raises(InputError, match="takes pictures up to"):
+        OpenXrDisplay(DisplayOptions(size=(100_000, 64)))
+    OpenXrDisplay(DisplayOptions(size=SMALL)).close()
+
+
+def test_a_second_one_is_refused_and_the_first_goes_on(display):
+    with pytest.raises(MachineError, match="no room for another program"):
+        OpenXrDisplay(DisplayOptions(size=SMALL))
+    with display.gpu.current():
+        frames(display, 2)
+
+
+def test_the_runtime_ends_the_session(display):
+    """STOPPING, IDLE, EXITING: followed to the end, and said."""
+    frames(display, 2)
+    xr.request_exit_session(display._connection.session.handle)
+    seen = set()
+    with pytest.raises(Closed, match="ended the session"):
+        while True:
+            if display.wait() is not None:
+                display.show(None)
+            seen.add(display._connection.session.state.name)
+    assert {"STOPPING", "IDLE"} & seen or not display._connection.session.running
+
+
+def test_it_comes_back_with_the_service(display, monado):
+    (before,) = frames(display, 1)
+    gpu = display.gpu
+    monado.kill()
+    with pytest.raises(Lost, match="went away"):
+        frames(display, 3)
+    assert not display.reopen()
+    assert not display.reopen()
+    monado.start()
+    assert display.reopen()
+    (after,) = frames(display, 1)
+    # The runtime's clock begins anew with its service; ours goes on.
+    assert after.shown_ns > before.shown_ns
+    assert after.shown_ns - display.now_ns() < 1_000_000_000
+    assert display.gpu is gpu and gpu.gl.error == "GL_NO_ERROR"
+
+
+def test_every_call_that_may_hang_is_watched(monado):
+    watched = []
+
+    class Watching:
+        def __init__(self, what: str) -> None:
+            watched.append(what)
+
+        def __enter__(self) -> None: ...
+
+        def __exit__(self, *_: object) -> None: ...
+
+    display = OpenXrDisplay(DisplayOptions(size=SMALL, watching=Watching))
+    opened = set(watched)
+    watched.clear()
+    display.wait()
+    display.show(None, "text")
+    display.close()
+    assert {"xrCreateInstance", "xrCreateSession", "xrCreateSwapchain", "xrBeginSession"} <= opened
+    frame = {"xrPollEvent", "xrWaitFrame", "xrBeginFrame", "xrLocateViews", "xrWaitSwapchainImage", "xrEndFrame"}
+    assert frame <= set(watched)
+
+
+# --- the head alone ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("headless", [True, False])
+def test_the_head_alone(remote_head, monkeypatch, headless):
+    if not headless:  # as with a runtime that has not that extension
+        monkeypatch.setattr(head_module, "HEADLESS_EXTENSION", "XR_no_such_extension")
+    remote_head.put(HEAD)
+    with OpenXrHead() as head:
+        assert head.about["graphics"] == ("none" if headless else "EGL")
+        assert head.about["headset"] and head.rate_hz > 0
+        until = time.monotonic() + 20
+        while not head.head_at(head.now_ns()).pose.isclose(HEAD, 1e-5):
+            assert head.poll() and time.monotonic() < until
+        assert head.head_at(head.now_ns()).origin is Origin.MEASURED
+
+
+def test_the_head_alone_is_lost_and_comes_back(runtime):
+    monado = runtime(REMOTE, UNSEEN)
+    monado.start()
+    with OpenXrHead() as head:
+        monado.kill()
+        with pytest.raises(Lost):
+            for _ in range(100):
+                head.poll()
+        assert not head.reopen()
+        monado.start()
+        assert head.reopen() and head.poll()
