@@ -13,9 +13,9 @@ Watching = Callable[[str], AbstractContextManager[None]]
 
 
 def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], None]) -> Display:
-    """The headset or the window, as asked for; for "auto" the headset if one answers, else the reason why not and the window.
+    """The headset or the window, as asked for; for "auto" the headset if one answers, else the window. say: gets why it is no headset.
 
-    Errors: MachineError (and its kin) that says what is missing and what to do.
+    Errors: MachineError (and its kin) that says what is missing and what to do: for "auto" of both.
     """
     wanted = display_options(options, watching)
     if options.source == DESKTOP:
@@ -23,13 +23,19 @@ def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], 
     try:
         return _openxr(wanted)
     except MachineError as error:
+        why = str(error)
         if options.source == OPENXR:
-            raise
-        say(f"no headset: {error}")
+            raise MachineError(f"no headset: {why}; or take a window: --source desktop") from error
     try:
-        return _desktop(wanted)
+        display = _desktop(wanted)
     except MachineError as error:
-        raise MachineError(f"no headset (said above), and no window: {error}") from error
+        raise MachineError(f"neither headset nor window. No headset: {why}. {_sentence(str(error))}") from error
+    say(f"no headset: {why}; a window instead")
+    return display
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def display_options(options: LiveOptions, watching: Watching) -> DisplayOptions:

@@ -57,3 +57,5 @@ class LiveOptions(PipelineOptions):
         super().__attrs_post_init__()
         if self.guard == AUTO:
             raise InputError("guard auto looks at the whole trace first, which a live run has not: give a number, or replay a recording")
+        if self.warp == AUTO and self.bench is None:
+            raise InputError("warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by --bench")

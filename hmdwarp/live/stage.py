@@ -87,8 +87,6 @@ class Stage:
     def _ladder_for(self, options: LiveOptions) -> Ladder:
         if options.warp != AUTO:
             return Ladder()
-        if options.bench is None:
-            raise InputError("warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by --bench")
         return ladder_from_file(options.bench, attrs.evolve(options, lens="none"), None)
 
     def _plans(self, options: LiveOptions, scene: Scene, ladder: Ladder) -> list[Plan]:

@@ -24,7 +24,7 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
         ("heads are read before", _pair(live["pose_age_ms"])),
         ("from picture to picture", _pair(live["period_ms"])),
         ("time per eye", _per_eye(summary)),
-        ("drawing and both eyes", f"{_pair(live['refresh_ms']['total'])}, of {live['budget_ms']:.2f} ms for a refresh"),
+        ("drawing and both eyes", _pair(live["refresh_ms"]["total"], f", of {live['budget_ms']:.2f} ms for a refresh")),
         ("holes before the fill", _holes(summary)),
     ]
     lines = [f"{label:<24}{text}" for label, text in told if text]
@@ -49,12 +49,12 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
 
 def _shown(live: Mapping[str, Any]) -> str:
     rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
-    missed = f"; {live['missed']} refreshes missed ({missed_share(live):.1%})" if live["missed"] else "; no refresh missed"
-    return f"{live['refreshes']} pictures in {live['seconds']:.1f} s{rate}{missed}"
+    missed = f"; {live['missed']} missed ({missed_share(live):.1%})" if live["missed"] else "; none missed"
+    return f"{live['refreshes']} picture{'s' * (live['refreshes'] != 1)} in {live['seconds']:.1f} s{rate}{missed}"
 
 
-def _pair(entry: Mapping[str, float | None]) -> str:
-    return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}"
+def _pair(entry: Mapping[str, float | None], more: str = "") -> str:
+    return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}{more}"
 
 
 def _per_eye(summary: Summary) -> str:

@@ -1,0 +1,99 @@
+"""The page and the lines of a live run, from figures that were made up."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+
+from hmdwarp.metrics.summary import aggregate
+from hmdwarp.report.live_page import render_live_report
+from hmdwarp.report.live_told import budget_rows, live_lines
+from hmdwarp.report.schema import validate_summary
+
+from .samples import a_summary
+from .test_page import CHROMIUM, in_chromium
+
+NAMES = ("age_ms", "pose_age_ms", "period_ms", "busy_ms", "angular_speed_deg_s", "linear_speed_m_s", "hole_share/0", "hole_share/1")
+
+REFRESH = {"render": (3.0, 4.0), "warp": (2.5,), "fill": (1.0,), "effects": (0.0,), "lens": (1.0,), "total": (7.5,)}
+
+
+def pair(median, p95=None):
+    return {"median": median, "p95": median if p95 is None and median is not None else p95}
+
+
+def a_live_summary(**changes) -> dict:
+    live = {
+        "source": "openxr", "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"}, "record": "/tmp/head.csv", "seconds": 12.5,
+        "refreshes": 1001, "missed": 9, "waiting": 3, "unseen": 2, "over": 40, "timed": 1001, "age_ms": pair(203.4, 211.0),
+        "pose_age_ms": pair(1.25, 1.9), "period_ms": pair(12.5, 13.1), "budget_ms": 12.5,
+        "refresh_ms": {name: pair(*ms) for name, ms in REFRESH.items()},
+        "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "by hand"}], "change_count": 1,
+        "notices": {"tracking lost": 12}, "lost": [],
+        "garbage_collector": {"between": True, "collections": [1001, 0, 0], "total_ms": 12.0, "longest_ms": 0.4}, "sampled_every": 1,
+    }  # fmt: skip
+    figures = aggregate([{"warp_ms": 1.25, "fill_ms": 0.5, "effects_ms": 0.0, "lens_ms": 0.5, "total_ms": 2.25, "hole_share": 0.0213}])
+    return {**a_summary(), **figures, "clock": "gpu", "rate_hz": 80.0, "notes": ["A <note>."], "live": {**live, **changes}}
+
+
+def a_column(count=300, holes=True):
+    rng = np.random.default_rng(1)
+    columns = {"time_s": np.arange(count) / 80, **{name: rng.uniform(1, 12, count) for name in NAMES}}
+    columns["pose_age_ms"][0] = columns["period_ms"][0] = np.nan
+    if not holes:
+        columns["hole_share/0"][:] = columns["hole_share/1"][:] = np.nan
+    return lambda name: columns[name].copy()
+
+
+def test_the_lines_say_what_counts():
+    validate_summary(a_live_summary())
+    told = live_lines(a_live_summary(), None)
+    assert told == [
+        "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9%)",
+        "frames are old by       203.40 ms, p95 211.00",
+        "heads are read before   1.25 ms, p95 1.90",
+        "from picture to picture 12.50 ms, p95 13.10",
+        "time per eye            2.25 ms, p95 2.25: warp 1.25, fill 0.50, lens 0.50",
+        "drawing and both eyes   7.50 ms, p95 7.50, of 12.50 ms for a refresh",
+        "holes before the fill   2.13 %, p95 2.13",
+        "note: A <note>.",
+    ]
+
+
+def test_what_was_not_measured_is_not_told():
+    nothing = {name: pair(None) for name in ("render", "warp", "fill", "effects", "lens", "total")}
+    summary = a_live_summary(pose_age_ms=pair(None), period_ms=pair(None), refresh_ms=nothing, refreshes=1, missed=0, seconds=0.0)
+    told = live_lines({**summary, **aggregate([])}, None)
+    assert told[0] == "shown                   1 picture in 0.0 s; none missed"
+    assert [line[:17].strip() for line in told] == ["shown", "frames are old by", "note: A <note>."]
+
+
+def test_a_refresh_is_weighed_against_its_budget():
+    rows = budget_rows(a_live_summary())
+    assert rows[0] == ("the server draws", "3.00", "4.00", 0.24) and rows[-1] == ("all of it", "7.50", "7.50", 0.6)
+
+
+def test_the_page_says_it_too_and_escapes():
+    page = render_live_report(a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="hmdwarp live --out 'a&b'")
+    for text in ("&lt;Monado&gt;", "a&amp;b", "A &lt;note&gt;.", "latency 200 → 250", "60%", "0.9% of 1010", "tracking lost (12×)"):
+        assert text in page, text
+    assert page.count("<svg") == 6 and "not measured" not in page
+    assert page == render_live_report(a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="hmdwarp live --out 'a&b'")
+
+
+def test_a_page_of_almost_nothing():
+    summary = copy.deepcopy({**a_live_summary(record=None, changes=[], notices={}, about={}), **aggregate([])})
+    page = render_live_report(summary, a_column(1, holes=False), command="")
+    assert "not measured" in page and "recorded to" not in page and "What was changed" not in page
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@pytest.mark.parametrize("width", [1280, 500])
+def test_whole_quiet_and_alone_in_chromium(width, tmp_path):
+    page = render_live_report(a_live_summary(), a_column(), command="hmdwarp live")
+    found, console = in_chromium(page, tmp_path, width=width)
+    assert console == "" and found["faults"] == [] and found["requests"] == [] and found["wider"] <= 0
+    assert len(found["charts"]) == 6 and all(w > 200 and h > 80 for w, h in found["charts"])
