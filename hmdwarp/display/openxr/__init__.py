@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from .head import OpenXrHead
 
 __all__ = ["OpenXrDisplay", "OpenXrHead"]
+WHO = "the OpenXR runtime"  # corrects the lens and takes depth, as a plan tells it
 
 
 def __getattr__(name: str) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from ...errors import MachineError
 from .trouble import trouble
 
@@ -11,6 +13,7 @@ def load_binding() -> None:
 
     Without libGL the import is an AttributeError, with a foreign loader an OSError: anything may come.
     """
+    os.environ.setdefault("XR_LOADER_DEBUG", "none")  # else the loader prints what we say in words of our own, in five lines
     try:
         import xr  # noqa: F401
     except Exception as error:

@@ -10,6 +10,7 @@ from ...errors import MachineError
 from ...geometry import View
 from .. import Command, DisplayOptions, Tick
 from ..present import Presenter
+from . import WHO
 from .calls import Calls
 from .connection import IDLE_S, Connection, connect
 from .eyes import RuntimeEyes
@@ -21,7 +22,6 @@ from .tracking import HeadTracker
 if TYPE_CHECKING:
     from ...loop import Refresh
 
-WHO = "the OpenXR runtime"
 LOST = "tracking lost"
 TITLE_NS = 250_000_000
 

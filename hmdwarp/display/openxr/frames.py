@@ -15,15 +15,15 @@ _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 class Frames:
     """state: what the last xrWaitFrame said. blend_mode: how the picture meets the room.
 
-    A frame counts as open from before xrWaitFrame until after xrEndFrame, as Ctrl-C may come between any call and the next line; to end
-    one that is not quite open, or not any more, is refused by the runtime and does no harm.
+    A frame counts as waited for from before xrWaitFrame until after xrBeginFrame, and as open until after xrEndFrame, as Ctrl-C may come
+    between any call and the next line. To begin or end one that is not quite there, or not any more, is refused and does no harm.
     """
 
     def __init__(self, calls: Calls, session: xr.Session, blend_mode: int) -> None:
         self._calls, self._session = calls, session
         self.state = xr.FrameState()
         self._state_pointer = ctypes.byref(self.state)
-        self._open = False
+        self._waited = self._open = False
         self._layers = (_LAYER * 1)()
         self._end = xr.FrameEndInfo(environment_blend_mode=xr.EnvironmentBlendMode(blend_mode))
         self._end_pointer = ctypes.byref(self._end)
@@ -31,9 +31,10 @@ class Frames:
     def begin(self) -> None:
         """Wait until it is time for the next frame, and begin it. Errors: Lost."""
         self.abandon()
-        self._open = True
+        self._waited = self._open = True
         self._calls("xrWaitFrame", self._session, None, self._state_pointer)
         self._calls("xrBeginFrame", self._session, None)
+        self._waited = False
 
     def end(self, layer: ctypes.Structure | None = None) -> None:
         """Hand the frame over, with this layer or with none. Errors: Lost."""
@@ -47,10 +48,10 @@ class Frames:
 
     def abandon(self) -> None:
         """End what is open, empty; never an error."""
-        if not self._open:
-            return
-        with suppress(Exception):
-            self._calls("xrBeginFrame", self._session, None)
-        with suppress(Exception):
-            self.end()
-        self._open = False
+        if self._waited:
+            with suppress(Exception):
+                self._calls("xrBeginFrame", self._session, None)
+        if self._open:
+            with suppress(Exception):
+                self.end()
+        self._waited = self._open = False

@@ -18,8 +18,9 @@ from .trouble import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, lacks
 DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
 FLOOR_EXTENSION = "XR_EXT_local_floor"
 HEADLESS_EXTENSION = "XR_MND_headless"
+RATE_EXTENSION = "XR_FB_display_refresh_rate"
 WITH_PICTURES = (GLX_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION)
-WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION)
+WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION, RATE_EXTENSION)
 NS = 1_000_000_000
 
 
@@ -64,7 +65,7 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     Errors: MachineError that says what is missing.
     """
     offered = offered_extensions(calls)
-    words, remedy = lacks(calls.name, offered)
+    words, remedy = lacks(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
     if words:
         raise MachineError(f"{words}: {remedy}")
     on = [name for name in wanted if name in offered]

@@ -67,9 +67,9 @@ def trouble(stage: str, error: str, message: object = "", name: str = "the runti
     return known.format(name=name, error=error, active=active, why=why, step=_STEPS[stage]), remedy
 
 
-def lacks(name: str, extensions: list[str]) -> tuple[str, str]:
-    """What the runtime lacks of what live pictures need, and what to do; ("", "") if nothing."""
-    missing = [] if set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
+def lacks(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
+    """What the runtime lacks of what live pictures need, or the head alone; and what to do; ("", "") if nothing."""
+    missing = [] if not pictures or set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
     missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
     return (f"{name} lacks {' and '.join(missing)}", ANOTHER) if missing else ("", "")
 
