@@ -154,7 +154,10 @@ class HeadsetEyes:
         self.at, self.views = 0, headset.views
 
 
-@pytest.mark.parametrize("passes", [{"warp": "forward", "fill": "interpolate"}, {"warp": "iterative", "fill": "none"}], ids=lambda p: p["warp"])
+PASSES = [{"warp": "forward", "fill": "interpolate"}, {"warp": "iterative", "fill": "none"}]
+
+
+@pytest.mark.parametrize("passes", PASSES, ids=lambda passes: passes["warp"])
 def test_the_same_poses_and_pictures(remote_head, no_screen, monkeypatch, tmp_path, rig, passes):
     out = tmp_path / "out"
     were = run_live(Here(monkeypatch), remote_head, out, tmp_path / "head.csv", passes)

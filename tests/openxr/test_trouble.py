@@ -52,13 +52,42 @@ def test_a_second_instance_in_one_process(monado, here):
     assert here.run(quick(frames=1)).summary["frames"] == 1  # nothing of the failed one is left
 
 
-def test_nothing_is_drawn_before_the_runtime_asks_for_it(monado, here):
+def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch):
     """Monado's first frame is not to be rendered."""
+    from hmdwarp.display.openxr.frames import Frames
+
+    seen, ended = [], Frames.end
+
+    def end(frames: Frames, layer: object = None) -> None:
+        seen.append((bool(frames.state.should_render), layer is not None))
+        ended(frames, layer)
+
+    monkeypatch.setattr(Frames, "end", end)
     here.run(quick(frames=3))
-    ticks, shown = here.watched.ticks, here.watched.shown
-    assert not ticks[0].render
-    assert [refresh is not None for refresh in shown] == [tick.render for tick in ticks]  # at latency 0 a frame arrives at once
-    assert sum(tick.render for tick in ticks) == 3
+    assert seen[0] == (False, False)
+    assert sum(layered for _, layered in seen) == 3
+    assert all(rendered for rendered, layered in seen if layered)
+
+
+def test_another_program_takes_the_headset_for_a_while(runtime, tmp_path):
+    """Monado shows the newest of two programs; the other one's session is not visible any more, and is again when the newer one ends."""
+    runtime(WOBBLING, UNSEEN).start()
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+    with Program(tmp_path / "first") as first:
+        first.until_recorded(5)
+        with Program(tmp_path / "second") as second:
+            second.until_recorded(5)
+            before = first.recorded()
+            second.until_recorded(45)  # two seconds later
+            # What was on its way to the disk, for half a second at most, may still have come: 10 pictures.
+            assert first.recorded() <= before + 10
+            before = first.recorded()
+            second.send(signal.SIGINT)
+            assert second.status() == 0
+        first.until_recorded(before + 20)
+        first.send(signal.SIGINT)
+        assert first.status() == 0
 
 
 def test_a_killed_service_is_noticed_at_the_next_refresh(monado, here, tmp_path):
