@@ -88,6 +88,9 @@ def window() -> None:
     """Whether a desktop window with OpenGL 4.3 can be opened; it stays hidden."""
     import warnings
 
+    from .display.desktop.opening import choose_library
+
+    choose_library()
     import glfw
 
     warnings.simplefilter("ignore", glfw.GLFWError)

@@ -1,7 +1,7 @@
 """What this machine has of what the program needs, what is missing, and how to get it.
 
-Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window, which nothing needs yet, an
-encoder for `--video`. Drivers and runtimes are asked in processes of their own (see _probes), because they may crash or hang.
+Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window for `live`, an encoder for
+`--video`. Drivers and runtimes are asked in processes of their own (see _probes), because they may crash or hang.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
-    return [python(), packages(), *opengl(), *openxr(), window(), panel(), video(), codecs()]
+    headset, desktop = openxr(), window()
+    return [python(), packages(), *opengl(), *headset, desktop, live(headset, desktop), panel(), video(), codecs()]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
@@ -152,6 +153,17 @@ def window() -> Finding:
         return Finding("desktop window", State.OPTIONAL, _one_line(known.get("message", known["error"])), remedy, known)
     size = "{}x{} at {} Hz".format(*known["size"], known["refresh_hz"] or "?") if known["size"] else "no monitor"
     return Finding("desktop window", State.OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
+
+
+def live(headset: list[Finding], desktop: Finding) -> Finding:
+    """Which display `hmdwarp live` takes unless it is told: the headset (what openxr() found), else the window (what window() found)."""
+    lack = next((finding for finding in headset if finding.state is not State.OK), None)
+    if lack is None:
+        return Finding("live", State.OK, f"takes the headset: {headset[-1].detail}", facts={"source": "openxr"})
+    if desktop.state is State.OK:
+        return Finding("live", State.OK, f"takes the window, as there is no headset: {lack.detail}", facts={"source": "desktop"})
+    why = f"shows nothing: no headset ({lack.detail}), no window ({desktop.detail})"
+    return Finding("live", State.OPTIONAL, why, "do what one of the two lines above says", {"source": None})
 
 
 def panel() -> Finding:

@@ -108,6 +108,41 @@ def test_openxr_binding_that_does_not_load(monkeypatch, known):
     assert loader.state is State.OPTIONAL and "libgl1" in loader.remedy
 
 
+# --- live ---------------------------------------------------------------------------------------------------------------
+
+HEADSET = [Finding("OpenXR loader", State.OK, "there"), Finding("OpenXR runtime", State.OK, "Runtime 1, headset 'H'")]
+NO_LOADER = [Finding("OpenXR loader", State.OPTIONAL, "no libGL", "get it")]
+NO_RUNTIME = [HEADSET[0], Finding("OpenXR runtime", State.OPTIONAL, "its service is down", "start it")]
+WINDOW, NO_WINDOW = Finding("desktop window", State.OK, "opens"), Finding("desktop window", State.OPTIONAL, "no display", "xvfb")
+
+
+@pytest.mark.parametrize("window", [WINDOW, NO_WINDOW])
+def test_live_takes_the_headset_if_there_is_one(window):
+    finding = doctor.live(HEADSET, window)
+    assert (finding.state, finding.facts["source"]) == (State.OK, "openxr")
+    assert "headset 'H'" in finding.detail
+
+
+@pytest.mark.parametrize(("headset", "why"), [(NO_LOADER, "no libGL"), (NO_RUNTIME, "its service is down")])
+def test_live_takes_the_window_else_and_says_why(headset, why):
+    finding = doctor.live(headset, WINDOW)
+    assert (finding.state, finding.facts["source"]) == (State.OK, "desktop")
+    assert why in finding.detail
+    nothing = doctor.live(headset, NO_WINDOW)
+    assert (nothing.state, nothing.facts["source"]) == (State.OPTIONAL, None)  # replay can run all the same
+    assert why in nothing.detail and "no display" in nothing.detail and nothing.remedy
+
+
+def test_the_doctor_says_what_live_would_take(monkeypatch):
+    """On this machine, with no runtime and no screen: asked for real."""
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("XR_RUNTIME_JSON", "nowhere.json")
+    found = {finding.name: finding for finding in doctor.examine()}
+    assert found["live"].facts["source"] is None
+    assert found["live"].detail.startswith("shows nothing: no headset (no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json")
+
+
 # --- the rest, and the command ---------------------------------------------------------------------------------------------
 
 

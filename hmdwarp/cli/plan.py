@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +14,9 @@ if TYPE_CHECKING:
     from ..client.plan import Plan, Step
     from ..headsets import Headset
     from ..options import PipelineOptions
+
+REPLAY = "replay"
+Source = Annotated[str, typer.Option("--source", help="Who shows it: replay, or live: openxr or desktop.")]
 
 
 def plan(
@@ -31,22 +36,23 @@ def plan(
     fused: o.Fused = False,
     scanout: o.Scanout = 0.0,
     follow_scanout: o.FollowScanout = True,
+    source: Source = REPLAY,
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
-    from ..options import AUTO, PipelineOptions, parse_size
+    from ..options import AUTO, parse_size
     from ..plans import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
 
-    chosen = load_headset(headset)
-    options = PipelineOptions(
+    chosen, kind, told = load_headset(headset), *_driver(source)
+    options = kind(
         scene=scene,
         latency_ms=latency,
         warp=warp,
         fill=o.fill_for(warp, fill, fused, wide),
         effects=effects,
-        lens=o.lens_for(lens, headset),
+        lens="none" if lens is None and told else o.lens_for(lens, headset),
         headset=headset,
         size=None if size is None else parse_size(size),
         rate_hz=rate,
@@ -58,18 +64,38 @@ def plan(
         bench=bench,
     )
     if warp == AUTO:
-        _auto(options)
+        _auto(options, told)
         return
-    built = build_plan_for(options, chosen, load_scene(scene))
+    built = build_plan_for(options, chosen, load_scene(scene), **told)
     weights = _weights(options, chosen, [built])
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
-    in_columns(weights)
+    in_columns([*weights, *_assumed(source, headset)])
 
 
-def _auto(options: PipelineOptions) -> None:
+def _driver(source: str) -> tuple[Callable[..., PipelineOptions], dict[str, str]]:
+    """The options of whoever shows it, and what the plan is told of that. Errors: InputError for a source that is not known."""
+    from ..display.openxr import WHO
+    from ..errors import InputError
+    from ..live.options import DESKTOP, OPENXR, LiveOptions
+    from ..options import PipelineOptions
+
+    if source not in (REPLAY, OPENXR, DESKTOP):
+        raise InputError(f"source '{source}': wanted {REPLAY}, {OPENXR} or {DESKTOP}")
+    options = PipelineOptions if source == REPLAY else partial(LiveOptions, source=source)
+    return options, {"distorts": WHO, "takes_depth": WHO} if source == OPENXR else {}
+
+
+def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
+    """What only the runtime knows, when it runs."""
+    if source != "openxr":
+        return []
+    return [("Not known", f"the runtime's own eyes, size and rate: those of '{headset}' were taken; and whether it takes depth at all")]
+
+
+def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
     """What warp auto would choose from, as far as that can be told without running anything."""
     from ..client.choice import best_within
     from ..headsets import load_headset
@@ -95,7 +121,7 @@ def _auto(options: PipelineOptions) -> None:
     for note in found.notes:
         paragraph(f"note: {note}")
     headset = load_headset(options.headset)
-    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.rungs)))
+    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.rungs, **told)))
 
 
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:

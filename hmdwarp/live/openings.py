@@ -25,17 +25,13 @@ def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], 
     except MachineError as error:
         why = str(error)
         if options.source == OPENXR:
-            raise MachineError(f"no headset: {why}; or take a window: --source desktop") from error
+            raise MachineError(f"{why}; or take a window: --source desktop") from error
     try:
         display = _desktop(wanted)
     except MachineError as error:
-        raise MachineError(f"neither headset nor window. No headset: {why}. {_sentence(str(error))}") from error
-    say(f"no headset: {why}; a window instead")
+        raise MachineError(f"neither headset nor window: {why}; and {error}") from error
+    say(f"a window, as there is no headset: {why}")
     return display
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def display_options(options: LiveOptions, watching: Watching) -> DisplayOptions:

@@ -99,6 +99,24 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
     assert max(map(len, out.splitlines())) <= 80
 
 
+def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(command):
+    told = " ".join(command("plan", "--scene", "planes", "--fill", "none", "--source", "openxr").done().out.split())
+    runs, left_out = told.split("Left out")
+    assert "the OpenXR runtime asks how far things are" in runs and "writes shown.inverse_depth" in runs
+    assert "lens the OpenXR runtime corrects the lens by itself" in left_out
+    assert "the runtime's own eyes, size and rate" in told
+    desktop = command("plan", "--scene", "planes", "--fill", "none", "--source", "desktop").done().out
+    assert desktop == command("plan", "--scene", "planes", "--fill", "none").done().out
+    assert "lens radial" in desktop
+
+
+def test_plan_refuses_what_live_refuses(command):
+    plan = ("plan", "--scene", "planes", "--source")
+    command(*plan, "openxr", "--lens", "radial").refused("the OpenXR runtime corrects the lens by itself")
+    command(*plan, "desktop", "--warp", "auto", "--budget", "5").refused("needs a benchmark")
+    command(*plan, "headset").refused("source 'headset'", "openxr")
+
+
 def test_plan_counts_bytes_and_frames(command):
     """640x400 of 8 bytes of colour and 4 of depth, two eyes: 6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2."""
     told = " ".join(command("plan", "--scene", "planes", "--size", "640x400", "--rate", "90").done().out.split())

@@ -26,14 +26,19 @@ def variant(environ: Mapping[str, str]) -> str:
     return "wayland" if wayland else "x11"
 
 
+def choose_library() -> None:
+    """The one that fits, before glfw is imported."""
+    fitting = variant(os.environ)
+    if fitting:
+        os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
+
+
 def start() -> ModuleType:
     """glfw, running. Errors: MachineError that says why not."""
     if platform.system() == "Linux":
         if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             raise MachineError(f"no window: neither DISPLAY nor WAYLAND_DISPLAY is set; {REMEDY}")
-        fitting = variant(os.environ)
-        if fitting:
-            os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting  # read when glfw is imported
+        choose_library()
     try:
         import glfw
     except Exception as error:  # its loader raises what it likes where a library is missing
