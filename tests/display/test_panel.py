@@ -503,7 +503,7 @@ def test_an_axis_has_an_end(most):
 
 def test_numbers_are_read_as_they_are_meant():
     plots = {plot.name: plot for plot in panel_plots.plots_of(status())}
-    passes, holes = plots["passes, both eyes"], plots["holes before the fill"]
+    passes, holes = plots["all passes"], plots["holes before the fill"]
     assert panel_plots.said(4.26, passes) == "4.3 of 16.7 ms"
     assert panel_plots.said(123.4, holes) == "123 %"
     assert panel_plots.said(None, holes) == "-"

@@ -74,7 +74,8 @@ class Panel:
     @on.setter
     def on(self, on: bool) -> None:
         self._on = self._heard.on = on
-        self._lively_until_s = 0.0
+        self._heard.typing = False
+        self._painted_s = -1.0  # a picture of before would be seen for a moment
 
     @property
     def column(self) -> int:
@@ -106,7 +107,7 @@ class Panel:
             return []
         now_s = self._clock()
         events = self._heard.take()
-        begins = self._painted_s < 0
+        begins = self._painted_s < 0  # or begins again
         if begins or events and (self._over() or self.wants_mouse or self.wants_keys or now_s < self._lively_until_s):
             self._lively_until_s = now_s + LIVELY_S
         due = now_s - self._painted_s >= 1 / CALM_HZ or now_s < self._lively_until_s or framebuffer_size != self._size
@@ -152,7 +153,7 @@ class Panel:
         imgui.separator()
         draw_plots(status, self._scale)
         imgui.separator()
-        imgui.text_disabled("stages, ms for both eyes")
+        imgui.text_disabled("stages, in ms")
         self._stages.draw(status, self._scale)
         imgui.separator()
         commands += actions(status.values, self._heard.label)

@@ -1,0 +1,73 @@
+"""docs/live.png: hmdwarp live on a virtual screen of 1280x800, as the screen had it. Wants Xvfb and xdotool.
+
+By hand: .venv/bin/python docs/panel.py
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+SCREEN = (1280, 800)
+RUN = ("--source", "desktop", "--full-screen", "--scene", "room", "--size", "320x400", "--latency", "200", "--fill", "pyramid")
+WALK_S = 20.0  # the plots hold the last 240 refreshes
+
+
+def panel_picture(path: Path) -> None:
+    """Walk through a scene for a while and keep what is on the screen."""
+    width, height = SCREEN
+    with tempfile.TemporaryDirectory() as folder:
+        read, write = os.pipe()
+        screen = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-fbdir", folder]
+        server = subprocess.Popen(screen, pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        try:
+            with os.fdopen(read) as told:
+                display = f":{told.readline().strip()}"
+            picture = _walked(display, Path(folder) / "Xvfb_screen0")
+        finally:
+            server.terminate()
+            server.wait()
+    Image.fromarray(picture).save(path, optimize=True)
+
+
+def _walked(display: str, kept: Path) -> np.ndarray:
+    """The screen after a hand has led the head from side to side for a while. kept: where Xvfb keeps the screen."""
+    environment = {**os.environ, "DISPLAY": display}
+    environment.pop("WAYLAND_DISPLAY", None)
+    live = subprocess.Popen([sys.executable, "-m", "hmdwarp", "live", *RUN, "--quiet"], env=environment)
+    try:
+        until = time.monotonic() + WALK_S
+        while time.monotonic() < until:
+            for key in "da":
+                subprocess.run(["xdotool", "keydown", key, "sleep", "1.2", "keyup", key], env=environment, check=True)
+        subprocess.run(["xdotool", "keydown", "d", "sleep", "0.5"], env=environment, check=True)
+        if live.poll() is not None:
+            raise SystemExit(f"hmdwarp live ended with {live.returncode}")
+        live.send_signal(signal.SIGSTOP)  # or its next picture would be half there
+        return read_screen(kept)
+    finally:
+        live.kill()
+        live.wait()
+
+
+def read_screen(path: Path) -> np.ndarray:
+    """(h, w, 3) uint8, from the file that Xvfb keeps its screen in. Source: X11/XWDFile.h."""
+    data = path.read_bytes()
+    head = struct.unpack(">25I", data[:100])
+    header, width, height, stride, colours = head[0], head[4], head[5], head[12], head[19]
+    rows = np.frombuffer(data, np.uint8, stride * height, header + 12 * colours).reshape(height, stride // 4, 4)
+    return np.ascontiguousarray(rows[:, :width, [2, 1, 0]])  # little endian: blue comes first
+
+
+if __name__ == "__main__":
+    panel_picture(Path(__file__).with_name("live.png"))
