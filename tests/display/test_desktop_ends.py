@@ -1,0 +1,159 @@
+"""How a run in a window ends: by keys, by the window manager, with the screen; each with status 0 and everything written."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hmdwarp.poses import load_trace
+
+from .desktop_program import ROOT, SMALL, Live
+from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb
+
+skip_without_xvfb()
+
+
+@pytest.fixture
+def screen(tmp_path):
+    folder = tmp_path / "screen"
+    folder.mkdir()
+    with VirtualScreen(folder, (900, 600)) as made:
+        yield made
+
+
+# What a window manager does, and xdotool does not.
+AS_MANAGER = """
+import ctypes
+x = ctypes.CDLL("libX11.so.6")
+x.XOpenDisplay.restype, x.XInternAtom.restype = ctypes.c_void_p, ctypes.c_ulong
+display = ctypes.c_void_p(x.XOpenDisplay(None))
+atom = lambda name: ctypes.c_ulong(x.XInternAtom(display, name, 0))
+{}
+x.XCloseDisplay(display)
+"""
+# ICCCM 4.2.8.1: what a click on the cross sends.
+DELETE = """
+class Message(ctypes.Structure):
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int), ("display", ctypes.c_void_p),
+                ("window", ctypes.c_ulong), ("kind", ctypes.c_ulong), ("format", ctypes.c_int), ("data", ctypes.c_long * 20)]
+message = Message(33, 0, 1, display, {window}, atom(b"WM_PROTOCOLS"), 32)
+message.data[0] = atom(b"WM_DELETE_WINDOW").value
+x.XSendEvent(display, ctypes.c_ulong({window}), 0, 0, ctypes.byref(message))
+"""
+# ICCCM 4.1.3.1: 3 is iconic, 1 normal.
+STATE = """
+kind = atom(b"WM_STATE")
+x.XChangeProperty(display, ctypes.c_ulong({window}), kind, kind, 32, 0, (ctypes.c_long * 2)({state}, 0), 2)
+"""
+
+
+def as_manager(screen: VirtualScreen, program: str, **values: object) -> None:
+    command = [sys.executable, "-c", AS_MANAGER.format(program.format(**values))]
+    subprocess.run(command, check=True, env=screen.environment, timeout=PATIENCE_S)
+
+
+def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path):
+    """1.5 s of W are 1.4 m/s ahead, level; the recording has it."""
+    trace = tmp_path / "walk.csv"
+    with Live(screen, tmp_path, *SMALL, "--view", "flat", "--record", str(trace)) as live:
+        screen.do("mousemove", 300, 200)
+        before = live.shows(lambda p: p.max() > 100, "a picture")
+        screen.do("keydown", "w", "sleep", 1.5, "keyup", "w")
+        live.shows(lambda p: np.abs(p.astype(int) - before).mean() > 3, "another place")
+        screen.do("sleep", 1)
+        after = live.picture()
+        screen.do("click", 1)
+        live.press("Escape")  # lets the mouse go
+        screen.do("sleep", 0.5)
+        assert "fps" in live.title
+        live.press("Escape")
+        status, told = live.ended()
+    assert status == 0 and "the window was closed" in told and "Traceback" not in told
+    track = load_trace(trace).track
+    way = track.position_m[-1] - track.position_m[0]
+    # 1.5 s and what xdotool, and a program that looks at its keys once a picture under load, add to it.
+    assert 1.4 * 1.3 < -way[2] < 1.4 * 4 and abs(way[0]) < 1e-9 and abs(way[1]) < 1e-9
+    speed = -np.diff(track.position_m[:, 2]) / (np.diff(track.time_ns) * 1e-9)
+    assert speed.max() <= 1.4 * 1.02
+    assert grown(before, after) > 1
+
+
+def grown(before: np.ndarray, after: np.ndarray) -> float:
+    """The enlargement about the middle, of a few, by which `before` is most like `after`."""
+    h, w = before.shape[:2]
+    y, x = np.mgrid[h // 4 : 3 * h // 4, 2 * w // 5 : 3 * w // 5]
+
+    def apart(factor: float) -> float:
+        there = before[((y - h / 2) / factor + h / 2).astype(int), ((x - w / 2) / factor + w / 2).astype(int)]
+        return float(np.abs(there.astype(int) - after[y, x]).mean())
+
+    return min((0.7, 0.85, 1.0, 1.2, 1.4, 1.7), key=apart)
+
+
+def test_the_window_managers_cross_ends_it(screen, tmp_path):
+    with Live(screen, tmp_path, *SMALL) as live:
+        as_manager(screen, DELETE, window=live.window)
+        status, told = live.ended()
+    assert status == 0 and "the window was closed" in told
+
+
+def test_a_screen_that_goes_away_ends_it_and_nothing_is_lost(screen, tmp_path):
+    """Xlib would exit on the spot, with status 1 and the last second unwritten."""
+    trace = tmp_path / "head.csv"
+    with Live(screen, tmp_path, *SMALL, "--record", str(trace), "--out", str(tmp_path / "out")) as live:
+        screen.kill()
+        status, told = live.ended()
+    assert status == 0 and "the connection to the screen broke" in told and "Traceback" not in told
+    assert (tmp_path / "out" / "summary.json").is_file()
+    assert len(load_trace(trace).track.time_ns) > 1
+
+
+def test_ctrl_c_ends_it(screen, tmp_path):
+    with Live(screen, tmp_path, *SMALL) as live:
+        os.kill(live.pid, signal.SIGINT)
+        status, told = live.ended()
+    assert status in (0, 130) and "Traceback" not in told
+
+
+def test_minimised_it_waits_and_comes_back(screen, tmp_path):
+    """Meanwhile it hardly uses the processor, of which it takes more than one otherwise."""
+    with Live(screen, tmp_path, *SMALL) as live:
+        as_manager(screen, STATE, window=live.window, state=3)
+        screen.do("sleep", 1)
+        began = cpu_s(live.pid)
+        screen.do("sleep", 1.5)
+        assert cpu_s(live.pid) - began < 0.5
+        assert live.running
+        as_manager(screen, STATE, window=live.window, state=1)
+        screen.do("mousemove", 300, 200)
+        live.press("bracketright")
+        live.titled(" 100 ms")
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time of a process so far, its threads included."""
+    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def test_without_any_display_it_says_so():
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    environment["PYTHONPATH"] = str(ROOT)
+    command = [sys.executable, "-m", "hmdwarp", "live", "--source", "desktop"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
+    assert done.returncode == 3 and done.stdout == ""
+    assert done.stderr.count("\n") == 1 and "DISPLAY" in done.stderr and "xvfb-run" in done.stderr
+
+
+def test_a_display_that_does_not_answer_is_named():
+    environment = {**os.environ, "DISPLAY": ":4711", "PYTHONPATH": str(ROOT)}
+    environment.pop("WAYLAND_DISPLAY", None)
+    command = [sys.executable, "-m", "hmdwarp", "live", "--source", "desktop"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
+    assert done.returncode == 3 and ":4711" in done.stderr and done.stderr.count("\n") == 1

@@ -1,0 +1,168 @@
+"""hmdwarp live in a real window of a virtual screen, led by a real mouse and keyboard, and what is seen there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from .desktop_program import SMALL, Live
+from .virtual_screen import VirtualScreen, skip_without_xvfb, until
+
+skip_without_xvfb()
+
+NOISE = 6  # of 255: what a still picture's mean may differ by between two looks (a title-long age changes a few pixels at edges)
+
+
+@pytest.fixture(scope="module")
+def screen(tmp_path_factory):
+    with VirtualScreen(tmp_path_factory.mktemp("screen")) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def live(screen, tmp_path_factory):
+    """One run for all tests here: each leaves it as it found it."""
+    with Live(screen, tmp_path_factory.mktemp("live"), *SMALL) as program:
+        screen.do("mousemove", 300, 200)  # without a window manager, keys go where the mouse is
+        yield program
+
+
+def halves(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    middle = picture.shape[1] // 2
+    return picture[:, :middle], picture[:, middle:]
+
+
+def lit(part: np.ndarray) -> float:
+    """Share of pixels that are not black."""
+    return float((part.max(axis=-1) > 8).mean())
+
+
+def flat_view(picture: np.ndarray) -> bool:
+    return lit(picture[:, : picture.shape[1] // 5]) == 0 and lit(picture) > 0.3
+
+
+def test_both_eyes_are_side_by_side_behind_their_lenses(live):
+    picture = live.shows(lambda p: lit(p) > 0.4, "two eyes' pictures")
+    left, right = halves(picture)
+    assert lit(left) == pytest.approx(lit(right), abs=0.02)  # both panels, mirrored
+    assert abs(left.mean() - right.mean()) < NOISE
+    assert np.abs(left.astype(int) - right).mean() > 1  # and yet two eyes' views, not one twice
+    for corner in (left[:8, :8], left[-8:, :8], right[:8, -8:], right[-8:, -8:]):
+        assert lit(corner) == 0  # where the lens shows nothing
+    h = picture.shape[0]
+    sky, ground = left[h // 5 : h // 3, 100:250].mean(axis=(0, 1)), left[2 * h // 3 : 4 * h // 5, 100:250].mean(axis=(0, 1))
+    assert sky[2] > sky[0] + 20  # blue above, in this order of colours
+    assert abs(ground[2] - ground[0]) < 20 and sky.mean() > ground.mean() - 60
+
+
+def test_keys_change_what_the_title_tells(live):
+    live.titled("spheres - forward + ", " 50 ms")
+    live.press("bracketright", "bracketright")
+    live.titled(" 150 ms")
+    live.press("bracketleft", "bracketleft")
+    live.titled(" 50 ms")
+    live.press("t")
+    live.titled("spheres - forward_ordered + ")
+    live.press("shift+t")
+    live.titled("spheres - forward + ")
+    live.press("n")
+    until(lambda: "spheres" not in live.title, "another scene")
+    live.press("shift+n")
+    live.titled("spheres - forward + ", "age ")
+
+
+def test_held_key_goes_on_for_numbers_alone(live):
+    live.screen.do("keydown", "bracketright")
+    until(lambda: int(live.title.split(" ms")[0].rsplit(" ", 1)[1]) >= 300, "latency growing while the key is held")
+    live.screen.do("keyup", "bracketright")
+    for _ in range(60):
+        if " 50 ms -" in live.title:
+            break
+        live.press("bracketleft")
+        live.screen.do("sleep", "0.05")
+    while "- 0 ms" in live.title:
+        live.press("bracketright")
+        live.screen.do("sleep", "0.3")
+    live.titled(" 50 ms")
+
+
+def test_the_help_is_laid_over_the_left_eye_and_taken_away(live):
+    before = live.picture()
+    live.press("h")
+    shown = live.shows(lambda p: (halves(p)[0].min(axis=-1) > 200).mean() > 0.02, "white letters")
+    assert np.abs(halves(shown)[1].astype(int) - halves(before)[1]).mean() < NOISE
+    live.press("h")
+    live.shows(lambda p: np.abs(p.astype(int) - before).mean() < NOISE, "no help")
+
+
+def test_flat_view_and_resizing_keep_the_shape_in_black(live):
+    live.press("v")
+    flat = live.shows(flat_view, "one flat view")
+    columns = np.flatnonzero(flat.max(axis=(0, 2)) > 8)
+    # The headset's left eye: tangents 1.0924 by 1.3293.
+    assert len(columns) / flat.shape[0] == pytest.approx(1.0924 / 1.3293, abs=2.5 / flat.shape[0])
+    assert columns[0] == pytest.approx(flat.shape[1] - 1 - columns[-1], abs=1)
+    live.screen.do("windowsize", live.window, 400, 700)
+    tall = live.shows(lambda p: p.shape[:2] == (700, 400) and lit(p[:90]) == 0 and lit(p[-90:]) == 0 and lit(p) > 0.6, "a tall window")
+    rows = np.flatnonzero(tall.max(axis=(1, 2)) > 8)
+    assert len(rows) == pytest.approx(400 * 1.3293 / 1.0924, abs=2)
+    live.screen.do("windowsize", live.window, 768, 480)
+    live.press("v")
+    live.shows(lambda p: p.shape[:2] == (480, 768) and lit(halves(p)[0]) > 0.4 and lit(halves(p)[1]) > 0.4, "both eyes again")
+
+
+def test_full_screen_and_back_to_the_same_place(live):
+    live.screen.do("windowmove", live.window, 120, 60)
+    before = until(lambda: live.geometry if live.geometry[:2] == (120, 60) else None, "the window moved")
+    live.screen.do("mousemove", 300, 200)
+    live.press("F11")
+    until(lambda: live.geometry == (0, 0, 1280, 800), "full screen")
+    live.shows(lambda p: lit(p) > 0.4, "pictures over the whole screen")
+    live.press("F11")
+    until(lambda: live.geometry == before, "the old place")
+    live.screen.do("windowmove", live.window, 0, 0)
+
+
+def test_mouse_turns_once_caught_and_escape_lets_it_go(live):
+    live.press("v")
+    live.shows(flat_view, "one flat view")
+    before = live.picture()
+    live.screen.do("mousemove", 320, 240)
+    live.screen.do("mousemove_relative", 80, 0)
+    live.screen.do("sleep", 0.5)
+    assert np.abs(live.picture().astype(int) - before).mean() < NOISE  # not caught yet
+    live.screen.do("click", 1)
+    live.screen.do("mousemove_relative", 60, 0)  # 6 degrees to the right
+    turned = live.shows(lambda p: np.abs(p.astype(int) - before).mean() > NOISE, "another direction")
+    turned = settled(live)
+    # 6 degrees are tan(6 deg) / 2.185 of the picture's width in its middle; what is there moves to the left.
+    wide = 480 * 1.0924 / 1.3293
+    assert shift(before, turned) == pytest.approx(-wide * np.tan(np.radians(6)) / (2 * 1.0924), abs=4)
+    live.press("Escape", "r")
+    live.shows(lambda p: np.abs(p.astype(int) - before).mean() < NOISE, "the first view again")
+    live.press("v")
+
+
+def settled(live: Live) -> np.ndarray:
+    """A picture that no longer changes."""
+    last = live.picture()
+
+    def still() -> bool:
+        nonlocal last
+        live.screen.do("sleep", 0.3)
+        last, before = live.picture(), last
+        return np.abs(last.astype(int) - before).mean() < 0.2
+
+    until(still, "a picture at rest")
+    return last
+
+
+def shift(before: np.ndarray, after: np.ndarray) -> int:
+    """By how many pixels to the right the middle of the picture went."""
+    h, w = before.shape[:2]
+    middle = before[h // 4 : 3 * h // 4, w // 2 - 80 : w // 2 + 80].astype(int)
+
+    def apart(by: int) -> float:
+        return float(np.abs(after[h // 4 : 3 * h // 4, w // 2 - 80 + by : w // 2 + 80 + by].astype(int) - middle).mean())
+
+    return min(range(-60, 61), key=apart)

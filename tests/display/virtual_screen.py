@@ -1,0 +1,88 @@
+"""A virtual screen (Xvfb) with a real mouse and keyboard (xdotool), and what is to be seen on it.
+
+Needs Xvfb and xdotool, nothing else: the screen's memory is a file that Xvfb keeps in X's own picture format (XWD), which is read here.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+PATIENCE_S = 90.0  # against hanging alone
+
+
+def skip_without_xvfb() -> None:
+    """For the top of a module that needs one."""
+    for needed in ("Xvfb", "xdotool"):
+        if not shutil.which(needed):
+            pytest.skip(f"no {needed} here (Debian, Ubuntu: sudo apt-get install {needed.lower()})", allow_module_level=True)
+
+
+class VirtualScreen:
+    """Use as a context manager. display: for DISPLAY. folder: an empty one for the screen's memory."""
+
+    def __init__(self, folder: Path, size: tuple[int, int] = (1280, 800)) -> None:
+        self._folder, self.size = folder, size
+
+    def __enter__(self) -> VirtualScreen:
+        read, write = os.pipe()
+        mode = f"{self.size[0]}x{self.size[1]}x24"
+        command = ["Xvfb", "-displayfd", str(write), "-screen", "0", mode, "-fbdir", str(self._folder), "-nolisten", "tcp", "-noreset"]
+        self._server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as told:
+            number = told.readline().strip()
+        assert number, "Xvfb did not start"
+        self.display = f":{number}"
+        return self
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """For programs that are to be on this screen."""
+        kept = {name: value for name, value in os.environ.items() if name not in ("WAYLAND_DISPLAY", "XDG_SESSION_TYPE")}
+        return {**kept, "DISPLAY": self.display}
+
+    def do(self, *arguments: object) -> str:
+        """xdotool with these arguments, as one who sits there: what it printed."""
+        command = ["xdotool", *map(str, arguments)]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, env=self.environment, timeout=PATIENCE_S)
+        return done.stdout.strip()
+
+    def picture(self) -> np.ndarray:
+        """(h, w, 3) bytes, top row first, of the whole screen as it is now.
+
+        Source: XWDFile.h, version 7: 25 words of the header, big endian, then the window's name, the colours of 12 bytes each, the pixels.
+        """
+        data = (self._folder / "Xvfb_screen0").read_bytes()
+        header = np.frombuffer(data, ">u4", 25)
+        width, height, blue_first, line, colours = (int(header[k]) for k in (4, 5, 7, 12, 19))
+        start = int(header[0]) + 12 * colours
+        pixels = np.frombuffer(data, np.uint8, line * height, start).reshape(height, line)[:, : 4 * width].reshape(height, width, 4)
+        return pixels[..., 2::-1] if blue_first == 0 else pixels[..., 1:]
+
+    def kill(self) -> None:
+        """As when a session is ended by force."""
+        self._server.kill()
+        self._server.wait(PATIENCE_S)
+
+    def __exit__(self, *_: object) -> None:
+        self._server.terminate()
+        self._server.wait(PATIENCE_S)
+
+
+def until(holds: Callable[[], object], what: str):
+    """Waits for it; what it gave."""
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        found = holds()
+        if found:
+            return found
+        time.sleep(0.05)
+    raise AssertionError(f"not within {PATIENCE_S:g} s: {what}")

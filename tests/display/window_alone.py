@@ -1,0 +1,153 @@
+"""The display of the desktop with nothing behind it, on a virtual screen: python -m display.window_alone WHAT.
+
+Ends with 0 if all is as it should be.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from hmdwarp.display import Closed, DisplayOptions
+from hmdwarp.display.desktop import DesktopDisplay
+from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu.textures import Canvas
+from hmdwarp.poses import Origin, PoseSource
+
+SMALL = DisplayOptions(size=(32, 40), panel=False)
+
+
+def refresh(display: DesktopDisplay, times: int = 1) -> None:
+    for _ in range(times):
+        tick = display.wait()
+        assert tick is not None and tick.render and tick.shown_ns > display.now_ns() - 10**9
+        display.show(None)
+
+
+def twice() -> None:
+    """A window after another in one process, each closed twice; the second with a context of its own kind (EGL)."""
+    for api in ("native", "EGL"):
+        if api == "EGL":
+            import glfw
+
+            glfw.NATIVE_CONTEXT_API = glfw.EGL_CONTEXT_API
+        display = DesktopDisplay(SMALL)
+        assert display.about["renderer"] and "X11" in display.about["window"]
+        refresh(display, 3)
+        canvas = Canvas(display.gpu.gl, (8, 8))
+        canvas.clear()
+        assert not np.frombuffer(canvas.texture.read(), np.uint8).any()
+        canvas.release()
+        display.close()
+        display.close()
+        assert not display.reopen()
+
+
+def beside() -> None:
+    """Another context in the same thread, that has stepped aside: each GL call reaches its own. (While a context of EGL is current,
+    no window with one of GLX can be made.)"""
+    with Gpu() as first:
+        before = first.gl.texture((1, 1), 4, b"\1\2\3\4")
+        first.step_aside()
+        display = DesktopDisplay(SMALL)
+        refresh(display, 2)
+        with first.current():
+            assert before.read() == b"\1\2\3\4"
+        refresh(display, 2)
+        display.close()
+        with first.current():
+            assert before.read() == b"\1\2\3\4"
+
+
+def source() -> None:
+    """Poses are read when they are asked for, and say when."""
+    display = DesktopDisplay(SMALL)
+    assert isinstance(display.source, PoseSource)
+    display.source.start()
+    tick = display.wait()
+    asked = display.now_ns()
+    head = display.source.head_at(tick.shown_ns)
+    assert asked <= head.read_ns <= display.now_ns()
+    assert head.origin is Origin.PREDICTED and head.pose.position_m.tolist() == [0, 1.6, 0]
+    handed = display.show(None)
+    assert head.read_ns <= handed <= display.now_ns()
+    display.source.close()
+    display.close()
+
+
+def switches() -> None:
+    """What the window does by itself, by command of a panel: nobody else hears of it, and what is on is told back."""
+    from hmdwarp.display import Command
+    from hmdwarp.display.status import Status
+
+    display, status = DesktopDisplay(SMALL), Status(values={"latency": 0.0})
+    refresh(display, 12)
+    assert display.rate_hz == 60.0
+    settings = (("vsync", False), ("full_screen", True), ("help", True), ("full_screen", None), ("recentre", None), ("vsync", None))
+    for name, value in settings:
+        display._pending.append(Command(name, value))
+        assert not display.commands()
+        refresh(display)
+    display._pending.append(Command("warp"))
+    assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
+    display.tell(status)
+    assert {name: status.values[name] for name in ("vsync", "full_screen", "help")} == {"vsync": True, "full_screen": False, "help": True}
+    before = display.eyes
+    display.look("flat")
+    assert len(display.eyes.views(display.source.head_at(0).pose)) == 1 and display.headset is None
+    display.look("both")
+    assert display.eyes is before is display.headset
+    display._pending.append(Command("quit"))
+    display.commands()
+    try:
+        display.wait()
+    except Closed as closed:
+        assert "closed" in str(closed)  # noqa: PT017
+    else:
+        raise AssertionError("quit, and it goes on")
+    display.close()
+
+
+def colours() -> None:
+    """Linear light comes out as sRGB bytes, left and right where they belong, the top row at the top."""
+    import attrs
+    import glfw
+
+    from hmdwarp.colour import srgb8_from_linear
+
+    @attrs.frozen
+    class Eye:
+        panel: Canvas
+
+    @attrs.frozen
+    class Refresh:
+        eyes: tuple[Eye, ...]
+
+    display = DesktopDisplay(SMALL)
+    pictures, rng = [], np.random.default_rng(7)
+    for _ in range(2):
+        canvas = Canvas(display.gpu.gl, (32, 40))
+        picture = np.repeat(np.repeat(rng.uniform(0, 1, (5, 4, 4)), 8, axis=0), 8, axis=1)
+        picture[..., 3] = 1
+        canvas.texture.write(picture.astype(np.float16).tobytes())
+        pictures.append((picture, Eye(canvas)))
+    for _ in range(2):
+        display.wait()
+        display.show(Refresh(tuple(eye for _, eye in pictures)))
+    w, h = display._window.framebuffer_size
+    glfw.make_context_current(display._window.handle)
+    shown = np.frombuffer(display.gpu.gl.screen.read(viewport=(0, 0, w, h), components=3, attachment=0), np.uint8).reshape(h, w, 3)
+    wide = (w // 2) // 4
+    for eye, (picture, _) in enumerate(pictures):
+        for row in range(5):
+            for column in range(4):
+                x, y = eye * (w // 2) + column * wide + wide // 2, row * (h // 5) + h // 10
+                wanted = srgb8_from_linear(picture[row * 8, column * 8, :3])
+                # Half floats are 11 bits: 2^-12 of the value, which is below half a level of 255 anywhere on the curve.
+                assert np.abs(shown[y, x].astype(int) - wanted).max() <= 1, (eye, row, column, shown[y, x], wanted)
+    display.close()
+
+
+if __name__ == "__main__":
+    {"twice": twice, "beside": beside, "source": source, "switches": switches, "colours": colours}[sys.argv[1]]()
