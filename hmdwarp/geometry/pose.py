@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
 
 import attrs
 import numpy as np
@@ -100,22 +99,26 @@ class Pose:
 
     position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
     orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion)
+    _unit: Quaternion = attrs.field(init=False, repr=False)  # the orientation as SciPy takes it: normalised once more
+    _matrix: NDArray[np.float64] | None = attrs.field(init=False, repr=False, default=None)
+
+    @_unit.default
+    def _unit_of_orientation(self) -> Quaternion:
+        return _normalised(*self.orientation_xyzw.tolist())
 
     @property
     def rotation(self) -> Rotation:
         """The orientation as a SciPy rotation."""
         return Rotation.from_quat(self.orientation_xyzw)
 
-    @cached_property
+    @property
     def rotation_matrix(self) -> NDArray[np.float64]:
         """The orientation as a 3x3 matrix, read-only."""
-        matrix = _matrix(self._unit)
-        matrix.flags.writeable = False
-        return matrix
-
-    @cached_property
-    def _unit(self) -> Quaternion:
-        return _normalised(*self.orientation_xyzw.tolist())
+        if self._matrix is None:
+            matrix = _matrix(self._unit)
+            matrix.flags.writeable = False
+            object.__setattr__(self, "_matrix", matrix)
+        return self._matrix
 
     def transform(self, points: ArrayLike) -> Vector:
         """Points (..., 3) in b, in metres, to the same points in a."""

@@ -86,17 +86,20 @@ def slerp(a: Sequence[float], b: Sequence[float], share: float) -> list[float]:
 
     Any angle from 0 to 180 degrees; at exactly 180 both arcs are equally short and the one through a + b is taken.
     """
-    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
-    sign = -1.0 if dot < 0 else 1.0
-    b = [sign * c for c in b]
-    apart = math.sqrt(sum((c - d) ** 2 for c, d in zip(a, b, strict=True)))
-    together = math.sqrt(sum((c + d) ** 2 for c, d in zip(a, b, strict=True)))
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    if ax * bx + ay * by + az * bz + aw * bw < 0:
+        bx, by, bz, bw = -bx, -by, -bz, -bw
+    x, y, z, w = ax - bx, ay - by, az - bz, aw - bw
+    apart = math.sqrt(x * x + y * y + z * z + w * w)
+    x, y, z, w = ax + bx, ay + by, az + bz, aw + bw
+    together = math.sqrt(x * x + y * y + z * z + w * w)
     angle = 2 * math.atan2(apart, together)
     sine = math.sin(angle)
     if sine == 0:
         return list(a)
     wa, wb = math.sin((1 - share) * angle) / sine, math.sin(share * angle) / sine
-    return [wa * c + wb * d for c, d in zip(a, b, strict=True)]
+    return [wa * ax + wb * bx, wa * ay + wb * by, wa * az + wb * bz, wa * aw + wb * bw]
 
 
 def slerp_many(a: Array, b: Array, share: Array) -> Array:

@@ -147,15 +147,15 @@ class PoseTrack:
         i = self.index_at(time_ns)
         if i < 0:
             return PoseSample(time_ns, self.pose(0), Origin.HELD)
-        t0 = int(self.time_ns[i])
+        t0, *t1 = self.time_ns[i : i + 2].tolist()
         if t0 == time_ns:
             return PoseSample(time_ns, self.pose(i), Origin.MEASURED)
-        if i == len(self) - 1 or (self.broken[i] and not across_gaps):
+        if not t1 or (self.broken[i] and not across_gaps):
             return PoseSample(time_ns, self.pose(i), Origin.HELD)
-        share = (time_ns - t0) / (int(self.time_ns[i + 1]) - t0)
+        share = (time_ns - t0) / (t1[0] - t0)
         a, b = self.orientation_xyzw[i : i + 2].tolist()
-        p, q = self.position_m[i : i + 2].tolist()
-        position = [u + share * (v - u) for u, v in zip(p, q, strict=True)]
+        (x, y, z), (u, v, w) = self.position_m[i : i + 2].tolist()
+        position = (x + share * (u - x), y + share * (v - y), z + share * (w - z))
         return PoseSample(time_ns, Pose(position, quaternions.slerp(a, b, share)), Origin.INTERPOLATED)
 
     def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:

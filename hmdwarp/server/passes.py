@@ -14,7 +14,7 @@ from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
-from .upload import Batch, Chunks, SceneBuffers
+from .upload import Batch, SceneBuffers
 
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
@@ -88,7 +88,7 @@ def draw_chunks(
     """Draw what may be seen of some buffers; yields each batch before it is drawn. clip: 4x4, eye: (3,), both for what the positions
     are relative to."""
     before, culled = -1, None
-    for index, first, count in _runs(buffers.chunks, clip, eye):
+    for index, first, count in _runs(buffers, clip, eye):
         if index != before:
             batch, before = buffers.batches[index], index
             if batch.double_sided is culled or culled is None:
@@ -107,18 +107,17 @@ def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None
     framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
 
 
-def _runs(chunks: Chunks, clip: np.ndarray, eye: np.ndarray) -> Iterator[tuple[int, int, int]]:
+def _runs(buffers: SceneBuffers, clip: np.ndarray, eye: np.ndarray) -> list[tuple[int, int, int]]:
     """(batch, first index, number of indices) of all that may be seen, near things first, neighbours in one run."""
-    seen = np.flatnonzero(visible(chunks.centres, chunks.half_sizes, clip))
+    chunks = buffers.chunks
+    seen = visible(chunks.boxes, clip).nonzero()[0]
     if not len(seen):
-        return
-    batch = chunks.batch[seen]
-    group = nearest_first(chunks.centres, chunks.half_sizes, eye)[seen] * (int(batch.max()) + 1) + batch
-    order = np.argsort(group, kind="stable")
+        return []
+    group = nearest_first(chunks.boxes, eye)[seen] * len(buffers.batches) + chunks.batch[seen]
+    order = group.argsort(kind="stable")
     seen, group = seen[order], group[order]
     first = chunks.first[seen]
     end = first + chunks.count[seen]
-    breaks = (np.flatnonzero((first[1:] != end[:-1]) | (group[1:] != group[:-1])) + 1).tolist()
-    batch, first, end = batch[order].tolist(), first.tolist(), end.tolist()  # plain numbers: a NumPy one costs as much as the rest
-    for start, stop in zip([0, *breaks], [*breaks, len(end)], strict=True):
-        yield batch[start], first[start], end[stop - 1] - first[start]
+    breaks = (((first[1:] != end[:-1]) | (group[1:] != group[:-1])).nonzero()[0] + 1).tolist()
+    batch, first, end = chunks.batch[seen].tolist(), first.tolist(), end.tolist()  # plain numbers: a NumPy one costs as much as the rest
+    return [(batch[i], first[i], end[j - 1] - first[i]) for i, j in zip([0, *breaks], [*breaks, len(end)], strict=True)]

@@ -12,11 +12,12 @@ from ..geometry import Fov, View
 NEAR_M = 0.02  # closer than an eye can come to anything but its own lens
 
 Array = NDArray[np.float64]
+_IDENTITY = np.eye(4)
 
 
 def eye_from_scene(view: View, origin_m: Array) -> Array:
     """4x4: metres relative to `origin_m` to eye space. The two positions are subtracted before anything is rotated."""
-    out = np.eye(4)
+    out = _IDENTITY.copy()
     out[:3, :3] = view.pose.rotation_matrix.T
     out[:3, 3] = out[:3, :3] @ (origin_m - view.pose.position_m)
     return out
@@ -56,25 +57,35 @@ def _read_only(rows: list[list[float]]) -> Array:
     return array
 
 
-def visible(centres: Array, half_sizes: Array, clip: Array) -> NDArray[np.bool_]:
-    """Which boxes (n, 3) centre and half size, axis-aligned in the scene, may reach into `clip` (4x4 clip_from_scene).
+def boxes_of(centres: Array, half_sizes: Array) -> Array:
+    """(7, n): boxes, axis-aligned in the scene, as `visible` and `nearest_first` take them: x, y, z of the centre, 1, and half the size."""
+    return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
+
+
+def visible(boxes: Array, clip: Array) -> NDArray[np.bool_]:
+    """Which boxes may reach into `clip` (4x4 clip_from_scene).
 
     A box is out only if it lies wholly behind one of the four sides or the near plane; some near the corners pass in vain.
     """
-    planes = np.concatenate([clip[3] + clip[:3], clip[3] - clip[:2]])  # Gribb and Hartmann 2001; the far plane is not there
-    reach = centres @ planes[:, :3].T + planes[:, 3] + half_sizes @ np.abs(planes[:, :3]).T
-    return (reach >= 0).all(axis=1)
+    planes = np.empty((5, 7))  # Gribb and Hartmann 2001; the far plane is not there
+    np.add(clip[3], clip[:3], out=planes[:3, :4])
+    np.subtract(clip[3], clip[:2], out=planes[3:, :4])
+    np.abs(planes[:, :3], out=planes[:, 4:])
+    return (planes @ boxes).min(axis=0) >= 0
 
 
-def nearest_first(centres: Array, half_sizes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
+def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
     """A class 0 .. classes - 1 for each box by the distance of its farthest corner from `eye`, as many boxes in each.
 
     What is wholly near is drawn first and hides what is behind it before that is textured: 1.6 textured pixels per pixel
     of the room become 1.3. Finer classes mean more draw calls and gained nothing.
     """
-    corner = np.abs(centres - eye) + half_sizes
-    farthest = np.sqrt((corner * corner).sum(axis=1))
-    return np.searchsorted(_quantiles(farthest, classes) if len(farthest) else [], farthest, side="left")
+    corner = np.abs(boxes[:3] - eye[:, None])
+    corner += boxes[4:]
+    x, y, z = corner * corner
+    farthest = np.sqrt(x + y + z)
+    edges = np.array(_quantiles(farthest, classes) if len(farthest) else [])
+    return edges.searchsorted(farthest, side="left")
 
 
 def _quantiles(values: Array, classes: int) -> list[float]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size, flip_rows
 from ..scenes import Mesh, Scene, Texture
+from .projection import boxes_of
 
 SRGB8_ALPHA8 = 0x8C43
 CHUNK_TRIANGLES = 1024
@@ -29,15 +30,14 @@ class Batch:
 class Chunks:
     """All chunks of a scene, in the order of the index buffer, batch by batch.
 
-    first, count: (n,) index ranges. batch: (n,) which batch each belongs to. centres, half_sizes: (n, 3) boxes, relative to the
-    scene's origin.
+    first, count: (n,) index ranges. batch: (n,) which batch each belongs to. boxes: (7, n) as projection.boxes_of has them, relative to
+    the scene's origin.
     """
 
     first: NDArray[np.int64]
     count: NDArray[np.int64]
     batch: NDArray[np.int64]
-    centres: NDArray[np.float64]
-    half_sizes: NDArray[np.float64]
+    boxes: NDArray[np.float64]
 
 
 def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
@@ -108,7 +108,7 @@ class SceneBuffers:
         self._vertices.write(rows.tobytes())
         corners = positions[np.concatenate(self._order)].astype(np.float64)
         low, high = (extreme.reduceat(corners, self.chunks.first, axis=0) for extreme in (np.minimum, np.maximum))
-        self.chunks = attrs.evolve(self.chunks, centres=(low + high) / 2, half_sizes=(high - low) / 2)
+        self.chunks = attrs.evolve(self.chunks, boxes=boxes_of((low + high) / 2, (high - low) / 2))
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; returns the chunks' indices."""
@@ -127,7 +127,8 @@ class SceneBuffers:
             self.batches.append(Batch(textures[texture], double_sided))
         count = np.array([len(part) for part in indices], np.int64)
         low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
-        self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), (low + high) / 2, (high - low) / 2)
+        around = boxes_of((low + high) / 2, (high - low) / 2)
+        self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
         return indices
 
     def vertex_array(

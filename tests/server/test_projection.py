@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.server.projection import NEAR_M, clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
+from hmdwarp.server.projection import NEAR_M, boxes_of, clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)
@@ -34,18 +34,18 @@ def test_a_box_with_a_visible_point_in_it_is_never_culled(pose, fov, ndc, depth,
     seen = pose.position_m + world_from_ndc(view) @ ndc * depth
     clip = clip_from_eye(fov) @ eye_from_scene(view, np.zeros(3))
     # 1e-6 m: a point on the very border may round to the outside
-    assert visible((seen + half_size * 0.99)[None], half_size[None] + 1e-6 * (1 + depth), clip).all()
+    assert visible(boxes_of((seen + half_size * 0.99)[None], half_size[None] + 1e-6 * (1 + depth)), clip).all()
 
 
 def test_a_box_behind_the_eye_is_culled():
     clip = clip_from_eye(Fov.symmetric(1, 1)) @ eye_from_scene(View(Pose(), Fov.symmetric(1, 1)), np.zeros(3))
-    assert visible(np.array([[0, 0, 5.0], [0, 0, -5.0], [9.0, 0, -5]]), np.ones((3, 3)), clip).tolist() == [False, True, False]
+    assert visible(boxes_of(np.array([[0, 0, 5.0], [0, 0, -5.0], [9.0, 0, -5]]), np.ones((3, 3))), clip).tolist() == [False, True, False]
 
 
 @given(st.lists(vectors, min_size=1, max_size=20), vectors)
 def test_nearest_first_never_puts_a_farther_box_into_an_earlier_class(centres, eye):
     centres, eye = np.array(centres), np.array(eye)
-    group = nearest_first(centres, np.ones_like(centres), eye)
+    group = nearest_first(boxes_of(centres, np.ones_like(centres)), eye)
     farthest = np.linalg.norm(np.abs(centres - eye) + 1, axis=1)
     order = np.argsort(farthest, kind="stable")
     assert (np.diff(group[order]) >= 0).all()
@@ -54,7 +54,7 @@ def test_nearest_first_never_puts_a_farther_box_into_an_earlier_class(centres, e
 
 
 def test_nearest_first_of_nothing_is_nothing():
-    assert nearest_first(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(3)).size == 0
+    assert nearest_first(boxes_of(np.zeros((0, 3)), np.zeros((0, 3))), np.zeros(3)).size == 0
 
 
 @given(st.lists(vectors, min_size=1, max_size=40), vectors, st.integers(1, 6))
@@ -62,4 +62,4 @@ def test_the_classes_are_those_of_numpys_quantiles(centres, eye, classes):
     centres, eye = np.array(centres), np.array(eye)
     farthest = np.linalg.norm(np.abs(centres - eye) + 1, axis=1)
     wanted = np.searchsorted(np.quantile(farthest, np.arange(1, classes) / classes), farthest, side="left")
-    assert np.array_equal(nearest_first(centres, np.ones_like(centres), eye, classes), wanted)
+    assert np.array_equal(nearest_first(boxes_of(centres, np.ones_like(centres)), eye, classes), wanted)

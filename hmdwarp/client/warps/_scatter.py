@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..given import Given
 
 LATE_COLOUR, LATE_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
+_UNITS = {"late_colour": LATE_COLOUR, "late_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
 LONGEST_SIDE = 2**14  # an order has 15 bits for a row and 15 for a column, one of each to spare
 
 
@@ -39,9 +40,7 @@ class ScatterWarp(Warp):
 
     def set(self, program: Compute, **more: object) -> None:
         """The sizes, the image units, and whatever else of `more` the program knows."""
-        self.set_sizes(program)
-        units = {"late_colour": LATE_COLOUR, "late_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
-        program.uniforms.set_declared(**units, **more)
+        program.uniforms.set_declared(**self._size_uniforms, **_UNITS, **more)
 
     def empty_keys(self, words: int = 1) -> moderngl.Buffer:
         """A key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
