@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ..version import __version__
-from . import bench, doctor, listing, live, plan, replay, trace, warp
+from . import bench, doctor, listing, live, plan, record, replay, trace, warp
 
 app = typer.Typer(
     name="hmdwarp",
@@ -35,6 +35,7 @@ def _root(
 
 app.command("replay")(replay.replay)
 app.command("live")(live.live)
+app.command("record")(record.record)
 app.command("bench")(bench.bench)
 app.command("warp")(warp.warp)
 app.command("list")(listing.list_)

@@ -13,7 +13,7 @@ SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP) = ("auto", "openxr", "desktop")
 VIEWS = (BOTH, FLAT) = ("both", "flat")
 
 
-def _one_of(name: str, known: tuple[str, ...]):
+def one_of(name: str, known: tuple[str, ...]):
     def check(_: object, __: attrs.Attribute, value: str) -> None:
         if value not in known:
             raise InputError(f"{name} '{value}': wanted {' or '.join(known)}")
@@ -37,8 +37,8 @@ class LiveOptions(PipelineOptions):
     """
 
     lens: str = AUTO
-    source: str = attrs.field(default=AUTO_SOURCE, validator=_one_of("source", SOURCES))
-    view: str = attrs.field(default=BOTH, validator=_one_of("view", VIEWS))
+    source: str = attrs.field(default=AUTO_SOURCE, validator=one_of("source", SOURCES))
+    view: str = attrs.field(default=BOTH, validator=one_of("view", VIEWS))
     full_screen: bool = False
     vsync: bool = True
     panel: bool = True

@@ -38,6 +38,7 @@ class Recorder:
         self.path, self._say, self._by = path, say, by
         self.count = self.held = self.behind = 0
         self._first_ns = self._last_ns = 0
+        self._begun = False
         try:
             self._lines = Lines(path, synced=True)
         except FileExistsError as error:
@@ -50,6 +51,7 @@ class Recorder:
 
     def begin(self, head: Head) -> None:
         """Write the header."""
+        self._begun = True
         started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
         notes = [f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were asked for"]
         self._lines.add(header_text(origin_of(self._by, head.about), head.rate_hz, notes))
@@ -77,14 +79,27 @@ class Recorder:
         """Put on the disk what has come so far; from any thread."""
         self._lines.flush()
 
+    def save(self) -> str:
+        """For when nothing will be closed any more: flush, and tell where it is; "" where there is nothing to keep. From any thread."""
+        answered = self._lines.flush()
+        if not self._is_worth_keeping():
+            return ""
+        return f"the recording until then is in {self.path}" + ("" if answered else ", but for its end: the disk does not answer")
+
     def _end(self) -> None:
         try:
             self._lines.close()
         finally:
-            if self.count < LEAST:
-                with suppress(OSError):
-                    self.path.unlink()
-            self._say(self.told())
+            self._is_worth_keeping()
+            if self._begun:
+                self._say(self.told())
+
+    def _is_worth_keeping(self) -> bool:
+        """Whether there is anything that can be read; what cannot is removed."""
+        if self.count < LEAST:
+            with suppress(OSError):
+                self.path.unlink()
+        return self.count >= LEAST
 
     def told(self) -> str:
         """What came of it, in a sentence."""
@@ -107,5 +122,9 @@ class Recorder:
 
 
 def origin_of(by: str, about: Mapping[str, str]) -> str:
-    """Who recorded whom: "hmdwarp live, Monado 25.0, headset 'Simulated'"."""
-    return ", ".join([by, *(value if name == "runtime" else f"{name} '{value}'" for name, value in about.items() if value)])
+    """Who recorded whom: "hmdwarp live, Monado 25.0, headset 'Simulated'". runtime and runtime_version stand together, without a name."""
+    runtime, version = about.get("runtime", ""), about.get("runtime_version", "")
+    if version not in runtime:  # most have it in their names
+        runtime = f"{runtime} {version}".strip()
+    others = [f"{name} '{value}'" for name, value in about.items() if value and not name.startswith("runtime")]
+    return ", ".join(filter(None, (by, runtime, *others)))

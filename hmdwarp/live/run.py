@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 
@@ -14,6 +13,7 @@ from .log import LiveLog, LiveResult
 from .openings import open_display
 from .options import LiveOptions
 from .recorder import Recorder
+from .returning import come_back
 from .stage import Stage
 from .tidying import Tidying
 from .watchdog import Watchdog
@@ -21,7 +21,6 @@ from .watchdog import Watchdog
 Say = Callable[[str], None]
 AfterRefresh = Callable[[int], None]
 WAITING = "waiting for the first frame"
-RETRY_S = 0.5
 
 
 def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
@@ -51,10 +50,7 @@ def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], st
     """What the watchdog does before it ends the program: the recording first, it cannot be had again."""
 
     def save_recording() -> str:
-        if recorder is None:
-            return ""
-        recorder.flush()
-        return f"the recording until then is in {recorder.path}"
+        return recorder.save() if recorder is not None else ""
 
     def save_log() -> str:
         log.finish()
@@ -139,17 +135,7 @@ class _Driver:
         if self._recorder is not None:
             self._recorder.flush()
         self._log.went(str(lost))
-        wait_s = self._stage.options.reconnect_s
-        self._say(f"{lost}; waiting up to {wait_s:g} s for it to come back (Ctrl-C ends)")
-        until = time.monotonic() + wait_s
-        while time.monotonic() < until:
-            if self._ending.asked:
-                return
-            if self._display.reopen():
-                self._log.came_back()
-                self._say("it is back")
-                return
-            time.sleep(RETRY_S)
-        raise Lost(f"{lost}; it has not come back within {wait_s:g} s")
+        if come_back(self._display.reopen, lost, self._stage.options.reconnect_s, self._ending, self._say):
+            self._log.came_back()
 
 

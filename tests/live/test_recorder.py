@@ -20,7 +20,7 @@ from hmdwarp.poses import Origin, PoseSample, load_trace
 
 @attrs.frozen
 class Head:
-    about: dict = attrs.field(factory=lambda: {"runtime": "Monado 25.0", "headset": "Simulated HMD"})
+    about: dict = attrs.field(factory=lambda: {"runtime": "Monado", "runtime_version": "25.0", "headset": "Simulated HMD"})
     rate_hz: float = 90.0
 
 
@@ -70,6 +70,19 @@ def test_an_existing_file_is_never_touched(tmp_path):
 def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path):
     with pytest.raises(InputError, match="cannot write"):
         Recorder(tmp_path / "nowhere" / "a.csv")
+
+
+def test_who_will_not_come_to_the_end_saves_what_there_is(tmp_path):
+    one, two = (Recorder(tmp_path / name) for name in ("one.csv", "two.csv"))
+    for recorder, count in ((one, 1), (two, 2)):
+        recorder.begin(Head())
+        for head in samples(count):
+            recorder.add(head)
+    assert one.save() == "" and two.save() == f"the recording until then is in {tmp_path / 'two.csv'}"
+    assert [path.name for path in tmp_path.iterdir()] == ["two.csv"] and len(load_trace(tmp_path / "two.csv").track) == 2
+    for recorder in (one, two):
+        with recorder:
+            pass
 
 
 @pytest.mark.parametrize("count", [0, 1])
