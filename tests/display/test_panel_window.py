@@ -16,43 +16,29 @@ import pytest
 
 from hmdwarp.display.desktop.panel import HOW_TO_GET_THE_PANEL, installed
 
+from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb
+
 if not installed():
     pytest.skip(f"the panel's package is not installed: {HOW_TO_GET_THE_PANEL}", allow_module_level=True)
-for needed in ("Xvfb", "xdotool"):
-    if not shutil.which(needed):
-        pytest.skip(f"no {needed} here (Debian, Ubuntu: sudo apt-get install {needed.lower()})", allow_module_level=True)
-
-PATIENCE_S = 60.0  # against hanging alone
+skip_without_xvfb()
 TESTS = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="module")
-def screen():
-    """A virtual screen; its DISPLAY."""
-    read, write = os.pipe()
-    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"]
-    server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    os.close(write)
-    try:
-        with os.fdopen(read) as told:
-            number = told.readline().strip()
-        assert number, "Xvfb did not start"
-        yield f":{number}"
-    finally:
-        server.terminate()
-        server.wait(PATIENCE_S)
+def screen(tmp_path_factory):
+    with VirtualScreen(tmp_path_factory.mktemp("screen")) as made:
+        yield made
 
 
 class Led:
     """panel_window in a process of its own, and xdotool's hand on it."""
 
-    def __init__(self, display: str,) -> None:
+    def __init__(self, screen: VirtualScreen) -> None:
         paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-        self._environment = {**os.environ, "DISPLAY": display, "PYTHONPATH": paths}
-        self._environment.pop("WAYLAND_DISPLAY", None)
+        self._screen = screen
         self._process = subprocess.Popen(
             [sys.executable, "-m", "display.panel_window"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=self._environment, cwd=TESTS,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={**screen.environment, "PYTHONPATH": paths}, cwd=TESTS,
         )  # fmt: skip
         self._said: queue.Queue[str] = queue.Queue()
         self._reader = threading.Thread(target=self._listen)
@@ -88,9 +74,9 @@ class Led:
         self._process.stdin.flush()
         return self.until(lambda one: one.get("done") == word)
 
-    def hand(self, *what: str) -> None:
+    def hand(self, *what: object) -> None:
         """xdotool, and time for a few refreshes, as a hand takes."""
-        subprocess.run(["xdotool", *what], env=self._environment, check=True, timeout=PATIENCE_S)
+        self._screen.do(*what)
         time.sleep(0.15)
         self.say("where")
 
@@ -134,9 +120,9 @@ def led(screen):
 
 def test_the_slider_of_latency_is_dragged(led):
     x, y = led.grab()
-    led.hand("mousemove", str(x), str(y), "sleep", "0.2", "mousedown", "1")
-    led.hand("mousemove", str(x + 40), str(y))
-    led.hand("mousemove", str(x + 80), str(y + 200))
+    led.hand("mousemove", x, y, "sleep", "0.2", "mousedown", "1")
+    led.hand("mousemove", x + 40, y)
+    led.hand("mousemove", x + 80, y + 200)
     led.hand("mouseup", "1")
     asked = led.heard("control")
     assert {one["control"] for one in asked} == {"latency"}
@@ -149,7 +135,7 @@ def test_a_click_beside_the_panel_is_the_windows_and_one_on_it_the_panels(led):
     _, y = led.grab()
     led.hand("mousemove", "100", "300", "click", "1")
     assert [one["wanted"] for one in led.heard("click")] == [False, False]
-    led.hand("mousemove", "600", str(y), "sleep", "0.2", "click", "1")
+    led.hand("mousemove", "600", y, "sleep", "0.2", "click", "1")
     assert [one["wanted"] for one in led.heard("click")] == [True, True]
     led.say("off")
     led.hand("click", "1")
@@ -160,7 +146,7 @@ def test_a_click_beside_the_panel_is_the_windows_and_one_on_it_the_panels(led):
 
 def test_a_caught_mouse_is_not_the_panels(led):
     x, y = led.grab()
-    led.hand("mousemove", str(x), str(y))
+    led.hand("mousemove", x, y)
     led.say("catch")
     led.hand("mousedown", "1", "mousemove_relative", "60", "0", "mouseup", "1")
     assert [one["wanted"] for one in led.heard("click")] == [False, False]
@@ -170,7 +156,7 @@ def test_a_caught_mouse_is_not_the_panels(led):
 
 def test_keys_are_the_windows_until_a_number_is_typed(led):
     x, y = led.grab()
-    led.hand("mousemove", str(x), str(y), "sleep", "0.2", "key", "t")
+    led.hand("mousemove", x, y, "sleep", "0.2", "key", "t")
     assert [one["wanted"] for one in led.heard("key")] == [False, False]
     led.hand("keydown", "ctrl", "sleep", "0.2", "click", "1", "sleep", "0.2", "keyup", "ctrl")
     led.heard("key")
@@ -194,7 +180,7 @@ def test_closed_it_gives_the_callbacks_back(led):
 def test_a_screen_of_twice_the_density_has_a_panel_of_twice_the_size(screen):
     if not shutil.which("xrdb"):
         pytest.skip("no xrdb here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)")
-    environment = {**os.environ, "DISPLAY": screen}
+    environment = screen.environment
     subprocess.run(["xrdb", "-nocpp", "-merge"], input="Xft.dpi: 192\n", text=True, env=environment, check=True, timeout=PATIENCE_S)
     try:
         with Led(screen) as led:
