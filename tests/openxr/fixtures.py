@@ -58,7 +58,7 @@ def no_screen(monkeypatch) -> None:
 @pytest.fixture
 def screen(monkeypatch) -> Iterator[Screen]:
     """An X server; DISPLAY leads to it."""
-    with Screen() as made:
+    with Screen((2000, 1200)) as made:
         monkeypatch.setenv("DISPLAY", made.display)
         monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
         yield made

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 import subprocess
@@ -16,6 +17,7 @@ from hmdwarp.display import Tick
 from hmdwarp.live import LiveOptions
 from hmdwarp.live.log import LiveResult
 from hmdwarp.loop import Refresh
+from hmdwarp.report.schema import validate_summary
 
 SMALL = (96, 120)
 LONG_S = 90.0  # against hanging; a machine under load is slow
@@ -27,10 +29,13 @@ def quick(**options: object) -> LiveOptions:
 
 
 class Watched:
-    """A display that remembers its ticks and what was shown for them. display: the real one, which does everything."""
+    """A display that remembers its ticks and what was shown for them. display: the real one, which does everything.
 
-    def __init__(self, display: object) -> None:
-        self.display = display
+    before: called with each refresh that is about to be shown.
+    """
+
+    def __init__(self, display: object, before: Callable[[Refresh], None]) -> None:
+        self.display, self._before = display, before
         self.ticks: list[Tick] = []
         self.shown: list[Refresh | None] = []
 
@@ -46,20 +51,22 @@ class Watched:
 
     def show(self, refresh: Refresh | None, label: str = "") -> int:
         """As Display.show."""
+        if refresh is not None:
+            self._before(refresh)
         self.shown.append(refresh)
         return self.display.show(refresh, label)
 
 
 class Here:
-    """A run in this process. said: the sentences it told. watched: its display, once it is open."""
+    """A run in this process. said: the sentences it told. watched: its display, once it is open. before: as Watched."""
 
-    def __init__(self, monkeypatch) -> None:
+    def __init__(self, monkeypatch, before: Callable[[Refresh], None] = lambda refresh: None) -> None:
         self.said: list[str] = []
         self.watched: Watched | None = None
         opened = driver.open_display
 
         def watch(*arguments: object) -> Watched:
-            self.watched = Watched(opened(*arguments))
+            self.watched = Watched(opened(*arguments), before)
             return self.watched
 
         monkeypatch.setattr(driver, "open_display", watch)
@@ -141,3 +148,20 @@ class Program:
         self._process.kill()
         self.status()
         self._process.stdout.close()
+
+
+def two_hundred_frames(here: Here, out: Path, graphics: str) -> None:
+    """Run so many, and check what came of them. graphics: how they are to be drawn."""
+    ages, heads = [], []
+
+    def after(_: int) -> None:
+        refresh = here.watched.shown.pop()
+        ages.append(refresh.age_ns)
+        heads.append(refresh.head.time_ns)
+
+    summary = here.run(quick(frames=200, latency_ms=175.0, out=out), after).summary
+    validate_summary(json.loads((out / "summary.json").read_text(encoding="utf-8")))
+    assert here.watched.about["graphics"] == graphics
+    assert summary["frames"] == len(ages) == 200
+    assert min(ages) >= 175e6
+    assert len(set(heads)) == 200 and heads == sorted(heads)
