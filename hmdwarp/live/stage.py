@@ -13,7 +13,7 @@ from ..geometry import Pose
 from ..ladder import Ladder, ladder_from_file
 from ..loop import Loop, Requested
 from ..options import AUTO
-from ..pipeline import Course, Pipeline, build_pipeline, expected_age_ns, latency_ns
+from ..pipeline import Course, Pipeline, build_pipeline, check_held, expected_age_ns, latency_ns
 from ..plans import plans_for
 from ..poses.predict import PREDICTORS
 from ..registry import unknown_name
@@ -53,10 +53,15 @@ class Stage:
         if options == before:
             return
         if attrs.evolve(options, latency_ms=before.latency_ms) == before:
-            self.pipeline.channel.retime(options.network, latency_ns(options))
+            self._retime(options)
         elif not self._exchanged(before, options):
             self._rebuild(options)
         self.options = options
+
+    def _retime(self, options: LiveOptions) -> None:
+        made, rate_hz = self.pipeline, options.rate_hz or self._display.rate_hz
+        check_held(made.gpu, options, made.requested.needs, made.sizes, rate_hz)
+        made.channel.retime(options.network, latency_ns(options))
 
     def _exchanged(self, before: LiveOptions, options: LiveOptions) -> bool:
         """Whether it was enough to exchange the passes."""
@@ -70,13 +75,23 @@ class Stage:
         return True
 
     def _rebuild(self, options: LiveOptions) -> None:
-        if options.view != self.options.view:
-            self._display.look(options.view)
         scene = self.scene if options.scene == self.options.scene else load_scene(options.scene)
         ladder = self._ladder_for(options)
-        made = self._build(options, scene, ladder)
+        made = self._seen(options, scene, ladder)
         self.pipeline.close()
         self.pipeline, self.scene, self._ladder = made, scene, ladder
+
+    def _seen(self, options: LiveOptions, scene: Scene, ladder: Ladder) -> Pipeline:
+        """Built for the view of these options; where that fails, the display looks as before."""
+        before = self.options.view
+        if options.view == before:
+            return self._build(options, scene, ladder)
+        self._display.look(options.view)
+        try:
+            return self._build(options, scene, ladder)
+        except BaseException:
+            self._display.look(before)
+            raise
 
     def fit(self) -> None:
         """Build anew where the eyes have come to see so much more or less that frames with their guard band get another size."""
