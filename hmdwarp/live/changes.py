@@ -9,6 +9,7 @@ import attrs
 from ..client.choices import every_fill, every_warp
 from ..display import Command
 from ..display.controls import control
+from ..errors import InputError
 from ..options import AUTO
 from ..scenes import scenes
 from .options import BOTH, FLAT, LiveOptions
@@ -43,10 +44,23 @@ def values(options: LiveOptions) -> dict[str, object]:
 def changed(options: LiveOptions, command: Command) -> LiveOptions:
     """The options after the command. Errors: InputError for a value that cannot be meant."""
     name, value = command.control, command.value
-    if value is None:
-        value = _STEPS[name](options, -1 if command.back else 1)
-    field = {"latency": "latency_ms"}.get(name, name)
-    return attrs.evolve(options, **{field: value}) if value is not None else options
+    if name not in _STEPS:
+        raise InputError(f"control '{name}' changes nothing of the run: wanted {', '.join(_STEPS)}")
+    value = _STEPS[name](options, -1 if command.back else 1) if value is None else _meant(name, value)
+    return attrs.evolve(options, **{"latency_ms" if name == "latency" else name: value})
+
+
+def _meant(name: str, value: object) -> object:
+    """A number within its span, a word for everything else."""
+    asked = control(name)
+    if asked.kind != "number":
+        if not isinstance(value, str):
+            raise InputError(f"{name} {value!r}: wanted a word")
+        return value
+    least, most = asked.span
+    if not isinstance(value, int | float) or not least <= value <= most:
+        raise InputError(f"{name} {value}: wanted a number from {least:g} to {most:g}")
+    return float(value)
 
 
 def _along(name: str) -> Callable[[LiveOptions, int], object]:
