@@ -107,8 +107,8 @@ class OpenXrDisplay:
         else:
             made.frames.end()
         submitted_ns = time.monotonic_ns()
-        if self._graphics.mirror is not None and refresh is not None:
-            self._graphics.mirror.show(self._presenter, refresh.eyes[0].panel)
+        if self._graphics.mirror is not None:
+            self._graphics.mirror.show(self._presenter, refresh.eyes[0].panel if refresh is not None else None, label)
         return submitted_ns
 
     def _draw(self, refresh: Refresh | None, label: str) -> None:

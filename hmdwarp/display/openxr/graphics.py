@@ -85,6 +85,7 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
 
 
 def _windowed() -> Graphics:
+    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")  # GLX is X11's; read when glfw is first imported, which is now
     from .mirror import Mirror
 
     mirror = Mirror()

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-# GLX is X11's; glfw's library for that must be chosen before anything imports glfw.
-os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
-
-from .. import Closed, Command  # noqa: E402
-from ..desktop.keys import command_of  # noqa: E402
-from ..desktop.layout import viewports  # noqa: E402
-from ..desktop.opening import start  # noqa: E402
-from ..desktop.window import Window  # noqa: E402
+from .. import Closed, Command
+from ..controls import CONTROLS, control
+from ..desktop.keys import command_of, label
+from ..desktop.opening import start
+from ..desktop.window import Window
+from ..present import fitted
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
@@ -22,7 +19,10 @@ if TYPE_CHECKING:
 
 SIZE = (480, 480)
 PERIOD_NS = 30_000_000  # the headset has the machine; the window is content with every second or third picture
+# What its keys do here; a runtime has its own way to be recentred and its own lens, and one view alone.
 QUIT = "quit"
+ITS_OWN = ("help", "full_screen", QUIT)
+ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
@@ -39,18 +39,30 @@ class Mirror:
         self._screen = self.gl.detect_framebuffer(0)
         self._commands: list[Command] = []
         self._drawn_ns = 0
-        self._closed = False
+        self._help = self._quit = self._closed = False
         self._glfw.set_key_callback(self._window.handle, self._key)
 
     def _key(self, _: object, key: int, __: int, action: int, mods: int) -> None:
         command = command_of(key, action, mods)
-        if command is not None:
+        if command is None or command.control in ELSEWHERE:
+            return
+        if command.control in ITS_OWN:
+            self._own(command.control)
+        else:
             self._commands.append(command)
+
+    def _own(self, name: str) -> None:
+        if name == "help":
+            self._help = not self._help
+        elif name == "full_screen":
+            self._window.fill_screen(not self._window.fills_screen)
+        else:
+            self._quit = True
 
     def poll(self) -> None:
         """Hear the window. Errors: Closed."""
         self._glfw.poll_events()
-        if self._glfw.window_should_close(self._window.handle) or any(one.control == QUIT for one in self._commands):
+        if self._quit or self._glfw.window_should_close(self._window.handle):
             raise Closed("the window was closed")
 
     def commands(self) -> Sequence[Command]:
@@ -62,18 +74,18 @@ class Mirror:
         """Over the window."""
         self._window.title(text)
 
-    def show(self, presenter: Presenter, panel: Canvas | None) -> None:
-        """The left eye's picture, as large as it fits; not at every refresh."""
+    def show(self, presenter: Presenter, panel: Canvas | None, label: str) -> None:
+        """The left eye's picture, as large as it fits, with the label or the help over it; not at every refresh."""
         now_ns = time.monotonic_ns()
-        if panel is None or now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:
+        if now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:
             return
         self._drawn_ns = now_ns
-        size = self._window.framebuffer_size
-        (viewport,) = viewports(size, 1, panel.size[0] / panel.size[1])
-        self._screen.viewport = (0, 0, *size)
+        place = (0, 0, *self._window.framebuffer_size)
+        self._screen.viewport = place
         self._screen.use()
         self._screen.clear()
-        presenter.show(panel, self._screen, viewport, hardware_srgb=False)
+        text = presenter.notice(help_text() if self._help else label)
+        presenter.show(panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text)
         self._glfw.swap_buffers(self._window.handle)
 
     def close(self) -> None:
@@ -82,3 +94,10 @@ class Mirror:
             self._closed = True
             self._window.close()
             self._glfw.terminate()
+
+
+def help_text() -> str:
+    """Every control that works here, a line each."""
+    here = [one for one in CONTROLS if one.name not in ELSEWHERE]
+    rows = [(f"{label(one.back)} {label(one.key)}" if one.back else label(one.key), one.what) for one in here if one.name != QUIT]
+    return "\n".join(f"{keys}\t{what}" for keys, what in [*rows, (label(control(QUIT).key), "end")])

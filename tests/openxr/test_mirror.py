@@ -1,0 +1,77 @@
+"""The window beside the headset: GLX's context draws for the runtime, the left eye is seen, the keys do what they say."""
+
+from __future__ import annotations
+
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+from hmdwarp.colour import picture_from_linear
+from hmdwarp.display import Closed, Command, DisplayOptions
+from hmdwarp.display.openxr import OpenXrDisplay
+from hmdwarp.gpu.textures import download
+
+from .live_runs import Here, quick
+from .monado import UNSEEN, WOBBLING
+
+WINDOW = 480
+SIZE = (120, 120)  # of the window's shape, in whole pixels of it
+
+
+def press(*keys: str) -> None:
+    """In the window that has the keyboard, as a user does."""
+    subprocess.run(["xdotool", "key", *keys], check=True, timeout=30)
+
+
+def until(display, seen) -> None:
+    """Frames, until something was seen."""
+    for _ in range(200):
+        if display.wait() is not None:
+            display.show(None, "a text")
+        if seen():
+            return
+    pytest.fail("not seen within 200 refreshes")
+
+
+def test_the_left_eye_is_on_the_screen(runtime, screen, monkeypatch):
+    runtime(WOBBLING, UNSEEN).start()
+    here, matching = Here(monkeypatch), []
+
+    def after(number: int) -> None:
+        picture = picture_from_linear(download(here.watched.shown[-1].eyes[0].panel.texture))[..., :3]
+        here.watched.gpu.gl.finish()
+        time.sleep(0.02)  # the X server's turn
+        on_screen = screen.picture()[:WINDOW, :WINDOW].astype(float)
+        # Scaled up bilinearly by four: the means of blocks differ from the pixels by what is between neighbours.
+        blocks = on_screen.reshape(SIZE[1], 4, SIZE[0], 4, 3).mean((1, 3))
+        matching.append(np.abs(blocks - picture).mean())
+
+    here.run(quick(frames=6, size=SIZE, scene="spheres", depth_layer=False), after)
+    assert here.watched.about["graphics"] == "GLX"
+    assert min(matching) < 6
+    upside_down = 40  # what another picture or a flipped one differs by here
+    assert min(matching) < upside_down / 4
+
+
+def test_keys_are_the_controls(runtime, screen):
+    runtime(WOBBLING, UNSEEN).start()
+    display, asked = OpenXrDisplay(DisplayOptions(size=SIZE)), []
+    try:
+        press("t", "shift+f", "bracketleft", "v", "r")  # one view and the runtime's own recentring: the last two are nothing here
+
+        def all_heard() -> bool:
+            asked.extend(display.commands())
+            return len(asked) >= 3
+
+        until(display, all_heard)
+        assert asked == [Command("warp"), Command("fill", back=True), Command("latency", back=True)]
+        before = screen.picture()[:WINDOW, :WINDOW]
+        press("h")
+        until(display, lambda: (screen.picture()[:WINDOW, :WINDOW] != before).mean() > 0.05)
+        press("Escape")
+        with pytest.raises(Closed, match="window was closed"):
+            until(display, lambda: False)
+    finally:
+        display.close()
