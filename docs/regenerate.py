@@ -17,6 +17,7 @@ from pathlib import Path
 
 import aims
 import guard
+import panel
 import passes
 from PIL import Image, ImageDraw
 
@@ -25,7 +26,7 @@ from hmdwarp.report.bench_charts import pareto_plot_png
 from hmdwarp.report.bench_tables import markdown_table
 
 ROOT = Path(__file__).resolve().parents[1]
-README, RESULTS = ROOT / "README.md", ROOT / "docs" / "results.md"
+README, RESULTS, LIVE = ROOT / "README.md", ROOT / "docs" / "results.md", ROOT / "docs" / "live.md"
 FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
 SMALL = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
@@ -77,8 +78,8 @@ def opening_picture(folder: Path) -> None:
     strip = Image.open(out / "images" / "frame-000000-left.png")
     late, warped, truth, error = (strip.crop((k * strip.width // 4, 0, (k + 1) * strip.width // 4, strip.height)) for k in range(4))
     ordered = Image.new("RGB", strip.size, "white")
-    for k, panel in enumerate((truth, late, warped, error)):
-        ordered.paste(panel, (k * strip.width // 4, 0))
+    for k, part in enumerate((truth, late, warped, error)):
+        ordered.paste(part, (k * strip.width // 4, 0))
     ordered.thumbnail((1920, 1920), Image.Resampling.LANCZOS)
     ordered.save(ROOT / "docs" / "opening.png", optimize=True)
 
@@ -234,8 +235,8 @@ def effects_picture(folder: Path) -> None:
     wide, high = rows[0][0].size
     picture = Image.new("RGB", (3 * wide, len(rows) * high), "white")
     for y, row in enumerate(rows):
-        for x, panel in enumerate(row):
-            picture.paste(panel, (x * wide, y * high))
+        for x, part in enumerate(row):
+            picture.paste(part, (x * wide, y * high))
     words = ImageDraw.Draw(picture)
     for y in range(len(rows)):
         words.rectangle((0, y * high, 3 * wide, y * high + LABEL_PX - 1), fill="white")
@@ -292,8 +293,32 @@ def hard_cases(_: Path) -> None:
     replace(ROOT / "docs" / "hard-cases.md", "hard-cases", markdown())
 
 
+def controls(_: Path) -> None:
+    """The keys of a live run, from the list that the window and the panel are made from."""
+    from hmdwarp.display.controls import CONTROLS, MOVING
+
+    rows = [(keys, what) for keys, what in MOVING]
+    rows += [(f"{one.key} {one.back}".strip(), one.what) for one in CONTROLS]
+    lines = ["| key | what it does |", "| --- | --- |", *(f"| `{key}` | {what} |" for key, what in rows)]
+    replace(LIVE, "controls", "\n".join(lines))
+
+
+def live_cost(_: Path) -> None:
+    """What the loop costs outside GL, and what the garbage collector does; wants a machine that does nothing else."""
+    told = subprocess.run([sys.executable, str(ROOT / "tests" / "bench_live.py")], check=True, capture_output=True, text=True).stdout
+    replace(LIVE, "live-cost", f"```text\n{told.rstrip()}\n```")
+
+
+def live_picture(_: Path) -> None:
+    """docs/live.png: the window with its panel, on a virtual screen."""
+    panel.panel_picture(ROOT / "docs" / "live.png")
+
+
 PARTS = {
     "hard-cases": hard_cases,
+    "controls": controls,
+    "live-picture": live_picture,
+    "live-cost": live_cost,
     "picture": opening_picture,
     "effects-picture": effects_picture,
     "speed": speed,
