@@ -6,10 +6,10 @@ from collections.abc import Callable
 from contextlib import ExitStack
 
 from ..display import Closed, Display, Lost, Tick
-from ..errors import InputError, MachineError
-from .changes import changed, choices, values
+from .changes import choices, values
 from .ending import Ending
 from .log import LiveLog, LiveResult
+from .obeying import Obeying
 from .openings import open_display
 from .options import LiveOptions
 from .recorder import Recorder
@@ -77,6 +77,7 @@ class _Driver:
     ) -> None:
         self._display, self._stage, self._log, self._recorder = display, stage, log, recorder
         self._ending, self._say, self._after = ending, say, after
+        self._obeying = Obeying(stage, say)
         self._status = log.status
         self._status.choices = choices()
         self._take_values()
@@ -103,7 +104,7 @@ class _Driver:
             loop = self._stage.loop
             loop.draw(self._display.now_ns())
             refresh = loop.show(tick.shown_ns)
-        notice = tick.notice or (WAITING if tick.render and refresh is None else "")
+        notice = tick.notice or self._obeying.refusal or (WAITING if tick.render and refresh is None else "")
         submitted_ns = self._display.show(refresh, notice)
         self._log.add(tick, refresh, submitted_ns, notice)
         if refresh is None:
@@ -114,16 +115,7 @@ class _Driver:
         self._display.tell(self._status)
 
     def _obey(self) -> None:
-        options = self._stage.options
-        for command in self._display.commands():
-            try:
-                self._stage.change(changed(self._stage.options, command))
-            except Lost:
-                raise
-            except (InputError, MachineError) as error:  # the run goes on as it was
-                self._say(str(error))
-                self._status.notice = str(error)
-        if self._stage.options is not options:
+        if self._obeying.obey(self._display.commands()):
             self._take_values()
             self._log.changed(self._stage)
 
