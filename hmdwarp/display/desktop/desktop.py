@@ -25,6 +25,7 @@ TITLE = "hmdwarp"
 TITLE_NS = 250_000_000  # a title that changes more often cannot be read, and costs a round trip to the window manager
 LOOK_ROUND_NS = 1_000_000_000  # how often to ask which screen the window is on
 MINIMISED_S = 0.1
+NO_PANEL = f"no panel of controls: {HOW_TO_GET_THE_PANEL}"
 
 
 class DesktopDisplay:
@@ -67,8 +68,8 @@ class DesktopDisplay:
         self._hands = Hands(self._window.handle, self._walker, self.now_ns)
         self.source = LedHead(self._walker, self._read_inputs)
         self._panel = None
-        if options.panel:
-            self._make_panel()
+        if options.panel and not self._make_panel():
+            self._overlay.say(f"H shows the keys\n{NO_PANEL}")
         self._closers.append(self._close_panel)
         self._pending: list[Command] = []
         self._screens_changed = False
@@ -206,7 +207,7 @@ class DesktopDisplay:
         if self._panel is not None:
             self._panel.on = not self._panel.on if value is None else bool(value)
         elif not self._make_panel():
-            self._overlay.say(f"no panel: {HOW_TO_GET_THE_PANEL}")
+            self._overlay.say(NO_PANEL)
 
     def _do_help(self, value: object) -> None:
         self._overlay.help = not self._overlay.help if value is None else bool(value)

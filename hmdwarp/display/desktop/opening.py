@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
+import importlib.util
 import os
 import platform
 from collections.abc import Mapping
+from pathlib import Path
 from types import ModuleType
 
 from ...errors import MachineError
@@ -31,6 +35,17 @@ def choose_library() -> None:
     fitting = variant(os.environ)
     if fitting:
         os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
+    if (fitting or os.environ.get("PYGLFW_LIBRARY_VARIANT") or os.environ.get("XDG_SESSION_TYPE")) == "wayland":
+        _load_the_panels_own()
+
+
+def _load_the_panels_own() -> None:
+    """The panel's package is linked with a glfw of the same name and asks it for X11. Under Wayland it would find ours, which has none,
+    and not load; it finds its own if that was loaded before ours."""
+    found = importlib.util.find_spec("imgui_bundle")
+    if found is not None and found.origin is not None:
+        with contextlib.suppress(OSError):
+            ctypes.CDLL(str(Path(found.origin).with_name("libglfw.so.3")))
 
 
 def start() -> ModuleType:
