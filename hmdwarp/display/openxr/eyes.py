@@ -21,6 +21,8 @@ class RuntimeEyes:
         self._state = xr.ViewState()
         self._views = (xr.View * COUNT)(xr.View(), xr.View())
         self._count = ctypes.c_uint32()
+        self._info = xr.ViewLocateInfo(xr.ViewConfigurationType.PRIMARY_STEREO)
+        self._arguments = (ctypes.byref(self._info), ctypes.byref(self._state), COUNT, ctypes.byref(self._count), self._views)
         self._known: tuple[tuple[Pose, Fov], ...] = ()
         self._bytes = b""
 
@@ -34,9 +36,8 @@ class RuntimeEyes:
 
         Errors: Lost.
         """
-        info = xr.ViewLocateInfo(xr.ViewConfigurationType.PRIMARY_STEREO, time, head)
-        arguments = (ctypes.byref(info), ctypes.byref(self._state), COUNT, ctypes.byref(self._count), self._views)
-        calls("xrLocateViews", session, *arguments)
+        self._info.display_time, self._info.space = time, head
+        calls("xrLocateViews", session, *self._arguments)
         if not self._state._view_state_flags & _ORIENTATION:
             return
         said = bytes(self._views)

@@ -1,0 +1,206 @@
+"""What the headset's display chooses from what a runtime offers: how to draw, in which pictures, in which space."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hmdwarp.display.openxr.binding import load_binding
+from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.geometry import Pose
+
+try:
+    load_binding()
+except MachineError as lacking:
+    pytest.skip(str(lacking), allow_module_level=True)
+
+import xr
+
+from hmdwarp.display import DisplayOptions, Lost
+from hmdwarp.display.openxr.calls import Calls
+from hmdwarp.display.openxr.eyes import RuntimeEyes
+from hmdwarp.display.openxr.graphics import VARIABLE, check_requirements, kinds
+from hmdwarp.display.openxr.swapchain import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
+from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, _world
+from hmdwarp.poses import Origin
+
+BOTH = frozenset({"XR_KHR_opengl_enable", "XR_MNDX_egl_enable"})
+X = {"DISPLAY": ":0"}
+WATCHING = DisplayOptions().watching
+
+
+@pytest.mark.parametrize(
+    ("extensions", "environ", "wanted"),
+    [
+        (BOTH, X, ["glx", "egl"]),
+        (BOTH, {}, ["egl"]),
+        ({"XR_MNDX_egl_enable"}, X, ["egl"]),
+        ({"XR_KHR_opengl_enable"}, X, ["glx"]),
+        (BOTH, {**X, VARIABLE: "egl"}, ["egl"]),
+        (BOTH, {**X, VARIABLE: "GLX"}, ["glx"]),
+        (BOTH, {**X, VARIABLE: ""}, ["glx", "egl"]),
+    ],
+)
+def test_a_window_is_preferred_and_either_can_be_insisted_on(extensions, environ, wanted):
+    assert kinds(frozenset(extensions), environ) == wanted
+
+
+@pytest.mark.parametrize(
+    ("extensions", "environ", "error", "words"),
+    [
+        ({"XR_KHR_opengl_enable"}, {}, MachineError, "DISPLAY is not set"),
+        ({"XR_KHR_opengl_enable"}, {**X, VARIABLE: "egl"}, MachineError, "can be drawn for by glx here"),
+        (BOTH, {VARIABLE: "glx"}, MachineError, "can be drawn for by egl here"),
+        (BOTH, {**X, VARIABLE: "vulkan"}, InputError, "wanted egl or glx"),
+    ],
+)
+def test_no_way_to_draw_is_said(extensions, environ, error, words):
+    with pytest.raises(error, match=words):
+        kinds(frozenset(extensions), environ)
+
+
+def test_the_best_format_is_taken_in_whatever_order_they_come():
+    assert colour_format([RGBA8, RGBA16F, SRGB8_A8]) == SRGB8_A8
+    assert colour_format([0x805B, RGBA8, RGBA16F]) == RGBA16F
+    with pytest.raises(MachineError, match="0x805b: wanted one of 0x8c43"):
+        colour_format([0x805B])
+    assert depth_format([DEPTHS[3], DEPTHS[0], RGBA8]) == DEPTHS[0]
+    assert depth_format([RGBA8]) is None
+
+
+def test_the_floor_is_at_zero_as_far_as_it_is_known():
+    stage, local, floor = (xr.ReferenceSpaceType[name].value for name in ("STAGE", "LOCAL", "LOCAL_FLOOR"))
+    assert _world({local, stage, floor}, floor=True)[1].value == stage
+    assert _world({local, floor}, floor=True)[1].value == floor
+    assert _world({local, floor}, floor=False)[1:] == (xr.ReferenceSpaceType.LOCAL, EYE_HEIGHT_M)
+
+
+# --- results of calls ----------------------------------------------------------------------------------------------------
+
+
+def answering(result: int) -> Calls:
+    """Calls into a runtime that answers everything with that."""
+    calls = Calls(WATCHING)
+    calls._functions["xrEndFrame"] = lambda *arguments: result
+    calls.name = "Runtime 1"
+    return calls
+
+
+@pytest.mark.parametrize(("result", "lost"), [(-13, True), (-17, True), (-2, True), (-3, False), (-987654321, False)])
+def test_what_goes_wrong_in_the_middle_is_a_loss_or_a_lack(result, lost):
+    calls = answering(result)
+    calls.stage = "running"
+    with pytest.raises(MachineError) as raised:
+        calls("xrEndFrame")
+    assert isinstance(raised.value, Lost) == lost
+    assert "Runtime 1" in str(raised.value) and "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("result", [-1, -37])  # VALIDATION_FAILURE, CALL_ORDER_INVALID
+def test_what_no_caller_should_get_is_a_fault_of_ours(result):
+    calls = answering(result)
+    calls.stage = "running"
+    with pytest.raises(HmdwarpError, match="xrEndFrame") as raised:
+        calls("xrEndFrame")
+    assert raised.value.exit_status == 1
+
+
+@pytest.mark.parametrize("result", [0, 1, 3, 4, 8, 9])
+def test_qualified_successes_are_handed_back(result):
+    assert answering(result)("xrEndFrame") == result
+
+
+def test_a_driver_that_is_too_old_is_refused():
+    needs = SimpleNamespace(min_api_version_supported=int(xr.Version(4, 6, 0).number()))
+    calls = SimpleNamespace(ask=lambda *arguments: needs, name="Runtime 1")
+    instance = SimpleNamespace(extensions=BOTH, handle=None, system=0)
+    with pytest.raises(MachineError, match=r"Runtime 1 wants OpenGL 4.6, found 4.5"):
+        check_requirements(calls, instance, SimpleNamespace(gl=SimpleNamespace(version_code=450)))
+    check_requirements(calls, instance, SimpleNamespace(gl=SimpleNamespace(version_code=460)))
+
+
+# --- flags that no runtime here sets ------------------------------------------------------------------------------------------
+
+ORIENTATION_VALID, POSITION_VALID, ORIENTATION_TRACKED = 1, 2, 4
+
+
+class Told:
+    """A tracker whose runtime says what the test says."""
+
+    def __init__(self) -> None:
+        self.tracker = HeadTracker()
+        self.flags, self.position, self.orientation = 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+        self.tracker._calls, self.tracker.offset_ns = self._answer, 0
+        self.tracker._spaces = SimpleNamespace(head=None, world=None)
+
+    def _answer(self, *_: object) -> int:
+        location = self.tracker._location
+        location._location_flags = self.flags
+        location.pose.position.x, location.pose.position.y, location.pose.position.z = self.position
+        turned = location.pose.orientation
+        turned.x, turned.y, turned.z, turned.w = self.orientation
+        return 0
+
+    def at(self, time_ns: int, flags: int, position=(0.0, 0.0, 0.0), orientation=(0.0, 0.0, 0.0, 1.0)):
+        self.flags, self.position, self.orientation = flags, position, orientation
+        return self.tracker.head_at(time_ns)
+
+
+def test_before_the_first_pose_someone_stands_there():
+    sample = Told().at(5, 0)
+    assert sample.origin is Origin.HELD and sample.time_ns == 5
+    assert sample.pose.isclose(Pose((0, EYE_HEIGHT_M, 0)))
+
+
+def test_a_guess_is_no_measurement():
+    told = Told()
+    both = ORIENTATION_VALID | POSITION_VALID
+    assert told.at(5, both).origin is Origin.PREDICTED and not told.tracker.lost
+    assert told.at(5, both | ORIENTATION_TRACKED).origin is Origin.MEASURED
+    assert told.at(2**62, both | ORIENTATION_TRACKED).origin is Origin.PREDICTED
+
+
+def test_a_headset_that_knows_only_turns_turns_where_it_is():
+    told = Told()
+    told.at(5, ORIENTATION_VALID | POSITION_VALID, position=(1.0, 2.0, 3.0))
+    turned = (0.0, math.sin(0.4), 0.0, math.cos(0.4))
+    sample = told.at(6, ORIENTATION_VALID | ORIENTATION_TRACKED, position=(9.0, 9.0, 9.0), orientation=turned)
+    assert np.array_equal(sample.pose.position_m, (1, 2, 3))
+    assert np.allclose(sample.pose.orientation_xyzw, turned, atol=1e-7)
+
+
+@pytest.mark.parametrize("orientation", [(0.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0)])
+def test_a_pose_that_is_none_counts_as_lost(orientation):
+    told = Told()
+    told.at(5, ORIENTATION_VALID | POSITION_VALID, position=(1.0, 2.0, 3.0))
+    sample = told.at(6, ORIENTATION_VALID | POSITION_VALID, position=(7.0, 7.0, 7.0), orientation=orientation)
+    assert told.tracker.lost and sample.origin is Origin.HELD
+    assert np.array_equal(sample.pose.position_m, (1, 2, 3))
+
+
+def test_eyes_that_are_not_valid_stay_as_they_were():
+    eyes, said = RuntimeEyes(), {"flags": 0, "left": -0.7}
+
+    def calls(*_: object) -> int:
+        eyes._state._view_state_flags = said["flags"]
+        for view in eyes._views:
+            fov = view.fov
+            fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up = said["left"], 0.7, -0.7, 0.7
+        return 0
+
+    eyes.locate(calls, None, None, 1)
+    assert not eyes.known
+    said.update(flags=3)
+    eyes.locate(calls, None, None, 1)
+    assert eyes.known
+    said.update(left=0.8)  # to the right of the right edge
+    eyes.locate(calls, None, None, 1)
+    said.update(flags=0, left=-0.5)
+    eyes.locate(calls, None, None, 1)
+    assert [view.fov.left for view in eyes.views(Pose())] == pytest.approx([-0.7, -0.7])
+    said.update(flags=3)
+    eyes.locate(calls, None, None, 1)
+    assert [view.fov.left for view in eyes.views(Pose())] == pytest.approx([-0.5, -0.5])
