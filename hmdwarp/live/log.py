@@ -241,8 +241,10 @@ class LiveLog:
         if self._pending is not None:  # nobody could ask the GPU any more
             moment = self._pending[0]
             self._rows.add(rows_text(moment, [NOT_KNOWN] * moment.eyes, (None,) * moment.eyes))
-        self._rows.close()
-        self._pictures.close()
+        try:
+            self._rows.close()
+        finally:
+            self._pictures.close()
         self._summary = self._sum_up()
         page = render_live_report(self._summary, self._figures.column, command=self._options.command)
         out.write_text("report.html", page)

@@ -59,3 +59,5 @@ class LiveOptions(PipelineOptions):
             raise InputError("guard auto looks at the whole trace first, which a live run has not: give a number, or replay a recording")
         if self.warp == AUTO and self.bench is None:
             raise InputError("warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by --bench")
+        if self.images_every and self.out is None:
+            raise InputError(f"images-every {self.images_every}: there is no folder to keep pictures in; name one by --out")

@@ -223,7 +223,7 @@ def test_warp_auto_tells_its_changes(monkeypatch, tmp_path):
 
 def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    result, display = go(monkeypatch, None, options={"images_every": 2})
+    result, display = go(monkeypatch, None)
     validate_summary(result.summary)
     assert result.folder is None and not list(tmp_path.iterdir())
     told = result.told()
@@ -232,6 +232,26 @@ def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_pa
     assert len(status.age_ms) == len(status.pose_age_ms) == result.summary["frames"]
     assert len(status.total_ms) == len(status.holes) == len(status.period_ms) + 1 == result.summary["frames"]
     assert set(status.stage_ms) == {"warp", "fill", "effects", "lens"} and status.budget_ms == 10.0
+
+
+def test_pictures_need_a_folder():
+    with pytest.raises(InputError, match="--out"):
+        LiveOptions(images_every=2)
+
+
+def test_nothing_waits_for_the_gpu(monkeypatch, tmp_path, seen):
+    """With timer queries, a refresh's times are asked for after the next one was handed over, and the last one's at the end."""
+    read = []
+
+    def after(number):
+        *_, before, now = [None, *seen.refreshes]
+        read.append((before is None or not any(lap._pending for lap in before.laps), not all(lap._pending for lap in now.laps)))
+
+    display = OffscreenDisplay(events=closed_at(20))
+    display.gpu.timer.clock = "gpu"  # llvmpipe has queries too; their answers mean nothing
+    run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out"), after=after)
+    assert set(read) == {(True, False)} and len(read) > 10
+    assert all(row["total_ms"] and row["hole_share"] for row in rows_of(tmp_path / "out"))
 
 
 def test_nothing_shown_leaves_nothing_and_says_so(monkeypatch, tmp_path):
