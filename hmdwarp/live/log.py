@@ -53,8 +53,8 @@ class LiveResult:
 class LiveLog:
     """count: refreshes with a picture. status: the numbers of the last ones.
 
-    What a refresh took is read at the next one: nothing here waits for the GPU. A refresh costs some 60 us, two thirds of them only
-    where there is a folder to write to. Memory is bounded, however long a run is; frames.csv grows on the disk.
+    What a refresh took is read at the next one: nothing here waits for the GPU. A refresh costs some 50 us, half of them only where there
+    is a folder to write to. Memory is bounded, however long a run is; frames.csv grows on the disk.
     Errors: InputError for a folder that cannot be written; from add, MachineError for a disk that is full.
     """
 
