@@ -109,7 +109,10 @@ class DesktopDisplay:
             self._pacer.pause()
             return None
         self._look_round()
-        time.sleep(max(0, self._pacer.due(self.now_ns()) - self.now_ns()) * 1e-9)
+        now = self.now_ns()
+        due = self._pacer.due(now)
+        if due > now:  # a sleep of nothing takes 60 us
+            time.sleep((due - now) * 1e-9)
         self._begun_ns = self.now_ns()
         return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
 

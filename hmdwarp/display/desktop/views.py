@@ -27,18 +27,15 @@ class OneEye:
 
 @attrs.frozen(eq=False)
 class Shown:
-    """eyes: whose. size: (w, h) pixels of one eye's picture. aspect: its width over height as it should look. headset: whose lens lies
-    before it, None for a picture that is looked at without one."""
+    """eyes: whose, and how many those are: count. size: (w, h) pixels of one eye's picture. aspect: its width over height as it should
+    look. headset: whose lens lies before it, None for a picture that is looked at without one.
+    """
 
     eyes: Eyes
+    count: int
     size: Size
     aspect: float
     headset: Headset | None
-
-    @property
-    def count(self) -> int:
-        """How many eyes."""
-        return len(self.eyes.views(Pose()))
 
     @property
     def whole(self) -> Size:
@@ -53,10 +50,11 @@ def shown(view: str, headset: Headset, size: Size | None) -> Shown:
     """
     if view == BOTH:
         width, height = headset.eye_size_m
-        return Shown(headset, size or headset.eye_size_px, width / height, headset)
+        return Shown(headset, 2, size or headset.eye_size_px, width / height, headset)
     if view != FLAT:
         raise InputError(f"view '{view}': wanted {BOTH} or {FLAT}")
     left, right, down, up = np.abs(headset.left_fov.tangents)
     wide, high = max(left, right), max(down, up)
     aspect = float(wide / high)
-    return Shown(OneEye(headset.name, Fov.from_tangents((-wide, wide, -high, high))), size or flat_size(aspect), aspect, None)
+    eye = OneEye(headset.name, Fov.from_tangents((-wide, wide, -high, high)))
+    return Shown(eye, 1, size or flat_size(aspect), aspect, None)

@@ -12,6 +12,7 @@ from ...gpu.context import WANTED
 from .connection import Connection
 from .layout import Size, window_size
 from .opening import last_error
+from .screens import in_words, mode_of, screen_of
 
 FALLBACK_ROOM = (1280, 800)  # where no screen says how large it is
 _NO_ERROR = 0  # GL_NO_ERROR
@@ -40,7 +41,8 @@ class WindowContext:
 
 class Window:
     """wanted: (w, h) pixels of what it is to show. column: how much wider for what stands beside it, in pixels of a usual screen.
-    handle: glfw's. gl: its context, current when this returns.
+    handle: glfw's. gl: its context, current when this returns. framebuffer_size: (w, h) in pixels; (0, 0) while it is minimised on some
+    systems.
 
     Errors: MachineError that says why there is no window or no OpenGL 4.3 in it.
     """
@@ -55,19 +57,31 @@ class Window:
         self.place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
         if full_screen:
             self.fill_screen(True)
+        self._show()
+        self.gl = self._context(vsync)
+        self._reset_status = self._function("glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR")
+
+    def _show(self) -> None:
+        glfw = self._glfw
+        # Told rather than asked for at every picture: an answer of the X server takes 50 us.
+        self._minimised = False
+        glfw.set_framebuffer_size_callback(self.handle, self._resized)
+        glfw.set_window_iconify_callback(self.handle, self._iconified)
         glfw.show_window(self.handle)
+        self.framebuffer_size: Size = tuple(glfw.get_framebuffer_size(self.handle))
         glfw.focus_window(self.handle)
-        context = WindowContext(glfw, self.handle)
+
+    def _context(self, vsync: bool) -> moderngl.Context:
+        context = WindowContext(self._glfw, self.handle)
         context.__enter__()
-        self.vsync = vsync
         self.wait_for_screen(vsync)
         try:
-            self.gl = moderngl.create_context(require=WANTED, context=context)
+            gl = moderngl.create_context(require=WANTED, context=context)
         except Exception as error:  # moderngl raises bare Exception and ValueError
             self.close()
             raise MachineError(f"no OpenGL {WANTED / 100:.1f} in a window: {error}; 'hmdwarp doctor' shows what is there") from error
-        self.gl.gc_mode = "context_gc"
-        self._reset_status = self._function("glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR")
+        gl.gc_mode = "context_gc"
+        return gl
 
     # --- sizes and places ---
 
@@ -82,56 +96,26 @@ class Window:
         size = window_size(wanted, (round(room[0] * scale), round(room[1] * scale)), round(column * content))
         glfw.set_window_size(self.handle, max(1, round(size[0] / scale)), max(1, round(size[1] / scale)))
 
-    @property
-    def framebuffer_size(self) -> Size:
-        """(w, h) in pixels; (0, 0) while it is minimised on some systems."""
-        return tuple(self._glfw.get_framebuffer_size(self.handle))  # type: ignore[return-value]
+    def _resized(self, _: object, width: int, height: int) -> None:
+        self.framebuffer_size = width, height
+
+    def _iconified(self, _: object, iconified: int) -> None:
+        self._minimised = bool(iconified)
 
     @property
     def hidden(self) -> bool:
         """Nobody could see a picture: minimised, or without a single pixel."""
-        return bool(self._glfw.get_window_attrib(self.handle, self._glfw.ICONIFIED)) or min(self.framebuffer_size) < 1
-
-    def monitor(self) -> object | None:
-        """The screen it is on: that which it fills, else that which most of it lies on; None without any."""
-        glfw = self._glfw
-        filled = glfw.get_window_monitor(self.handle)
-        if filled:
-            return filled
-        screens = glfw.get_monitors() or []
-        x, y = glfw.get_window_pos(self.handle)  # (0, 0) under Wayland, which does not tell
-        w, h = glfw.get_window_size(self.handle)
-        return max(screens, key=lambda screen: self._shared(screen, (x, y, w, h)), default=None)
-
-    def _shared(self, monitor: object, rectangle: tuple[int, int, int, int]) -> int:
-        x, y, w, h = rectangle
-        left, top = self._glfw.get_monitor_pos(monitor)
-        mode = self._glfw.get_video_mode(monitor)
-        if mode is None:
-            return 0
-        across = min(x + w, left + mode.size.width) - max(x, left)
-        down = min(y + h, top + mode.size.height) - max(y, top)
-        return max(0, across) * max(0, down)
+        return self._minimised or min(self.framebuffer_size) < 1
 
     @property
     def rate_hz(self) -> float:
         """Refreshes a second of the screen it is on; 0 where nobody says (virtual screens)."""
-        mode = self._mode(self.monitor())
+        mode = mode_of(self._glfw, screen_of(self._glfw, self.handle))
         return float(mode.refresh_rate) if mode is not None else 0.0
-
-    def _mode(self, monitor: object | None) -> object | None:
-        return self._glfw.get_video_mode(monitor) if monitor else None
 
     def screen_in_words(self) -> str:
         """Name, size and rate of the screen it is on."""
-        monitor = self.monitor()
-        mode = self._mode(monitor)
-        if monitor is None or mode is None:
-            return "none"
-        name = self._glfw.get_monitor_name(monitor)
-        name = name.decode(errors="replace") if isinstance(name, bytes) else str(name)
-        rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate > 0 else ""
-        return f"{name}, {mode.size.width}x{mode.size.height}{rate}"
+        return in_words(self._glfw, screen_of(self._glfw, self.handle))
 
     # --- what can be asked of it ---
 
@@ -144,11 +128,11 @@ class Window:
         """The screen it is on, or back to where it was. Without any screen it stays a window."""
         glfw = self._glfw
         if on and not self.fills_screen:
-            monitor = self.monitor()
-            mode = self._mode(monitor)
+            screen = screen_of(glfw, self.handle)
+            mode = mode_of(glfw, screen)
             if mode is not None:
                 self.place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
-                glfw.set_window_monitor(self.handle, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
+                glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
         elif not on and self.fills_screen:
             self._leave_screen()
 
