@@ -42,5 +42,8 @@ test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root a
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)
 
+bench-live: setup  ## what a refresh of 'live' costs beside OpenGL (OPTIONS=--gc: what garbage collection does to it)
+	@.venv/bin/python tests/bench_live.py $(OPTIONS)
+
 docs: setup  ## run what the figures and pictures in README.md and docs/ come from, and write them there
 	@.venv/bin/python docs/regenerate.py $(OPTIONS)
