@@ -17,7 +17,7 @@ from .root import Lacking, ready_root
 INSIDE = PIPE in os.environ
 HERE = Path(__file__).parent
 _inner = pytest.StashKey[dict[str, Inner]]()
-_root = pytest.StashKey[object]()
+_root = pytest.StashKey[Path | Lacking]()
 
 if INSIDE:
     from .fixtures import *  # noqa: F403
@@ -60,12 +60,12 @@ def _inner_of(item: pytest.Function) -> Inner:
     if name not in started:
         root = _root_for(item.config)
         asked = [other.nodeid for other in item.session.items if other.nodeid.startswith(f"{name}::")]
-        started[name] = Inner(root, asked, {name: os.environ[name] for name in ("CI",) if name in os.environ})
+        started[name] = Inner(root, asked)
     return started[name]
 
 
-def _root_for(config: pytest.Config):
-    """Built at the first test that needs it, not before. In CI a build that fails is a failure, and does not pass for something lacking."""
+def _root_for(config: pytest.Config) -> Path:
+    """Built at the first test that needs it, not before; tried once."""
     if _root not in config.stash:
         try:
             config.stash[_root] = ready_root(lambda text: _say(config, text))

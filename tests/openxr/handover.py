@@ -33,12 +33,11 @@ class Outcome:
 class Inner:
     """A pytest in `root` that runs the tests named. Errors: none; a test it does not tell of counts as failed, with what it said."""
 
-    def __init__(self, root: Path, names: list[str], environment: dict[str, str]) -> None:
+    def __init__(self, root: Path, names: list[str]) -> None:
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the process)
         self._told, tells = os.pipe()
         self._bytes, self._outcomes = b"", {}
-        words = [f"{name}={value}" for name, value in {**environment, PIPE: str(tells)}.items()]
-        command = [*words, "python3", "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", *names]
+        command = [f"{PIPE}={tells}", "python3", "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", *names]
         try:
             self._process = subprocess.Popen(
                 entered(root, command), pass_fds=[tells], stdin=subprocess.DEVNULL, stdout=self._said, stderr=subprocess.STDOUT

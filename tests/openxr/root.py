@@ -46,8 +46,10 @@ def ready_root(say: Say = lambda text: None) -> Path:
     _check_rights()
     place = _folder() / f"root-{recipe()}"
     place.parent.mkdir(parents=True, exist_ok=True)
-    with _locked(place.with_suffix(".lock")):
+    with _locked(place.with_suffix(".lock")) as waited:
         if not place.is_dir():
+            if waited:
+                raise Lacking("Monado's root could not be built by another process just now, which says why")
             say(f"building Monado's root in {place} (about a minute, 1.4 GB)")
             _remove_stale(place.parent)
             _build(place)
@@ -181,11 +183,16 @@ def _remove_stale(folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """One builds, the others wait for it."""
+def _locked(path: Path) -> Iterator[bool]:
+    """One builds, the others wait for it. Gives whether that was so."""
     with path.open("w") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            waited = False
+        except BlockingIOError:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            waited = True
+        yield waited
 
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:

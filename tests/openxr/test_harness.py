@@ -31,7 +31,7 @@ def test_the_head_is_where_it_was_put(monado, remote_head):
 def test_what_is_on_the_screen_is_seen(screen):
     """A window of one colour, all over the screen."""
     code = (
-        "import glfw, moderngl, time; glfw.init(); glfw.window_hint(glfw.DECORATED, 0); w = glfw.create_window(1280, 800, '', None, None);"
+        "import glfw, moderngl, time; glfw.init(); glfw.window_hint(glfw.DECORATED, 0); w = glfw.create_window(2000, 1200, '', None, None);"
         "glfw.set_window_pos(w, 0, 0); glfw.make_context_current(w); c = moderngl.create_context();"
         "[(c.clear(1.0, 0.5, 0.25), glfw.swap_buffers(w), glfw.poll_events(), time.sleep(0.05)) for _ in range(4)];"
         "c.finish(); print('there', flush=True); time.sleep(60)"
@@ -42,7 +42,7 @@ def test_what_is_on_the_screen_is_seen(screen):
             picture = screen.picture()
         finally:
             window.kill()
-    assert picture.shape == (800, 1280, 3)
+    assert picture.shape == (1200, 2000, 3)
     # 0.5 * 255 and 0.25 * 255 are rounded either way.
     assert np.abs(picture.astype(int) - [255, 127.5, 63.75]).max() <= 1
 
