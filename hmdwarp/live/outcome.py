@@ -80,7 +80,7 @@ class Fates:
         self._seen += 1
 
     def as_dict(self, rate_hz: float) -> dict[str, Any]:
-        """The `link` of summary.json; size and codec are those of the last link."""
+        """The `link` of summary.json; size and codec are those of the last link. rate_hz: of the pictures, as they came."""
         told = self._channel.summary(rate_hz)
         frames = dict(Counter(told["frames"]) + self._past) if self._past else told["frames"]
         times = {name: self._responses.column(name) for name in _RESPONSE}
@@ -122,7 +122,7 @@ def summary_of(
         "machine": facts.machine,
         "clock": facts.clock,
         **aggregate_columns(of_eyes),
-        "link": fates.as_dict(facts.rate_hz),
+        "link": fates.as_dict((count - 1) / live["seconds"] if live["seconds"] else facts.rate_hz),
         "notes": [*facts.scene_notes, *_notes(events, live, pictures)],
         "live": live,
     }

@@ -107,6 +107,8 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     assert summary["quality"]["flip"] == {"mean": None, "p95": None} and summary["measured"]["hole_share"] == len(rows)
     assert (summary["trace"], summary["headset"], summary["lens"]) == ("desktop", "rift-dk1", "radial")
     assert summary["size"] == [96, 120] and summary["link"]["frames"]["shown"] > 10
+    link = summary["link"]
+    assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)  # a hundred pictures a second came
     live = summary["live"]
     assert live["about"] == {"display": "offscreen", "track": "look-around"} and live["budget_ms"] == 10.0
     assert live["pose_age_ms"] == {"median": 2.0, "p95": 2.0} and live["period_ms"]["median"] == 10.0

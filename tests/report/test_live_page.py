@@ -26,7 +26,7 @@ def pair(median, p95=None):
 
 def a_live_summary(**changes) -> dict:
     live = {
-        "source": "openxr", "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"}, "record": "/tmp/head.csv", "seconds": 12.5,
+        "source": "openxr", "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"}, "record": "head.csv", "seconds": 12.5,
         "refreshes": 1001, "missed": 9, "waiting": 3, "unseen": 2, "over": 40, "timed": 1001, "age_ms": pair(203.4, 211.0),
         "pose_age_ms": pair(1.25, 1.9), "period_ms": pair(12.5, 13.1), "budget_ms": 12.5,
         "refresh_ms": {name: pair(*ms) for name, ms in REFRESH.items()},
