@@ -106,6 +106,8 @@ class Gpu:
         self.gl.objects.clear()
         self.gl.objects.extend(living)
         self.gl.gc()
+        # A context that is destroyed while current stays so in EGL, and GLX then refuses a window's in the same thread (BadAccess).
+        self.gl.__exit__(None, None, None)
         self.gl.release()
 
     def __enter__(self) -> Gpu:

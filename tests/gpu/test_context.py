@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import moderngl
 import numpy as np
 import pytest
@@ -71,6 +74,18 @@ def test_step_aside_leaves_the_one_before_current(gpu):
     assert works(gpu)
     second.close()
     assert works(gpu)
+
+
+def test_a_closed_one_is_current_nowhere():
+    """In a process of its own. A context that EGL destroyed while it was current keeps every window's (GLX) out of the thread."""
+    code = (
+        "import ctypes; from hmdwarp.gpu.context import Gpu; egl = ctypes.CDLL('libEGL.so.1'); now = egl.eglGetCurrentContext;"
+        "now.restype = ctypes.c_void_p; gpu = Gpu(); assert now(), 'not by EGL'; gpu.close(); assert not now(), 'still current'"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True, timeout=120)
+    if "not by EGL" in done.stderr or "libEGL" in done.stderr:
+        pytest.skip("contexts here are not made by EGL")
+    assert done.returncode == 0, done.stderr
 
 
 def test_what_a_gpu_says_of_itself(gpu):
