@@ -132,7 +132,8 @@ def openxr() -> list[Finding]:
 
 
 def _runtime(known: dict[str, object]) -> Finding:
-    name = f"{known['runtime']} {known['runtime_version']}" if "runtime" in known else "the runtime"
+    parts = (known["runtime"], known["runtime_version"]) if "runtime" in known else ("the runtime", "")
+    name = parts[0] if parts[1] in parts[0] else " ".join(parts)  # Monado's name says it
     detail, remedy = _runtime_trouble(name, known) if "error" in known else lacks(name, known["extensions"])
     if detail:
         return Finding("OpenXR runtime", State.OPTIONAL, detail, remedy, known)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import moderngl
 
 from ..geometry import View
 from ..gpu.context import Gpu
+from ..gpu.shaders import Draw
 from ..gpu.textures import Canvas
 from .notice import Notice, Notices
 
@@ -19,10 +22,18 @@ class Presenter:
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl
         self._notices = Notices(gl)
-        self._picture = gpu.shaders.draw("display/whole.vert", "display/picture.frag")
-        self._depth = gpu.shaders.draw("display/whole.vert", "display/depth.frag")
-        self._pictured = gl.vertex_array(self._picture.program, [])
-        self._deep = gl.vertex_array(self._depth.program, [])
+        self._shaders = gpu.shaders
+        self._nothing = Canvas(gl, (1, 1))
+        self._nothing.clear()
+        self._pictures: dict[tuple[bool, bool, bool], _Whole] = {}
+        self._depth = _Whole(gl, gpu.shaders.draw("display/whole.vert", "display/depth.frag"))
+
+    def prepare(self, *, hardware_srgb: bool) -> None:
+        """Compile what show() uses, which does so itself at its first picture."""
+        for scaled, noticed in product((False, True), repeat=2):
+            defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
+            draw = self._shaders.draw("display/whole.vert", "display/picture.frag", **defines)
+            self._pictures[hardware_srgb, scaled, noticed] = _Whole(self._gl, draw)
 
     def notice(self, text: str) -> Notice | None:
         """What show() lays over the picture; None for "". Drawn at its first use, kept for the next ones."""
@@ -43,24 +54,19 @@ class Presenter:
         hardware_srgb: whether `into` is sRGB and encodes by itself; else it gets the bytes of a window. Holes are black, light beyond
         0..1 is clipped, NaN is black. notice: over it, as `eye` sees what is fixed to the head; eye None: at the bottom of the viewport.
         """
-        size = viewport[2:]
-        named: dict[str, object] = {
-            "picture": 0,
-            "ink": 1,
-            "picture_size": panel.size if panel is not None else (0, 0),
-            "place": viewport,
-            "encodes": not hardware_srgb,
-            "noticed": notice is not None,
-        }
-        if panel is not None:
-            panel.texture.use(0)
+        picture, size = panel or self._nothing, tuple(viewport[2:])
+        key = (hardware_srgb, picture.size != size, notice is not None)
+        if key not in self._pictures:
+            self.prepare(hardware_srgb=hardware_srgb)
+        whole = self._pictures[key]
+        picture.texture.use(0)
+        whole.uniforms.set(picture=0, picture_size=picture.size, place=tuple(viewport))
         if notice is not None:
             notice.ink.use(1)
-            named["plate_from_place"] = notice.plate_from_place(size, eye)
-        self._picture.uniforms.set(**named)
+            whole.uniforms.set(ink=1, plate_from_place=notice.plate_from_place(size, eye))
         # Off for a window too: one may be sRGB without having been asked to be.
         (self._gl.enable_direct if hardware_srgb else self._gl.disable_direct)(FRAMEBUFFER_SRGB)
-        self._draw(self._pictured, into, viewport, moderngl.NOTHING)
+        self._draw(whole, into, viewport, moderngl.NOTHING)
         self._gl.disable_direct(FRAMEBUFFER_SRGB)
 
     def depth(self, inverse_depth: moderngl.Texture, into: moderngl.Framebuffer, near_m: float) -> None:
@@ -75,23 +81,32 @@ class Presenter:
         self._depth.uniforms.set(inverse_depth=0, texel_from_pixel=ratio, near_m=near_m)
         colours, self._gl.depth_func = into.color_mask, "1"
         into.color_mask = _nothing_like(colours)
-        self._draw(self._deep, into, (0, 0, w, h), moderngl.DEPTH_TEST)
+        self._draw(self._depth, into, (0, 0, w, h), moderngl.DEPTH_TEST)
         into.color_mask, self._gl.depth_func = colours, "<"
 
-    def _draw(self, array: moderngl.VertexArray, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
+    def _draw(self, whole: _Whole, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
         """No moderngl.Scope: it keeps its framebuffer until the context goes, and a runtime's framebuffers come and go."""
         before, into.viewport = into.viewport, viewport
         into.use()
         self._gl.enable_only(flags)
-        array.render(moderngl.TRIANGLES, vertices=3)
+        whole.array.render(moderngl.TRIANGLES, vertices=3)
         self._gl.enable_only(moderngl.NOTHING)
         into.viewport = before
 
     def close(self) -> None:
         """Free what is its own; the programs belong to the shader library."""
         self._notices.close()
-        self._pictured.release()
-        self._deep.release()
+        self._nothing.release()
+        for whole in (*self._pictures.values(), self._depth):
+            whole.array.release()
+        self._pictures.clear()
+
+
+class _Whole:
+    """A program that draws the whole viewport."""
+
+    def __init__(self, gl: moderngl.Context, draw: Draw) -> None:
+        self.uniforms, self.array = draw.uniforms, gl.vertex_array(draw.program, [])
 
 
 def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:

@@ -2,12 +2,13 @@
 // In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
 // Source: IEC 61966-2-1:1999, with the constants of its amendment 1.
 uniform sampler2D picture;
-uniform ivec2 picture_size; // 0 x 0: no picture, all black
+uniform ivec2 picture_size;
 uniform ivec4 place; // x, y, width, height in pixels of the framebuffer
-uniform bool encodes;
-uniform bool noticed;
+// Defines instead of uniforms: llvmpipe runs both sides of a condition.
+#if NOTICED
 uniform sampler2D ink; // 1 where a letter is
 uniform mat3 plate_from_place; // (x, y, 1) in pixels of the place to the uv of the plate, homogeneous; positive before the eye
+#endif
 
 out vec4 colour;
 
@@ -21,32 +22,43 @@ vec3 light_at(ivec2 texel) {
 }
 
 vec3 picture_at(vec2 p) {
-    if (picture_size == ivec2(0)) return vec3(0.0);
-    if (picture_size == place.zw) return light_at(ivec2(p));
+#if !SCALED
+    return light_at(ivec2(p));
+#else
     vec2 in_picture = p * (vec2(picture_size) / vec2(place.zw)) - 0.5;
     vec2 part = fract(in_picture);
     ivec2 first = ivec2(floor(in_picture));
     vec3 lower = mix(light_at(first), light_at(first + ivec2(1, 0)), part.x);
     vec3 upper = mix(light_at(first + ivec2(0, 1)), light_at(first + ivec2(1, 1)), part.x);
     return mix(lower, upper, part.y);
+#endif
 }
 
+#if NOTICED
 vec3 with_notice(vec3 light, vec2 p) {
     vec3 on_plate = plate_from_place * vec3(p, 1.0);
     vec2 uv = on_plate.xy / on_plate.z;
-    float letter = texture(ink, uv).r; // outside every condition but a uniform one, for its derivatives
+    float letter = texture(ink, uv).r; // outside every condition, for its derivatives
     bool inside = on_plate.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
     return inside ? mix(mix(light, PLATE_LIGHT, PLATE), vec3(1.0), letter) : light;
 }
+#endif
 
+#if ENCODES
 vec3 srgb_from_linear(vec3 light) {
     vec3 curve = 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055;
     return mix(curve, 12.92 * light, lessThanEqual(light, vec3(0.0031308)));
 }
+#endif
 
 void main() {
     vec2 p = gl_FragCoord.xy - vec2(place.xy);
     vec3 light = picture_at(p);
-    if (noticed) light = with_notice(light, p);
-    colour = vec4(encodes ? srgb_from_linear(light) : light, 1.0);
+#if NOTICED
+    light = with_notice(light, p);
+#endif
+#if ENCODES
+    light = srgb_from_linear(light);
+#endif
+    colour = vec4(light, 1.0);
 }

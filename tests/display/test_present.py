@@ -377,7 +377,7 @@ def test_depth_leaves_the_next_pass_its_depth_test(gpu, presenter):
     upload(texture, np.full((4, 4), 3, np.float32))
     framebuffer = gl.framebuffer([screen.texture], gl.depth_texture((4, 4)))
     presenter.depth(texture, framebuffer, 0.1)
-    triangle = gl.vertex_array(gpu.shaders.draw("display/whole.vert", "display/picture.frag").program, [])
+    triangle = gl.vertex_array(gpu.shaders.draw("display/whole.vert", "display/picture.frag", ENCODES=0, SCALED=0, NOTICED=0).program, [])
     with gl.scope(framebuffer, moderngl.DEPTH_TEST):
         triangle.render(moderngl.TRIANGLES, vertices=3)
     assert (screen.bytes() == Screen.UNTOUCHED).all()

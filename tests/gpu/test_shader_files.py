@@ -81,7 +81,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         with Copier(gpu, 16):
             pass
         HoleCounter(gpu).close()
-        Presenter(gpu).close()
+        _present(gpu)
         return gpu.shaders.used
     finally:
         gpu.shaders = before
@@ -102,6 +102,14 @@ def _compile_effects(gpu: Gpu, tools: Tools) -> None:
         for count in range(1, len(names) + 1):
             for parts in combinations(names, count):
                 made_by(gpu, frozenset(parts), (9, 7), (8, 6), tools).close()
+
+
+def _present(gpu: Gpu) -> None:
+    presenter = Presenter(gpu)
+    for hardware_srgb in (False, True):
+        presenter.prepare(hardware_srgb=hardware_srgb)
+    presenter.close()
+    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as desktop.panel_renderer, whose package is an extra
 
 
 def _draw_every_content(gpu: Gpu) -> None:
