@@ -20,7 +20,7 @@ PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-openxr bench-quick docs
+.PHONY: help setup replay test test-openxr bench-quick bench-live docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
