@@ -102,7 +102,8 @@ class Stage:
     def _ladder_for(self, options: LiveOptions) -> Ladder:
         if options.warp != AUTO:
             return Ladder()
-        return ladder_from_file(options.bench, attrs.evolve(options, lens="none"), None)
+        size = options.size or self._display.size
+        return ladder_from_file(options.bench, attrs.evolve(options, lens="none", size=size), None)
 
     def _plans(self, options: LiveOptions, scene: Scene, ladder: Ladder) -> list[Plan]:
         shown = self._display
