@@ -51,9 +51,8 @@ class Window:
         self, glfw: ModuleType, title: str, wanted: Size, column: int = 0, *, full_screen: bool = False, vsync: bool = True
     ) -> None:
         self._glfw, self._title = glfw, title
-        self.handle, self.api = _made(glfw, title)
+        self.handle, self.api = _made(glfw, title, _units(glfw, wanted, column))
         self._connection = Connection(glfw)
-        self._fit(wanted, column)
         self.place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
         if full_screen:
             self.fill_screen(True)
@@ -84,17 +83,6 @@ class Window:
         return gl
 
     # --- sizes and places ---
-
-    def _fit(self, wanted: Size, column: int) -> None:
-        """As large as `wanted` pixels, whatever a unit of the window measures (HiDPI), within the screen."""
-        glfw = self._glfw
-        units, pixels = glfw.get_window_size(self.handle), glfw.get_framebuffer_size(self.handle)
-        scale = pixels[0] / units[0] if units[0] and pixels[0] else 1.0
-        monitor = glfw.get_primary_monitor()
-        room = glfw.get_monitor_workarea(monitor)[2:] if monitor else FALLBACK_ROOM
-        content = glfw.get_window_content_scale(self.handle)[0] or 1.0
-        size = window_size(wanted, (round(room[0] * scale), round(room[1] * scale)), round(column * content))
-        glfw.set_window_size(self.handle, max(1, round(size[0] / scale)), max(1, round(size[1] / scale)))
 
     def _resized(self, _: object, width: int, height: int) -> None:
         self.framebuffer_size = width, height
@@ -190,14 +178,25 @@ class Window:
             self._glfw.terminate()
 
 
-def _made(glfw: ModuleType, title: str) -> tuple[object, str]:
+def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
+    """(w, h) in units of a window: as large as `wanted` pixels and a column beside, whatever a unit measures (HiDPI), within the screen."""
+    screen = glfw.get_primary_monitor()
+    room = glfw.get_monitor_workarea(screen)[2:] if screen else FALLBACK_ROOM
+    content = (glfw.get_monitor_content_scale(screen)[0] if screen else 0.0) or 1.0
+    # The room is in pixels everywhere; a unit is a pixel under X11, and `content` of them under Wayland.
+    unit = content if glfw.get_platform() == glfw.PLATFORM_WAYLAND else 1.0
+    width, height = window_size(wanted, tuple(room), round(column * content))
+    return max(1, round(width / unit)), max(1, round(height / unit))
+
+
+def _made(glfw: ModuleType, title: str, size: Size) -> tuple[object, str]:
     """A hidden window and by which interface its context was made; EGL where the system's own way (GLX) has none."""
     said = []
     for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
         glfw.default_window_hints()
         for hint, value in _hints(glfw, api).items():
             glfw.window_hint(hint, value)
-        handle = glfw.create_window(640, 480, title, None, None)
+        handle = glfw.create_window(*size, title, None, None)
         if handle:
             return handle, name
         said.append(f"{name}: {last_error(glfw)}")
