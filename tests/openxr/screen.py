@@ -31,6 +31,11 @@ class Screen:
         pixels = rows[:, : 4 * width].reshape(height, width, 4)
         return pixels[..., 1:] if order else pixels[..., 2::-1]  # xRGB, lowest byte last or first
 
+    def kill(self) -> None:
+        """It is gone, as when somebody logs out."""
+        self._process.kill()
+        self._process.wait()
+
     def __enter__(self) -> Screen:
         self._folder = tempfile.TemporaryDirectory(prefix="hmdwarp-screen-")
         screen = f"{self.size[0]}x{self.size[1]}x24"

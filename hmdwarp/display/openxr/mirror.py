@@ -30,16 +30,12 @@ class Mirror:
 
     def __init__(self) -> None:
         self._glfw = start()
-        try:
-            self._window = Window(self._glfw, "hmdwarp", SIZE, vsync=False)
-        except BaseException:
-            self._glfw.terminate()
-            raise
+        self._window = Window(self._glfw, "hmdwarp", SIZE, vsync=False)
         self.gl = self._window.gl
         self._screen = self.gl.detect_framebuffer(0)
         self._commands: list[Command] = []
         self._drawn_ns = 0
-        self._help = self._quit = self._closed = False
+        self._help = False
         self._glfw.set_key_callback(self._window.handle, self._key)
 
     def _key(self, _: object, key: int, __: int, action: int, mods: int) -> None:
@@ -57,13 +53,14 @@ class Mirror:
         elif name == "full_screen":
             self._window.fill_screen(not self._window.fills_screen)
         else:
-            self._quit = True
+            self._window.end()
 
     def poll(self) -> None:
         """Hear the window. Errors: Closed."""
         self._glfw.poll_events()
-        if self._quit or self._glfw.window_should_close(self._window.handle):
-            raise Closed("the window was closed")
+        reason = self._window.over()
+        if reason:
+            raise Closed(reason)
 
     def commands(self) -> Sequence[Command]:
         """What its keys asked for since the last time."""
@@ -90,10 +87,7 @@ class Mirror:
 
     def close(self) -> None:
         """May be called twice."""
-        if not self._closed:
-            self._closed = True
-            self._window.close()
-            self._glfw.terminate()
+        self._window.close()
 
 
 def help_text() -> str:
