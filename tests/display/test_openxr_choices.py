@@ -156,10 +156,13 @@ def test_before_the_first_pose_someone_stands_there():
 
 
 def test_a_guess_is_no_measurement():
+    """How a runtime says that it has lost track of a headset: what it last knew stays valid, and is not tracked."""
     told = Told()
     both = ORIENTATION_VALID | POSITION_VALID
-    assert told.at(5, both).origin is Origin.PREDICTED and not told.tracker.lost
-    assert told.at(5, both | ORIENTATION_TRACKED).origin is Origin.MEASURED
+    sample = told.at(5, both, position=(1.0, 2.0, 3.0))
+    assert sample.origin is Origin.HELD and told.tracker.lost
+    assert np.array_equal(sample.pose.position_m, (1, 2, 3))
+    assert told.at(5, both | ORIENTATION_TRACKED).origin is Origin.MEASURED and not told.tracker.lost
     assert told.at(2**62, both | ORIENTATION_TRACKED).origin is Origin.PREDICTED
 
 

@@ -46,11 +46,12 @@ def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, 
 
 
 class HeadTracker:
-    """A PoseSource on CLOCK_MONOTONIC. lost: whether at the last asking the runtime did not know how the head is turned.
+    """A PoseSource on CLOCK_MONOTONIC. lost: whether at the last asking the runtime did not track how the head is turned.
 
-    A head that is lost is HELD where it was last. One that the runtime guesses (valid, not tracked) is PREDICTED, and so is any for an
-    instant to come; MEASURED is what is tracked and is over. A place that is not valid, as of headsets that know only turns, is held
-    while the turn goes on.
+    A head that is lost is HELD: where the runtime last knew it to be if it still says so (valid, not tracked: the specification's way of
+    losing track), else where it was here. MEASURED is what is tracked and is over, PREDICTED what is to come. Only the turn counts: a
+    place that is not valid, as of headsets that know nothing else, is held while the turn goes on.
+    Source: OpenXR 1.0, XrSpaceLocationFlagBits.
     """
 
     def __init__(self) -> None:
@@ -74,12 +75,11 @@ class HeadTracker:
         self._calls("xrLocateSpace", self._spaces.head, self._spaces.world, time_ns + self.offset_ns, self._pointer)
         flags = self._location._location_flags
         pose = self._told(flags) if flags & _TURN_VALID else None
-        self.lost = pose is None
-        if pose is None:
+        self._last = pose or self._last
+        self.lost = pose is None or not flags & _TURN_TRACKED
+        if self.lost:
             return PoseSample(time_ns, self._last, Origin.HELD, read_ns)
-        self._last = pose
-        tracked = time_ns <= read_ns and flags & _TURN_TRACKED
-        return PoseSample(time_ns, pose, Origin.MEASURED if tracked else Origin.PREDICTED, read_ns)
+        return PoseSample(time_ns, pose, Origin.MEASURED if time_ns <= read_ns else Origin.PREDICTED, read_ns)
 
     def _told(self, flags: int) -> Pose | None:
         try:
