@@ -13,6 +13,7 @@ from .desktop_program import ROOT, SMALL, Live
 from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb, until
 
 skip_without_xvfb()
+pytestmark = pytest.mark.slow  # programs of their own: 15 s
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def screen(tmp_path_factory):
         yield made
 
 
-@pytest.mark.parametrize("what", ["twice", "beside", "source", "switches", "colours"])
+@pytest.mark.parametrize("what", ["twice", "beside", "source", "switches", "bare", "reset", "colours"])
 def test_alone(screen, what):
     paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
     command = [sys.executable, "-W", "error", "-m", "display.window_alone", what]

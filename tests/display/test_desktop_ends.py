@@ -17,6 +17,7 @@ from .desktop_program import ROOT, SMALL, Live
 from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb
 
 skip_without_xvfb()
+pytestmark = pytest.mark.slow  # programs of their own: 15 s
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb, until
 skip_without_xvfb()
 if not shutil.which("weston"):
     pytest.skip("no weston here (Debian, Ubuntu: sudo apt-get install weston)", allow_module_level=True)
+pytestmark = pytest.mark.slow  # programs of their own: 10 s
 
 NAME = "hmdwarp-test"
 

@@ -100,12 +100,42 @@ def switches() -> None:
     assert display.eyes is before is display.headset
     display._pending.append(Command("quit"))
     display.commands()
+    assert closed(display) == "the window was closed"
+    display.close()
+
+
+def closed(display: DesktopDisplay) -> str:
     try:
         display.wait()
-    except Closed as closed:
-        assert "closed" in str(closed)  # noqa: PT017
-    else:
-        raise AssertionError("quit, and it goes on")
+    except Closed as why:
+        return str(why)
+    raise AssertionError("it goes on")
+
+
+def bare() -> None:
+    """Without the panel's package everything else works, and the window says how to get it: at the start, and when it is asked for."""
+    import attrs
+
+    from hmdwarp.display import Command
+
+    sys.modules["imgui_bundle"] = None  # as if it were not installed
+    display = DesktopDisplay(attrs.evolve(SMALL, panel=True))
+    assert "hmdwarp[panel]" in display._overlay._said and "H" in display._overlay._said
+    refresh(display)
+    display._overlay.say("")
+    display._pending.append(Command("panel"))
+    assert not display.commands() and "hmdwarp[panel]" in display._overlay._said
+    refresh(display)
+    display.close()
+
+
+def reset() -> None:
+    """A driver that was reset ends the run. No software driver ever is, so its answer is made up; that it is asked is real."""
+    display = DesktopDisplay(SMALL)
+    refresh(display)
+    assert display._window._reset_status is None or display._window._reset_status() == 0
+    display._window._reset_status = lambda: 0x8253  # GL_GUILTY_CONTEXT_RESET
+    assert "driver was reset" in closed(display)
     display.close()
 
 
@@ -150,4 +180,4 @@ def colours() -> None:
 
 
 if __name__ == "__main__":
-    {"twice": twice, "beside": beside, "source": source, "switches": switches, "colours": colours}[sys.argv[1]]()
+    {one.__name__: one for one in (twice, beside, source, switches, bare, reset, colours)}[sys.argv[1]]()
