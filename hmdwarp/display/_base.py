@@ -115,7 +115,7 @@ class Display(Protocol):
         """What the title line and the panel show: a live.figures.Status."""
 
     def reopen(self) -> bool:
-        """After Lost: whether it is there again. The gpu stays the same."""
+        """After Lost: whether it is there again. The gpu stays the same. Errors: Closed."""
 
     def close(self) -> None:
         """Let go of everything, the gpu last; whatever state it is in. May be called twice."""

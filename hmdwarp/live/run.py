@@ -84,18 +84,21 @@ class _Driver:
 
     def run(self) -> None:
         with Tidying(self._stage.options.collect) as tidying:
-            while not self._ending.due(self._log.count):
-                try:
-                    tick = self._display.wait()
-                    if tick is not None:
-                        self._refresh(tick)
-                        tidying.between()
-                    self._obey()
-                except Closed as closed:
-                    self._say(str(closed))
-                    return
-                except Lost as lost:
-                    self._come_back(lost)
+            try:
+                while not self._ending.due(self._log.count):
+                    self._once(tidying)
+            except Closed as closed:
+                self._say(str(closed))
+
+    def _once(self, tidying: Tidying) -> None:
+        try:
+            tick = self._display.wait()
+            if tick is not None:
+                self._refresh(tick)
+                tidying.between()
+            self._obey()
+        except Lost as lost:
+            self._come_back(lost)
 
     def _refresh(self, tick: Tick) -> None:
         refresh = None

@@ -85,3 +85,15 @@ def test_a_screen_that_is_gone_ends_it_with_everything_written(runtime, screen, 
         assert program.status() == 0
         assert "the connection to the screen broke" in program.said
         assert program.recorded() >= 5
+
+
+def test_a_window_closed_while_the_runtime_is_away_ends_it(runtime, screen, tmp_path):
+    monado = runtime(WOBBLING, UNSEEN)
+    monado.start()
+    with Program(tmp_path, "--reconnect", "60") as program:
+        program.until_recorded(5)
+        monado.kill()
+        program.until_said("waiting up to 60 s")
+        press("Escape")
+        assert program.status() == 0
+        assert "the window was closed" in program.said

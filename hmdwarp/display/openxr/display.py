@@ -131,7 +131,7 @@ class OpenXrDisplay:
     def _views(self, refresh: Refresh | None) -> Sequence[View]:
         """Those the pictures were made for; for a black picture, those of this refresh."""
         if refresh is not None:
-            return [one.shown for one in refresh.given]
+            return [eye.view for eye in refresh.eyes]
         return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
 
     def look(self, view: str) -> None:
@@ -149,8 +149,10 @@ class OpenXrDisplay:
             self._graphics.mirror.title(status.title())
 
     def reopen(self) -> bool:
-        """As Display.reopen: everything of the old session is let go of first."""
+        """As Display.reopen: everything of the old session is let go of first. Errors: Closed, for a window closed meanwhile."""
         self._disconnect()
+        if self._graphics.mirror is not None:
+            self._graphics.mirror.poll()
         try:
             self._open()
         except MachineError:

@@ -99,6 +99,8 @@ class OpenXrHead:
 
         Errors: Closed; Lost.
         """
+        if self._graphics is not None and self._graphics.mirror is not None:
+            self._graphics.mirror.poll()
         self._session.poll()
         if not self._session.running:
             return False
