@@ -20,6 +20,7 @@ done
 mkdir -m 1777 "$ROOT/dev/shm"
 mount -t tmpfs -o mode=1777 tmpfs "$ROOT/tmp"
 mkdir -m 700 "$ROOT/tmp/home"
+[ ! -s "$ROOT/var/cache/hmdwarp-warm.tar" ] || tar -C "$ROOT/tmp" -xf "$ROOT/var/cache/hmdwarp-warm.tar"
 mount --bind "$PROJECT" "$ROOT/project"
 mount -o remount,bind,ro "$ROOT/project"
 mount -o remount,bind,ro "$ROOT"
