@@ -23,9 +23,10 @@ def frozen_vector(length: int):
             array = np.array(value, dtype=np.float64)
         except (TypeError, ValueError) as error:  # text, ragged lists
             raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
-        if array.shape != (length,) or not all(map(math.isfinite, array.tolist())):
+        # The sum is quick, and finite unless a number is not; only sums beyond 1e308 must be looked at one by one.
+        if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
             raise InputError(f"wanted {length} finite numbers, found {value!r}")
-        array.flags.writeable = False
+        array.setflags(write=False)
         return array
 
     return convert
@@ -127,7 +128,7 @@ class Pose:
 
     def __matmul__(self, other: Pose) -> Pose:
         """a_from_b @ b_from_c = a_from_c."""
-        return Pose(self.transform(other.position_m), _product(self._unit, other._unit))
+        return _made(self.transform(other.position_m), _product(self._unit, other._unit))
 
     def inverse(self) -> Pose:
         """b_from_a for a_from_b."""
@@ -141,7 +142,7 @@ class Pose:
         1e6 m from the origin (the difference of neighbouring floats is exact, Sterbenz 1974).
         """
         back = _back(other._unit)
-        return Pose(_matrix(back) @ (self.position_m - other.position_m), _product(back, self._unit))
+        return _made(_matrix(back) @ (self.position_m - other.position_m), _product(back, self._unit))
 
     def towards(self, other: Pose, share: float) -> Pose:
         """The pose `share` (0..1) of the way to `other`: positions on the straight line, orientations on the shorter great arc.
@@ -163,3 +164,22 @@ class Pose:
         """The same pose within atol (metres, and radians of the angle between); q and -q count as one."""
         angle = (self.rotation.inv() * other.rotation).magnitude()
         return bool(np.abs(self.position_m - other.position_m).max() <= atol and angle <= atol)
+
+
+_set = object.__setattr__
+
+
+def _made(position: Vector, turn: Quaternion) -> Pose:
+    """Pose(position, turn) of a new array and a quaternion that was just normalised: half the time, as little is left to ask."""
+    x, y, z, w = turn
+    is_unit = max(turn) <= 1 and min(turn) >= -1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15
+    if not (is_unit and math.isfinite(sum(position.tolist()))):
+        return Pose(position, turn)
+    pose, orientation = Pose.__new__(Pose), np.array(turn)
+    position.setflags(write=False)
+    orientation.setflags(write=False)
+    _set(pose, "position_m", position)
+    _set(pose, "orientation_xyzw", orientation)
+    _set(pose, "_unit", _normalised(x, y, z, w))
+    _set(pose, "_matrix", None)
+    return pose

@@ -100,6 +100,7 @@ class Uniforms:
         self._members: dict[str, moderngl.Uniform | None] = {name: program.get(name, None) for name in names}
         self._written: dict[str, object] = {}  # what cannot have changed since: told by identity, which costs nothing
         self._last: dict[str, bytes] = {}
+        self._settled: dict[str, object] | None = None
 
     def declares(self, name: str) -> bool:
         """Whether the shader's text has a uniform of that name."""
@@ -117,6 +118,12 @@ class Uniforms:
         """`set` for what the shader's text declares, the rest left out: for shaders that share one set of values."""
         self._set(values, strict=False)
 
+    def settle(self, values: dict[str, object]) -> None:
+        """`set_declared` for what stays: the same dict as the last time, which must hold the same then, is not gone through again."""
+        if self._settled is not values:
+            self._set(values, strict=False)
+            self._settled = values
+
     def _set(self, values: Mapping[str, object], *, strict: bool) -> None:
         written, members = self._written, self._members
         for name, value in values.items():
@@ -131,6 +138,8 @@ class Uniforms:
 
     def _write(self, name: str, member: moderngl.Uniform, value: object) -> None:
         self._written.pop(name, None)
+        if self._settled is not None and name in self._settled:
+            self._settled = None
         try:
             if isinstance(value, np.ndarray):
                 constant = not value.flags.writeable and value.base is None

@@ -239,3 +239,19 @@ def test_turns_are_those_of_scipy(pose, other):
 def test_what_a_pose_remembers_cannot_be_changed():
     with pytest.raises(ValueError, match="read-only"):
         Pose().rotation_matrix[0, 0] = 2
+
+
+@given(poses(), poses())
+def test_products_are_what_the_constructor_would_make(pose, other):
+    """The short way there asks less, and makes the same bits."""
+    for made in (pose @ other, pose.relative_to(other)):
+        again = Pose(made.position_m, made.orientation_xyzw)
+        assert np.array_equal(made.orientation_xyzw, again.orientation_xyzw)
+        assert np.array_equal(made.rotation_matrix, again.rotation_matrix)
+        assert not (made.position_m.flags.writeable or made.orientation_xyzw.flags.writeable)
+
+
+def test_a_product_beyond_the_largest_float_is_refused():
+    far = Pose((1.7e308, 0, 0))
+    with pytest.raises(InputError, match="3 finite numbers"), np.errstate(over="ignore"):
+        far @ far

@@ -219,6 +219,19 @@ def test_one_constant_goes_to_programs_of_other_types(gpu, shaders):
         assert results(gpu, program, 2).tolist() == [2.0, 3.0], kind
 
 
+def test_settled_values_come_back_after_others(gpu, shaders):
+    """Two users of one program, and one who sets what was settled."""
+    program = compute(gpu, shaders, f"{HEAD}uniform float a, b;\nvoid main() {{ o[0] = a; o[1] = b; }}")
+    one, other = {"a": 1.0, "b": 2.0, "elsewhere": 3.0}, {"a": 4.0}
+    for values, wanted in ((one, [1, 2]), (one, [1, 2]), (other, [4, 2]), (one, [1, 2])):
+        program.uniforms.settle(values)
+        assert results(gpu, program, 2).tolist() == wanted
+    program.uniforms.set(b=7.0)
+    assert results(gpu, program, 2).tolist() == [1, 7]
+    program.uniforms.settle(one)
+    assert results(gpu, program, 2).tolist() == [1, 2]
+
+
 def test_a_shared_set_of_values_goes_where_it_is_declared(gpu, shaders):
     program = compute(gpu, shaders, f"{HEAD}uniform float here;\nvoid main() {{ o[0] = here; }}")
     program.uniforms.set_declared(here=2.0, elsewhere=3.0)

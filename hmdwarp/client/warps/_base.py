@@ -96,4 +96,4 @@ class Warp(ABC):
 
     def set_sizes(self, program: Compute) -> None:
         """The uniforms that stay the same as long as the sizes do."""
-        program.uniforms.set_declared(**self._size_uniforms)
+        program.uniforms.settle(self._size_uniforms)

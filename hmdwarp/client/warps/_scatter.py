@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import moderngl
@@ -32,6 +33,10 @@ class ScatterWarp(Warp):
         """From rendered to shown pixels."""
         return WarpMap.between(given.late.view, self.late_size, given.shown, self.shown_size)
 
+    @cached_property
+    def _constants(self) -> dict[str, object]:
+        return {**self._size_uniforms, **_UNITS}
+
     def bind(self, given: Given, into: Canvas) -> None:
         """The late picture and the result, as images for compute shaders."""
         given.late.colour.bind_to_image(LATE_COLOUR, read=True, write=False)
@@ -40,7 +45,8 @@ class ScatterWarp(Warp):
 
     def set(self, program: Compute, **more: object) -> None:
         """The sizes, the image units, and whatever else of `more` the program knows."""
-        program.uniforms.set_declared(**self._size_uniforms, **_UNITS, **more)
+        program.uniforms.settle(self._constants)
+        program.uniforms.set_declared(**more)
 
     def empty_keys(self, words: int = 1) -> moderngl.Buffer:
         """A key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
