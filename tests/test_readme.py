@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-BLOCKS = re.findall(r"```(sh|python)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+BLOCKS = re.findall(r"```(sh|shell|python)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+LIVE = [line for kind, text in BLOCKS if kind == "shell" for line in text.strip().splitlines()]
 COMMANDS = [line for kind, text in BLOCKS if kind == "sh" for line in text.strip().splitlines()]
 
 
@@ -27,6 +29,8 @@ def test_the_page_runs_from_top_to_bottom(tmp_path):
     for kind, text in BLOCKS:
         if kind == "python":
             run([sys.executable, "-c", text], tmp_path)
+        elif kind == "shell":  # live: needs a screen, and somebody to end it
+            continue
         elif not text.startswith("make "):
             run(["sh", "-ec", text], tmp_path)
     assert (tmp_path / "out/walk/report.html").is_file()
@@ -37,9 +41,18 @@ def test_the_page_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "warped.png").is_file()
 
 
-def test_there_are_the_two_commands_and_seven_examples():
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("xvfb-run") is None, reason="no virtual screen (Debian: xvfb xauth)")
+@pytest.mark.parametrize("command", LIVE)
+def test_the_live_commands_open_a_window(command, tmp_path):
+    small = " --frames 3 --size 96x120 --scene planes"  # of an option given twice the last counts
+    run(["xvfb-run", "-a", "sh", "-ec", command + small], tmp_path)
+
+
+def test_there_are_the_two_commands_and_ten_examples():
     assert [c for c in COMMANDS if c.startswith("make ")] == ["make replay", "make test"]
-    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 9
+    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 10
+    assert len(LIVE) == 3
 
 
 @pytest.mark.slow
