@@ -95,8 +95,9 @@ class OpenXrDisplay:
         return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
 
     def _missed(self, shown_ns: int) -> int:
+        """In refreshes of the display: a runtime may tell slow programs a longer period (Monado does), and those go by all the same."""
         last, self._last_shown_ns = self._last_shown_ns, shown_ns
-        return max(0, round((shown_ns - last) / self._period_ns) - 1) if last else 0
+        return max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
 
     def show(self, refresh: Refresh | None, label: str = "") -> int:
         """As Display.show: returns when xrEndFrame has come back."""
