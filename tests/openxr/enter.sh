@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # enter.sh ROOT PROJECT [NAME=VALUE...] CMD...: runs CMD in the root; started by root.entered in namespaces of its own.
 set -euo pipefail
-ROOT=$1 PROJECT=$2; shift 2
+ROOT=$1 PROJECT=$2 OURS=/tmp; shift 2
 
 # The network is the loopback alone.
 ip link set lo up 2>/dev/null || python3 -c '
@@ -18,13 +18,13 @@ for node in null zero full random urandom tty; do
   mount --bind "/dev/$node" "$ROOT/dev/$node"
 done
 mkdir -m 1777 "$ROOT/dev/shm"
-mount -t tmpfs -o mode=1777 tmpfs "$ROOT/tmp"
-mkdir -m 700 "$ROOT/tmp/home"
-[ ! -s "$ROOT/var/cache/hmdwarp-warm.tar" ] || tar -C "$ROOT/tmp" -xf "$ROOT/var/cache/hmdwarp-warm.tar"
+mount -t tmpfs -o mode=1777 tmpfs "$ROOT$OURS"
+mkdir -m 700 "$ROOT$OURS/home"
+[ ! -s "$ROOT/var/cache/hmdwarp-warm.tar" ] || tar -C "$ROOT$OURS" -xf "$ROOT/var/cache/hmdwarp-warm.tar"
 mount --bind "$PROJECT" "$ROOT/project"
 mount -o remount,bind,ro "$ROOT/project"
 mount -o remount,bind,ro "$ROOT"
 
 # No exec: process 1 of the namespace is a shell that reaps what is orphaned, and CMD gets the signals it expects.
-chroot "$ROOT" /usr/bin/env -i --chdir=/project HOME=/tmp/home LANG=C.UTF-8 PATH=/usr/bin:/bin \
-  PYTHONPATH=/project:/project/tests PYTHONPYCACHEPREFIX=/tmp/pycache PYTHONUNBUFFERED=1 "$@"
+chroot "$ROOT" /usr/bin/env -i --chdir=/project HOME=$OURS/home LANG=C.UTF-8 PATH=/usr/bin:/bin \
+  PYTHONPATH=/project:/project/tests PYTHONPYCACHEPREFIX=$OURS/pycache PYTHONUNBUFFERED=1 "$@"
