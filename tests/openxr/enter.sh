@@ -14,6 +14,7 @@ mkdir -p "$ROOT/project"
 mount -t proc proc "$ROOT/proc"
 mount -t tmpfs -o mode=755 tmpfs "$ROOT/dev"
 for node in null zero full random urandom tty; do
+  [ -e "/dev/$node" ] || continue
   touch "$ROOT/dev/$node"
   mount --bind "/dev/$node" "$ROOT/dev/$node"
 done
