@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from .frame import EyeImage, Frame
     from .link import Link, LinkOptions, Passage
 
+KEPT = 1 << 17  # figures of so many frames: half an hour at 60 Hz, and no more in a run of hours
 LOOK_EVERY = 10  # what coding loses is looked at in every tenth frame: that costs a comparison of two pictures
 
 
@@ -110,9 +112,8 @@ class Coder:
         told = {"crf": coding.crf, "bitrate_mbit": coding.bitrate_mbit}
         self._encoders = [Encoder(coding.codec, size, rate_hz, **told) for _ in range(2)]
         self._decoders = [Decoder(coding.codec, size) for _ in range(2)]
-        self._encode_ms: list[float] = []
-        self._decode_ms: list[float] = []
-        self._lost_db: list[float] = []
+        self._encoded = 0
+        self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
 
     def encode(self, frame: Frame, *, wants_key: bool) -> tuple[Parcel, int, bool]:
         """(parcel, bytes, whether it can be decoded without those before it)."""
@@ -123,7 +124,8 @@ class Coder:
         started = time.perf_counter_ns()
         packets = tuple(encoder.encode(*picture) for encoder, picture in zip(self._encoders, pictures, strict=True))
         frame.took_ms["encode"] = _milliseconds_since(started)
-        looked_at = len(self._encode_ms) % LOOK_EVERY == 0
+        looked_at = self._encoded % LOOK_EVERY == 0
+        self._encoded += 1
         self._encode_ms.append(frame.took_ms["encode"])
         size = sum(len(packet.colour) + self._sends_depth * len(packet.depth) for packet in packets)
         size += sum(packed_bytes(download(layer)) for layer in _other_layers(frame.eyes))
