@@ -1,8 +1,9 @@
 """A Debian root with Monado, an actual OpenXR runtime, and hmdwarp's pinned packages: for tests, without a headset or a GPU.
 
 Built once (a minute; 1.4 GB) into the user's cache folder, from Debian's unmodified packages and .ci/constraints.txt, and again when
-either list changes; one that nobody has entered for a month is removed at the next build. `python tests/openxr/root.py` builds it and prints
-where it is; with a command behind, it runs that in it; `with-monado` runs one beside Monado. HMDWARP_MONADO_ROOT names another folder.
+either list changes; one that nobody has entered for a month is removed at the next build. `python tests/openxr/root.py` builds it and
+prints where it is; with a command behind, it runs that in it; `with-monado` runs one beside Monado. HMDWARP_MONADO_ROOT names another
+folder.
 """
 
 from __future__ import annotations
