@@ -108,6 +108,11 @@ class Pose:
         return _normalised(*self.orientation_xyzw.tolist())
 
     @property
+    def unit_quaternion(self) -> Quaternion:
+        """The orientation in plain floats, x y z w."""
+        return self._unit
+
+    @property
     def rotation(self) -> Rotation:
         """The orientation as a SciPy rotation."""
         return Rotation.from_quat(self.orientation_xyzw)

@@ -16,6 +16,7 @@ from .moving import Place
 from .passes import ScenePasses, clear_depth
 from .peel import SAME_SURFACE
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
+from .sight import Sights
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,7 +110,10 @@ class MirroredPasses(ScenePasses):
         gl.front_face = "ccw"
         framebuffer.viewport = (0, 0, *framebuffer.size)
 
-    def _draw_surfaces(self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place) -> None:
+    def _draw_surfaces(
+        self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place, sights: Sights | None = None
+    ) -> None:
+        """As those of the scene, from behind the mirror: nothing stands there for what stands still here."""
         self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
         behind_from_here = reflection_in_eye(self._mirror, view) @ place.eye_from_here
         super()._draw_surfaces(vertices, buffers, view, Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3]))

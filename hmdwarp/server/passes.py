@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import moderngl
-import numpy as np
 
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .moving import Moving, Place
-from .projection import clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
+from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
+from .sight import Draws, Sights, draws_of
 from .upload import Batch, SceneBuffers
 
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
@@ -55,17 +55,24 @@ class ScenePasses:
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self._scene.origin_m), view.pose.position_m - self._scene.origin_m)
-            self._draw_surfaces(self._vertices, self.buffers, view, still)
+            self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.sights)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             gl.disable(moderngl.CULL_FACE)
             self._empty.render(moderngl.TRIANGLES, vertices=3)
             gl.depth_func = "<"
 
-    def _draw_surfaces(self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place) -> None:
+    def _draw_surfaces(
+        self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place, sights: Sights | None = None
+    ) -> None:
+        """sights: where positions stand still in the world's axes."""
         clip = clip_from_eye(view.fov) @ place.eye_from_here
         self._surface.uniforms.set(clip_from_scene=clip)
-        for batch in draw_chunks(self._gl, vertices, buffers, clip, place.eye):
+        if sights is None:
+            draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), place.eye)
+        else:
+            draws = sights.near(view.pose.unit_quaternion, place.eye, view.fov)
+        for batch in draw_chunks(self._gl, vertices, buffers, draws):
             if self._colour:
                 batch.texture.use(0)
 
@@ -82,20 +89,17 @@ class ScenePasses:
         self._empty.release()
 
 
-def draw_chunks(
-    gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, clip: np.ndarray, eye: np.ndarray
-) -> Iterator[Batch]:
-    """Draw what may be seen of some buffers; yields each batch before it is drawn. clip: 4x4, eye: (3,), both for what the positions
-    are relative to."""
-    before, culled = -1, None
-    for index, first, count in _runs(buffers, clip, eye):
-        if index != before:
-            batch, before = buffers.batches[index], index
-            if batch.double_sided is culled or culled is None:
-                culled = not batch.double_sided
-                (gl.enable if culled else gl.disable)(moderngl.CULL_FACE)
-            yield batch
-        vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
+def draw_chunks(gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws) -> Iterator[Batch]:
+    """Draw some of the chunks of some buffers; yields each batch before it is drawn."""
+    culled = None
+    for index, spans in draws:
+        batch = buffers.batches[index]
+        if batch.double_sided is culled or culled is None:
+            culled = not batch.double_sided
+            (gl.enable if culled else gl.disable)(moderngl.CULL_FACE)
+        yield batch
+        for first, count in spans:
+            vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:
@@ -105,19 +109,3 @@ def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None
     with drawing_into(framebuffer):
         framebuffer.clear(depth=1.0)
     framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
-
-
-def _runs(buffers: SceneBuffers, clip: np.ndarray, eye: np.ndarray) -> list[tuple[int, int, int]]:
-    """(batch, first index, number of indices) of all that may be seen, near things first, neighbours in one run."""
-    chunks = buffers.chunks
-    seen = visible(chunks.boxes, clip).nonzero()[0]
-    if not len(seen):
-        return []
-    group = nearest_first(chunks.boxes, eye)[seen] * len(buffers.batches) + chunks.batch[seen]
-    order = group.argsort(kind="stable")
-    seen, group = seen[order], group[order]
-    first = chunks.first[seen]
-    end = first + chunks.count[seen]
-    breaks = (((first[1:] != end[:-1]) | (group[1:] != group[:-1])).nonzero()[0] + 1).tolist()
-    batch, first, end = chunks.batch[seen].tolist(), first.tolist(), end.tolist()  # plain numbers: a NumPy one costs as much as the rest
-    return [(batch[i], first[i], end[j - 1] - first[i]) for i, j in zip([0, *breaks], [*breaks, len(end)], strict=True)]

@@ -62,16 +62,24 @@ def boxes_of(centres: Array, half_sizes: Array) -> Array:
     return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
 
 
-def visible(boxes: Array, clip: Array) -> NDArray[np.bool_]:
-    """Which boxes may reach into `clip` (4x4 clip_from_scene).
+def side_planes(clip: Array) -> Array:
+    """(5, 4): n . (x, y, z, 1) >= 0 inside: left, bottom, near, right, top of `clip` (4x4 from wherever x, y, z are).
+
+    Source: Gribb and Hartmann 2001, Fast Extraction of Viewing Frustum Planes; the far plane is not there.
+    """
+    planes = np.empty((5, 4))
+    np.add(clip[3], clip[:3], out=planes[:3])
+    np.subtract(clip[3], clip[:2], out=planes[3:])
+    return planes
+
+
+def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
+    """Which boxes may reach into `clip` (4x4 clip_from_scene); slack: (5, n) by how much each may lie outside of each plane.
 
     A box is out only if it lies wholly behind one of the four sides or the near plane; some near the corners pass in vain.
     """
-    planes = np.empty((5, 7))  # Gribb and Hartmann 2001; the far plane is not there
-    np.add(clip[3], clip[:3], out=planes[:3, :4])
-    np.subtract(clip[3], clip[:2], out=planes[3:, :4])
-    np.abs(planes[:, :3], out=planes[:, 4:])
-    return (planes @ boxes).min(axis=0) >= 0
+    planes = side_planes(clip)
+    return (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(axis=0) >= 0
 
 
 def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:

@@ -13,7 +13,8 @@ from ...gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, MovingBody
 from ..passes import draw_chunks
 from ..peel import SAME_SURFACE
-from ..projection import clip_from_eye
+from ..projection import clip_from_eye, visible
+from ..sight import draws_of
 from . import parts
 from ._base import Drawing, Easel, Part
 
@@ -140,5 +141,6 @@ def _draw_where_shown(gl: moderngl.Context, draw: Draw, one: Moving, vertices: m
     clip = clip_from_eye(eye.view.fov) @ place.eye_from_here
     eye.inverse_depth.use(0)
     draw.uniforms.set(clip_from_scene=clip, picture=0, same=SAME_SURFACE)
-    for _ in draw_chunks(gl, vertices, one.buffers, clip, place.eye):
+    chunks = one.buffers.chunks
+    for _ in draw_chunks(gl, vertices, one.buffers, draws_of(chunks, visible(chunks.boxes, clip), place.eye)):
         pass
