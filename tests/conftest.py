@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,19 @@ def gpu():
 
     with Gpu() as made:
         yield made
+
+
+@pytest.fixture(autouse=True)
+def no_context_is_left_behind():
+    """A test that leaves an OpenGL context of its own open makes every later one draw there: black pictures, far from the cause."""
+    before = _current_gpu()
+    yield
+    assert _current_gpu() is before, "this test left an OpenGL context open: close it"
+
+
+def _current_gpu():
+    context = sys.modules.get("hmdwarp.gpu.context")
+    return context and getattr(context._thread, "gpu", None)
 
 
 @pytest.fixture(scope="session")

@@ -161,4 +161,8 @@ def closed_at(number: int, why: str = "the window was closed") -> dict[int, Base
 def run_on(monkeypatch, display: OffscreenDisplay, options: LiveOptions, **more):
     """hmdwarp.live.run.live on this display; what it says is collected in display.said."""
     monkeypatch.setattr(run, "open_display", lambda *_: display)
-    return run.live(options, display.said.append, **more)
+    try:
+        return run.live(options, display.said.append, **more)
+    finally:
+        if not display.closed:  # the run was refused before it opened one
+            display.close()
