@@ -4,8 +4,9 @@ The whole live driver runs, on a display without a window (tests/live/offscreen.
 pose, warp maps, passes, handing over, log. Every call into OpenGL is timed and taken away; what is left is Python. On llvmpipe the
 drawing itself takes the processor and its caches, so the rest is slower than it would be beside a GPU.
 
-Two clocks, in runs of their own: the wall's, and the processor time of this thread, which leaves out what other programs took but not
-that they slow the processor down. A fixed piece of work between the refreshes tells how slow the machine was: 1.0 is its best.
+Three ways, in runs of their own: the wall's clock; the processor time of this thread, which leaves out what other programs took but not
+that they slow the processor down; and the wall's clock with calls that draw nothing, which is the loop's own cost. A fixed piece of work
+between the refreshes tells how slow the machine was: 1.0 is its best.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import argparse
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from cProfile import Profile
 from pstats import Stats
 from statistics import median
@@ -21,7 +23,7 @@ from typing import Any
 
 import gc_pauses
 import numpy as np
-from gl_clock import GlClock
+from gl_clock import GlClock, nothing_drawn
 from live.offscreen import OffscreenDisplay
 from rich.console import Console
 from rich.table import Table
@@ -37,6 +39,8 @@ CASES: dict[str, dict[str, Any]] = {
     "rotation + none, fused with the lens": {"warp": "rotation", "fill": "none", "lens": "radial", "fused": True},
     "mesh + pyramid, radial lens": {"warp": "mesh", "fill": "pyramid", "lens": "radial"},
 }
+# The last one is what is left where the pixels are made elsewhere: on one machine a software driver takes caches and clock rate away.
+CLOCKS = (("wall", time.perf_counter_ns, True), ("thread", time.thread_time_ns, True), ("wall, nothing drawn", time.perf_counter_ns, False))
 LIMITED = tuple(CASES)[:2]  # those that the limit is for
 SIZE, WARM, LATENCY_MS = (64, 80), 60, 50.0
 GL_CLASSES = ("moderngl", "_moderngl")
@@ -109,12 +113,12 @@ class Outside:
         return float(middle), float(high), float(low), median(self.total_ms[WARM:]), slow
 
 
-def measure(gpu: Gpu, frames: int, clock: Callable[[], int], **chosen: Any) -> Outside:
-    """Calls of OpenGL timed away by `clock`."""
+def measure(gpu: Gpu, frames: int, clock: Callable[[], int], *, draws: bool = True, **chosen: Any) -> Outside:
+    """Calls of OpenGL timed away by `clock`; without `draws` they draw nothing."""
     gl = GlClock(clock)
     gl.calibrate()
     times = Outside(gl)
-    with gl.watching():
+    with gl.watching(), nullcontext() if draws else nothing_drawn():
         drive(gpu, WARM + frames, times.begin, times.end, **chosen)
     return times
 
@@ -154,24 +158,25 @@ def _share_out(stats: dict, function: tuple, inside: float, callers: dict, own: 
                 _share_out(stats, caller, inside * weight / whole, stats[caller][4], own, depth + 1)
 
 
-def table_of(gpu: Gpu, frames: int) -> tuple[Table, bool]:
-    """Every case by both clocks; whether those that have a limit keep it."""
+def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
+    """Every case in each way; whether those that have a limit keep it, beside a driver that draws and beside one that does not."""
     table = Table("case", "clock", "median ms", "p95", "p5", "with GL", "GL calls", "machine", title="A refresh outside OpenGL, both eyes")
-    kept = True
+    kept = {True: True, False: True}
     for name, chosen in CASES.items():
-        best = []
-        for label, clock in (("wall", time.perf_counter_ns), ("thread", time.thread_time_ns)):
-            times = measure(gpu, frames, clock, **chosen)
+        best: dict[bool, list[float]] = {True: [], False: []}
+        for label, clock, draws in CLOCKS:
+            times = measure(gpu, frames, clock, draws=draws, **chosen)
             middle, high, low, total, slow = times.figures()
-            best.append(middle)
+            best[draws].append(middle)
             numbers = (f"{middle:.3f}", f"{high:.3f}", f"{low:.3f}", f"{total:.2f}", f"{median(times.calls):.0f}", f"x {slow:.2f}")
             table.add_row(name if label == "wall" else "", label, *numbers)
-        kept &= name not in LIMITED or min(best) <= LIMIT_MS
+        for draws, medians in best.items():
+            kept[draws] &= name not in LIMITED or min(medians) <= LIMIT_MS
     return table, kept
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit status 1 if a limit is not kept by either clock."""
+    """Exit status 1 if the limit is not kept where nothing is drawn."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frames", type=int, default=600, help="refreshes of each run")
     parser.add_argument("--gc", action="store_true", help="what the garbage collector does to the pictures instead")
@@ -184,11 +189,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 0
         table, kept = table_of(gpu, asked.frames)
         console.print(table)
-        console.print(f"limit: {LIMIT_MS} ms for the first {len(LIMITED)}: {'kept' if kept else 'NOT kept'}")
+        told = {draws: "kept" if fine else "NOT kept" for draws, fine in kept.items()}
+        console.print(f"limit of {LIMIT_MS} ms for the first {len(LIMITED)}: {told[False]}; beside {gpu.renderer}: {told[True]}")
         for name in LIMITED if asked.shares else ():
             parts = [f"{part} {share:.0%}" for part, share in shares(gpu, asked.frames, **CASES[name])[:14]]
             console.print(f"{name}: {', '.join(parts)}")
-    return 0 if kept else 1
+    return 0 if kept[False] else 1
 
 
 if __name__ == "__main__":
