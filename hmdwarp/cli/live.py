@@ -30,7 +30,7 @@ def live(
     headset: Annotated[str, typer.Option("--headset", help=f"The window stands for it: {o.names_in('headsets', '*.toml')}.")] = "rift-dk1",
     size: Annotated[str | None, typer.Option("--size", help="WxH pixels of one eye; by default what the display likes.")] = None,
     rate: Annotated[float | None, typer.Option("--rate", help="Refreshes a second, where the display does not say.")] = None,
-    guard: o.Guard = 1.0,
+    guard: o.ChosenGuard = "1",
     wide: o.Wide = False,
     fused: o.Fused = False,
     view: Annotated[str, typer.Option("--view", help="In the window: both eyes, or one flat view.")] = "both",
@@ -63,7 +63,7 @@ def live(
     """Show late frames live, each warped to the newest pose: in the headset, or in a window (h shows its keys)."""
     from ..codec import Coding
     from ..live import LiveOptions
-    from ..options import parse_size
+    from ..options import parse_guard, parse_size
 
     options = LiveOptions(
         source=source,
@@ -81,7 +81,7 @@ def live(
         headset=headset,
         size=None if size is None else parse_size(size),
         rate_hz=rate,
-        guard=guard,
+        guard=parse_guard(guard),
         fused=fused,
         view=view,
         full_screen=full_screen,

@@ -14,7 +14,7 @@ from .openings import open_display
 from .options import LiveOptions
 from .recorder import Recorder
 from .returning import come_back
-from .stage import Stage
+from .stage import Stage, checked_scene
 from .tidying import Tidying
 from .watchdog import Watchdog
 
@@ -30,13 +30,14 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     Errors: InputError and its kin for what was asked; MachineError where there is no headset and no window, and where a lost headset
     does not come back. What was recorded and logged until then is written in any case.
     """
+    scene = checked_scene(options)
     with ExitStack() as stack:
         ending = stack.enter_context(Ending(options.seconds, options.frames))  # outermost: a signal ends the program when all is written
         recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
         log = stack.enter_context(LiveLog(options))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(_closing(open_display(options, watchdog.watching, say)))
-        stage = Stage(display, options)
+        stage = Stage(display, options, scene)
         stack.callback(stage.close)
         stack.callback(log.leave)
         if recorder is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import attrs
 
+from ..client.lens import lenses
 from ..client.plan import Plan, needs_of
 from ..codec import check_codec
 from ..display import Display
@@ -23,6 +24,19 @@ from .options import LiveOptions
 from .recent import Recent
 
 
+def checked_scene(options: LiveOptions) -> Scene:
+    """The scene, after everything that can be told wrong without a display. Errors: InputError and its kin."""
+    if options.predict not in PREDICTORS:
+        raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
+    check_codec(options.coding.codec)
+    if options.lens != AUTO:
+        lenses.get(options.lens)
+    scene = load_scene(options.scene)
+    if options.warp != AUTO:
+        plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
+    return scene
+
+
 class Stage:
     """The pipeline for `options` on a display, built anew only as far as a change of options calls for it.
 
@@ -31,10 +45,10 @@ class Stage:
     Errors: InputError and its kin for what cannot be; the stage stays as it was then.
     """
 
-    def __init__(self, display: Display, options: LiveOptions) -> None:
+    def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:
         self._display = display
         self.recent = Recent(display.source)
-        self.options, self.scene, self._ladder = options, load_scene(options.scene), self._ladder_for(options)
+        self.options, self.scene, self._ladder = options, scene or load_scene(options.scene), self._ladder_for(options)
         self.pipeline = self._build(options, self.scene, self._ladder)
 
     @property
@@ -121,9 +135,6 @@ class Stage:
 
     def _build(self, options: LiveOptions, scene: Scene, ladder: Ladder) -> Pipeline:
         shown = self._display
-        if options.predict not in PREDICTORS:
-            raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
-        check_codec(options.coding.codec)
         plans = self._plans(options, scene, ladder)
         needs = needs_of(plans)
         _refuse_one_eye(needs, len(shown.eyes.views(Pose())))

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.errors import MachineError
-from hmdwarp.live import LiveOptions
+from hmdwarp.codec import Coding
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.live import LiveOptions, run
 from hmdwarp.live.openings import display_options, open_display
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -112,3 +113,21 @@ def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
     done = live("--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("a window, as there is no headset: no OpenXR runtime: XR_RUNTIME_JSON names ")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"warp": "forwrad"}, "unknown warp 'forwrad': did you mean 'forward'"),
+        ({"fill": "pyramids"}, "unknown fill"),
+        ({"scene": "rooom"}, "unknown scene"),
+        ({"lens": "fisheye"}, "unknown lens"),
+        ({"predict": "crystal"}, "unknown predictor"),
+        ({"coding": Coding("h265")}, "unknown codec"),
+        ({"effects": "sparkle"}, "sparkle"),
+    ],
+)
+def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong, told):
+    monkeypatch.setattr(run, "open_display", lambda *_: pytest.fail("a display was opened"))
+    with pytest.raises(InputError, match=told):
+        run.live(LiveOptions(**{"scene": "planes", **wrong}))
