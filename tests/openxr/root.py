@@ -25,7 +25,7 @@ from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 ENTER = Path(__file__).with_name("enter.sh")
-SUITE, MIRROR = "trixie", "http://deb.debian.org/debian"
+SUITE = "trixie"
 PYTHON, GLIBC = "3.13", 41  # of that suite: glibc 2.41
 DEBIAN = (
     "python3", "ca-certificates", "xvfb", "xdotool", "monado-service", "libopenxr1-monado", "mesa-vulkan-drivers", "libvulkan1",
@@ -182,12 +182,14 @@ def _apt_settings() -> str:
 
 
 def _mirror() -> str:
-    """The Debian mirror this machine uses, if it uses one."""
+    """The Debian mirror this machine uses. Errors: Lacking."""
     texts = [p.read_text(encoding="utf-8", errors="replace") for p in sorted(Path("/etc/apt").glob("sources.list*/*.[ls]*"))]
     listed = Path("/etc/apt/sources.list")
     texts += [listed.read_text(encoding="utf-8", errors="replace")] if listed.is_file() else []
     found = re.findall(r"^(?:URIs:|deb(?: +\[[^]]*\])?) *(\S+/debian/?)(?=\s|$)", "\n".join(texts), re.MULTILINE)
-    return found[0].rstrip("/") if found else MIRROR
+    if not found:
+        raise Lacking("apt's sources name no Debian mirror to build Monado's root from")
+    return found[0].rstrip("/")
 
 
 def _remove_stale(folder: Path) -> None:
