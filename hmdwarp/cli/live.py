@@ -11,13 +11,15 @@ import typer
 
 from . import _options as o
 
-Source = Annotated[str, typer.Option("--source", help="openxr, desktop, or auto: the headset if one answers, else the window.")]
+Source = Annotated[str, typer.Option("--source", help="openxr, desktop, offscreen (nobody looks), or auto: headset, else window.")]
+Trace = Annotated[str, typer.Option("--trace", help="A recorded head leads the window or the offscreen display.", show_default=False)]
 Record = Annotated[Path | None, typer.Option("--record", help="Write the head's trace to this file while running.", show_default=False)]
 Seconds = Annotated[float | None, typer.Option("--seconds", help="Stop after so long; by default never.", show_default=False)]
 
 
 def live(
     source: Source = "auto",
+    trace: Trace = "",
     scene: o.Scene = "room",
     latency: o.Latency = 200.0,
     warp: o.ChosenWarp = "forward",
@@ -67,6 +69,7 @@ def live(
 
     options = LiveOptions(
         source=source,
+        trace=trace,
         scene=scene,
         latency_ms=latency,
         warp=warp,

@@ -1,8 +1,8 @@
-"""Where live pictures go and whose eyes see them: a headset through OpenXR, or a window on the desktop.
+"""Where live pictures go and whose eyes see them: a headset through OpenXR, a window on the desktop, or nowhere.
 
-The loop knows none of this; live.py knows the protocol in `_base` alone.
+The loop knows none of this; live/ knows the protocol in `_base` alone.
 """
 
-from ._base import Closed, Command, Display, DisplayOptions, Lost, Tick
+from ._base import Closed, Command, Display, DisplayOptions, Label, Lost, Plate, Tick
 
-__all__ = ["Closed", "Command", "Display", "DisplayOptions", "Lost", "Tick"]
+__all__ = ["Closed", "Command", "Display", "DisplayOptions", "Label", "Lost", "Plate", "Tick"]

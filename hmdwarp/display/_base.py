@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Protocol
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import MachineError
+from .controls import CONTROLS, Control
 
 if TYPE_CHECKING:
     from ..geometry import Eyes
     from ..gpu.context import Gpu
     from ..headsets import Headset
     from ..loop import Refresh
-    from ..poses import PoseSource
+    from ..poses import PoseSource, PoseTrack
 
 
 class Closed(Exception):
@@ -24,6 +27,16 @@ class Closed(Exception):
 
 class Lost(MachineError):
     """The display went away in the middle of a run, and may come back: `Display.reopen`. The message says what happened."""
+
+
+class Plate(Hashable, Protocol):
+    """Something drawn that lies over the picture where a line of text would: a question with its scale. Equal plates look the same."""
+
+    def ink(self) -> NDArray[np.uint8]:
+        """(h, w), top row first: 255 where ink is. Called once for a plate, not at each refresh."""
+
+
+Label = str | Plate  # what lies over a picture; "" for nothing
 
 
 @attrs.frozen
@@ -59,6 +72,8 @@ class DisplayOptions:
 
     size: (w, h) of one eye; None for what the display likes. full_screen, vsync, panel: of a window. depth_layer: whether a runtime that
     takes the picture's depth gets it. watching: put around every call into a runtime that may hang; it is given the call's name.
+    trace: a recording that a window or an offscreen display follows instead of anybody's head. rate_hz: refreshes a second, where there is
+    no screen to say. controls: what keys, mouse and controllers ask for.
     """
 
     headset: str = "rift-dk1"
@@ -69,14 +84,18 @@ class DisplayOptions:
     panel: bool = True
     depth_layer: bool = True
     watching: Callable[[str], AbstractContextManager[object]] = lambda what: nullcontext()  # noqa: E731
+    trace: PoseTrack | None = None
+    rate_hz: float | None = None
+    controls: tuple[Control, ...] = CONTROLS
 
 
 class Display(Protocol):
     """All times are on the display's own clock, `now_ns`, which is that of its pose source.
 
-    name: "openxr" or "desktop". about: what it is, by name, for headers and summaries (runtime, headset, ..). gpu: whose pictures it can
-    show; it belongs to the display. eyes, source: whose eyes and whose head. size: (w, h) of one eye it would like. rate_hz: its nominal
-    refresh rate. headset: whose lens the plan corrects, None where that is not ours to do. distorts, takes_depth: as build_plan has them.
+    name: "openxr", "desktop" or "offscreen". about: what it is, by name, for headers and summaries (runtime, headset, ..). gpu: whose
+    pictures it can show; it belongs to the display. eyes, source: whose eyes and whose head. size: (w, h) of one eye it would like.
+    rate_hz: its nominal refresh rate. headset: whose lens the plan corrects, None where that is not ours to do. distorts, takes_depth: as
+    build_plan has them.
     """
 
     name: str
@@ -99,14 +118,17 @@ class Display(Protocol):
         Every tick must be answered by one show(). Errors: Closed; Lost.
         """
 
-    def show(self, refresh: Refresh | None, label: str = "") -> int:
-        """Hand the picture over for the tick that wait() gave; None for an empty one. label: a line of text over the picture.
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
+        """Hand the picture over for the tick that wait() gave; None for an empty one. label: what lies over it, text or a plate.
 
         Returns when it was handed over. Errors: Closed; Lost.
         """
 
     def look(self, view: str) -> None:
         """Another view from now on, as DisplayOptions.view; eyes, size and headset may be others afterwards. A headset has but one."""
+
+    def restart(self) -> None:
+        """Something new is about to be shown: a recorded head begins anew, a living one goes on."""
 
     def commands(self) -> Sequence[Command]:
         """What was asked for since the last time."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..geometry import View
 from ..gpu.textures import allocate, upload
+from ._base import Label
 
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont
@@ -37,7 +38,7 @@ MOST_OF_PLACE, MARGIN = 0.94, 0.03
 class Notice:
     """ink: r8 with mipmaps, 1 where a letter is; it belongs to the Notices that made it."""
 
-    text: str
+    label: Label
     ink: moderngl.Texture
 
     def plate_from_place(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
@@ -75,25 +76,25 @@ class Notices:
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
-        self._kept: OrderedDict[str, Notice] = OrderedDict()
+        self._kept: OrderedDict[Label, Notice] = OrderedDict()
 
-    def of(self, text: str) -> Notice | None:
-        """The notice of that text, None of an empty one. Lines are wrapped; a tab in them makes two columns."""
-        if not text:
+    def of(self, label: Label) -> Notice | None:
+        """The notice of a text or a plate, None of an empty text. Lines are wrapped; a tab in them makes two columns."""
+        if not label:
             return None
-        if text not in self._kept:
+        if label not in self._kept:
             if len(self._kept) == KEPT:
                 self._kept.popitem(last=False)[1].ink.release()
-            self._kept[text] = self._drawn(text)
-        self._kept.move_to_end(text)
-        return self._kept[text]
+            self._kept[label] = self._drawn(label)
+        self._kept.move_to_end(label)
+        return self._kept[label]
 
-    def _drawn(self, text: str) -> Notice:
-        ink = drawn(text)
+    def _drawn(self, label: Label) -> Notice:
+        ink = drawn(label) if isinstance(label, str) else label.ink()
         texture = allocate(self._gl, ink.shape[::-1], (1, "f1"), linear=True)
         upload(texture, ink)
         texture.build_mipmaps()  # a head-locked plate shows letters at half their size
-        return Notice(text, texture)
+        return Notice(label, texture)
 
     def close(self) -> None:
         """Free the textures."""

@@ -10,6 +10,7 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.shaders import Draw
 from ..gpu.textures import Canvas
+from ._base import Label
 from .notice import Notice, Notices
 
 FRAMEBUFFER_SRGB = 0x8DB9
@@ -35,9 +36,9 @@ class Presenter:
             draw = self._shaders.draw("display/whole.vert", "display/picture.frag", **defines)
             self._pictures[hardware_srgb, scaled, noticed] = _Whole(self._gl, draw)
 
-    def notice(self, text: str) -> Notice | None:
+    def notice(self, label: Label) -> Notice | None:
         """What show() lays over the picture; None for "". Drawn at its first use, kept for the next ones."""
-        return self._notices.of(text)
+        return self._notices.of(label)
 
     def show(
         self,

@@ -6,18 +6,23 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 
 from ..display import Display, DisplayOptions
+from ..display.controls import CONTROLS, Control
 from ..errors import MachineError
-from .options import DESKTOP, OPENXR, LiveOptions
+from ..poses import load_trace
+from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
 
 Watching = Callable[[str], AbstractContextManager[None]]
 
 
-def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], None]) -> Display:
+def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], None], controls: tuple[Control, ...] = CONTROLS) -> Display:
     """The headset or the window, as asked for; for "auto" the headset if one answers, else the window. say: gets why it is no headset.
+    controls: what whoever looks may ask for.
 
     Errors: MachineError (and its kin) that says what is missing and what to do: for "auto" of both.
     """
-    wanted = display_options(options, watching)
+    wanted = display_options(options, watching, controls)
+    if options.source == OFFSCREEN:
+        return _offscreen(wanted)
     if options.source == DESKTOP:
         return _desktop(wanted)
     try:
@@ -34,7 +39,7 @@ def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], 
     return display
 
 
-def display_options(options: LiveOptions, watching: Watching) -> DisplayOptions:
+def display_options(options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS) -> DisplayOptions:
     """What a display must know of the run."""
     return DisplayOptions(
         headset=options.headset,
@@ -45,6 +50,9 @@ def display_options(options: LiveOptions, watching: Watching) -> DisplayOptions:
         panel=options.panel,
         depth_layer=options.depth_layer,
         watching=watching,
+        trace=load_trace(options.trace).track if options.trace else None,
+        rate_hz=options.rate_hz,
+        controls=controls,
     )
 
 
@@ -54,9 +62,13 @@ def _openxr(wanted: DisplayOptions) -> Display:
     return OpenXrDisplay(wanted)
 
 
+def _offscreen(wanted: DisplayOptions) -> Display:
+    from ..display.offscreen import OffscreenDisplay
+
+    return OffscreenDisplay(wanted)
+
+
 def _desktop(wanted: DisplayOptions) -> Display:
     from ..display.desktop import DesktopDisplay
 
     return DesktopDisplay(wanted)
-
-

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
-from ..display import Closed, Display, Lost, Tick
+from ..display import Closed, Command, Display
 from .changes import choices, values
+from .driver import AfterRefresh, Driver, Say
 from .ending import Ending
 from .log import LiveLog, LiveResult
 from .obeying import Obeying
 from .openings import open_display
 from .options import LiveOptions
 from .recorder import Recorder
-from .returning import come_back
 from .stage import Stage, checked_scene
-from .tidying import Tidying
 from .watchdog import Watchdog
-
-Say = Callable[[str], None]
-AfterRefresh = Callable[[int], None]
-WAITING = "waiting for the first frame"
 
 
 def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
@@ -43,7 +38,10 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         if recorder is not None:
             recorder.begin(display)
         log.begin(display, stage)
-        _Driver(display, stage, log, recorder, ending, say, after).run()
+        try:
+            Driver(display, stage, ending, say).run(_Free(stage, log, ending, say), log, recorder, after)
+        except Closed as closed:
+            say(str(closed))
     return log.result()
 
 
@@ -72,66 +70,32 @@ class _closing:  # noqa: N801 (as contextlib.closing, which leaves out __enter__
         self._display.close()
 
 
-class _Driver:
-    def __init__(
-        self, display: Display, stage: Stage, log: LiveLog, recorder: Recorder | None, ending: Ending, say: Say, after: AfterRefresh
-    ) -> None:
-        self._display, self._stage, self._log, self._recorder = display, stage, log, recorder
-        self._ending, self._say, self._after = ending, say, after
+class _Free:
+    """Whoever looks may change everything, until as much was shown as was asked for."""
+
+    pictures = True
+
+    def __init__(self, stage: Stage, log: LiveLog, ending: Ending, say: Say) -> None:
+        self._log, self._ending, self._stage = log, ending, stage
         self._obeying = Obeying(stage, say)
         self._status = log.status
         self._status.choices = choices()
         self._take_values()
 
-    def run(self) -> None:
-        with Tidying(self._stage.options.collect) as tidying:
-            try:
-                while not self._ending.due(self._log.count):
-                    self._once(tidying)
-            except Closed as closed:
-                self._say(str(closed))
+    def over(self) -> bool:
+        """As Watch.over."""
+        return self._ending.due(self._log.count)
 
-    def _once(self, tidying: Tidying) -> None:
-        try:
-            tick = self._display.wait()
-            if tick is not None:
-                self._refresh(tick)
-                tidying.between()
-            self._obey()
-        except Lost as lost:
-            self._come_back(lost)
+    def label(self) -> str:
+        """What was refused last, for a while."""
+        return self._obeying.refusal
 
-    def _refresh(self, tick: Tick) -> None:
-        refresh = None
-        if tick.render:
-            self._stage.fit()
-            loop = self._stage.loop
-            loop.draw(self._display.now_ns())
-            refresh = loop.show(tick.shown_ns)
-        notice = tick.notice or self._obeying.refusal or (WAITING if tick.render and refresh is None else "")
-        submitted_ns = self._display.show(refresh, notice)
-        self._log.add(tick, refresh, submitted_ns, notice)
-        if refresh is None:
-            return
-        if self._recorder is not None:
-            self._recorder.add(refresh.head)
-        self._after(self._log.count)
-        self._display.tell(self._status)
-
-    def _obey(self) -> None:
-        if self._obeying.obey(self._display.commands()):
+    def obey(self, commands: Sequence[Command]) -> bool:
+        """As Watch.obey."""
+        changed = self._obeying.obey(commands)
+        if changed:
             self._take_values()
-            self._log.changed(self._stage)
+        return changed
 
     def _take_values(self) -> None:
         self._status.values = values(self._stage.options)
-
-    def _come_back(self, lost: Lost) -> None:
-        """Wait until the display is there again. Errors: Lost, once that has taken too long."""
-        if self._recorder is not None:
-            self._recorder.flush()
-        self._log.went(str(lost))
-        if come_back(self._display.reopen, lost, self._stage.options.reconnect_s, self._ending, self._say):
-            self._log.came_back()
-
-

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from ...gpu.context import Gpu
 from ...headsets import load_headset
 from ...poses.desktop import Walker
-from .. import Closed, Command, DisplayOptions, Tick
+from ...poses.looped import LoopedSource
+from .. import Closed, Command, DisplayOptions, Label, Tick
 from ..controls import control
 from ..status import Status
 from .opening import start
@@ -66,7 +67,10 @@ class DesktopDisplay:
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
         self._walker = Walker(self.now_ns())
         self._hands = Hands(self._window.handle, self._walker, self.now_ns)
-        self.source = LedHead(self._walker, self._read_inputs)
+        if options.trace is not None:
+            self.source = LoopedSource(options.trace, self.now_ns)
+        else:
+            self.source = LedHead(self._walker, self._read_inputs)
         self._panel = None
         if options.panel and not self._make_panel():
             self._overlay.say(f"H shows the keys\n{NO_PANEL}")
@@ -99,6 +103,11 @@ class DesktopDisplay:
         self._shown = shown(view, self._headset, self._size_asked)
         self.eyes, self.size, self.headset = self._shown.eyes, self._shown.size, self._shown.headset
 
+    def restart(self) -> None:
+        """A recorded head begins anew; a led one goes on."""
+        if isinstance(self.source, LoopedSource):
+            self.source.restart()
+
     def wait(self) -> Tick | None:
         """Until it is time for the next picture; None while the window is minimised."""
         self._read_inputs()
@@ -116,7 +125,7 @@ class DesktopDisplay:
         self._begun_ns = self.now_ns()
         return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
 
-    def show(self, refresh: Refresh | None, label: str = "") -> int:
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
         """Draw the eyes' pictures, what is written over them and the panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
         size, column = self._window.framebuffer_size, self._panel.column if self._panel is not None else 0

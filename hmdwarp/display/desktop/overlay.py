@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
+from .. import Label
 from ..present import Presenter
 from .keys import help_text
 from .layout import Size, beside, viewports
@@ -25,14 +26,14 @@ class Overlay:
         """A remark over the picture, for a few seconds."""
         self._said, self._until_ns = text, self._now_ns() + SAID_NS
 
-    def draw(self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: str) -> None:
+    def draw(self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: Label) -> None:
         """Into the window's framebuffer, (w, h) pixels. canvases: the eyes' pictures, none for black. count: of eyes, where there are no
         pictures. aspect: width over height of one picture. column: of it are left to a panel at the right.
-        label: a line over each picture."""
+        label: over each picture; beside a plate nothing is said."""
         self._screen.scissor = None
         self._screen.clear(0.0, 0.0, 0.0, 1.0)
         said = self._said if self._now_ns() < self._until_ns else ""
-        notice = self._presenter.notice("\n".join(filter(None, (label, said))))
+        notice = self._presenter.notice("\n".join(filter(None, (label, said))) if isinstance(label, str) else label)
         # The help before the first eye alone: beside it one sees what the keys do.
         notices = (self._presenter.notice(help_text()) if self.help else notice, notice)
         pictures = canvases or (None,) * count

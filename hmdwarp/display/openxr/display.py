@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...errors import MachineError
 from ...geometry import View
-from .. import Command, DisplayOptions, Tick
+from .. import Command, DisplayOptions, Label, Tick
 from ..present import Presenter
 from . import WHO
 from .calls import Calls
@@ -99,7 +99,7 @@ class OpenXrDisplay:
         last, self._last_shown_ns = self._last_shown_ns, shown_ns
         return max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
 
-    def show(self, refresh: Refresh | None, label: str = "") -> int:
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
         """As Display.show: returns when xrEndFrame has come back."""
         made = self._connection
         if made.frames.state.should_render and (refresh is not None or label):
@@ -112,16 +112,14 @@ class OpenXrDisplay:
             self._graphics.mirror.show(self._presenter, refresh.eyes[0].panel if refresh is not None else None, label)
         return submitted_ns
 
-    def _draw(self, refresh: Refresh | None, label: str) -> None:
+    def _draw(self, refresh: Refresh | None, label: Label) -> None:
         made, notice = self._connection, self._presenter.notice(label)
         for eye, view in enumerate(self._views(refresh)):
             result = refresh.eyes[eye] if refresh is not None else None
             colour = made.colours[eye]
             into = colour.acquire()
             # A float format holds linear light, which the switch leaves alone.
-            self._presenter.show(
-                result.panel if result else None, into, (0, 0, *colour.size), hardware_srgb=True, notice=notice, eye=view
-            )
+            self._presenter.show(result.panel if result else None, into, (0, 0, *colour.size), hardware_srgb=True, notice=notice, eye=view)
             colour.release()
             has_depth = bool(made.depths) and result is not None and result.inverse_depth is not None
             if has_depth:
@@ -137,6 +135,9 @@ class OpenXrDisplay:
 
     def look(self, view: str) -> None:
         """A headset has but one view."""
+
+    def restart(self) -> None:
+        """As Display.restart: the head goes on."""
 
     def commands(self) -> Sequence[Command]:
         """The window's keys; without a window there is nobody to ask."""

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .. import Closed, Command
+from .. import Closed, Command, Label
 from ..controls import CONTROLS, control
 from ..desktop.keys import command_of, label
 from ..desktop.opening import start
@@ -71,7 +71,7 @@ class Mirror:
         """Over the window."""
         self._window.title(text)
 
-    def show(self, presenter: Presenter, panel: Canvas | None, label: str) -> None:
+    def show(self, presenter: Presenter, panel: Canvas | None, label: Label) -> None:
         """The left eye's picture, as large as it fits, with the label or the help over it; not at every refresh."""
         now_ns = time.monotonic_ns()
         if now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:

@@ -1,0 +1,108 @@
+"""A display without a screen: pictures go into framebuffers, the head is a recording, and time goes on by one refresh a picture.
+
+Everything a run does is done, by the code that does it; only nobody looks. Two runs are equal, whatever the machine had to do meanwhile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ..errors import InputError
+from ..gpu.context import Gpu
+from ..headsets import load_headset
+from ..poses.looped import LoopedSource
+from . import Command, DisplayOptions, Tick
+from ._base import Label
+from .desktop.views import shown
+from .present import Presenter
+
+if TYPE_CHECKING:
+    from ..loop import Refresh
+
+AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
+
+
+class OffscreenDisplay:
+    """As display.Display, of a window's kind: the lens is ours. Its clock begins at 0 and stands still while a picture is made.
+
+    Errors: InputError without a trace, or for a headset that is not known; MachineError without OpenGL.
+    """
+
+    name = "offscreen"
+    distorts = takes_depth = ""
+
+    def __init__(self, options: DisplayOptions) -> None:
+        if options.trace is None:
+            raise InputError("an offscreen display has nobody's head to follow: name a recorded one by --trace")
+        self._headset, self._size_asked = load_headset(options.headset), options.size
+        self.rate_hz = options.rate_hz or self._headset.refresh_hz
+        self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0
+        self.source = LoopedSource(options.trace, self.now_ns)
+        self.look(options.view)
+        self.gpu = Gpu()
+        self._presenter = Presenter(self.gpu)
+        self._target: moderngl.Framebuffer | None = None
+        self._texture: moderngl.Texture | None = None
+        self._closed = False
+        self.about = {"display": "offscreen", "trace": options.trace.name, "renderer": self.gpu.renderer}
+
+    def now_ns(self) -> int:
+        """The number of ticks, in nanoseconds."""
+        return self._at_ns
+
+    def look(self, view: str) -> None:
+        """As a window's."""
+        made = shown(view, self._headset, self._size_asked)
+        self.eyes, self.size, self.headset, self._count = made.eyes, made.size, made.headset, made.count
+
+    def restart(self) -> None:
+        """The recording begins anew."""
+        self.source.restart()
+
+    def wait(self) -> Tick | None:
+        """Nobody waits: time goes on."""
+        self._at_ns += self._period_ns
+        return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
+
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
+        """Draw what a window would, where nobody sees it."""
+        w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
+        into, notice = self._framebuffer((w * self._count, h)), self._presenter.notice(label)
+        for eye in range(self._count):
+            panel = refresh.eyes[eye].panel if refresh is not None else None
+            self._presenter.show(panel, into, (eye * w, 0, w, h), hardware_srgb=False, notice=notice)
+        return self._at_ns
+
+    def _framebuffer(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+        if self._target is None or self._target.size != size:
+            self._free_target()
+            self._texture = self.gpu.gl.texture(size, 4)
+            self._target = self.gpu.gl.framebuffer([self._texture])
+        return self._target
+
+    def _free_target(self) -> None:
+        for thing in filter(None, (self._target, self._texture)):
+            thing.release()
+        self._target = self._texture = None
+
+    def commands(self) -> Sequence[Command]:
+        """Nobody asks for anything."""
+        return ()
+
+    def tell(self, status: object) -> None:
+        """Nobody reads it."""
+
+    def reopen(self) -> bool:
+        """It never goes away."""
+        return False
+
+    def close(self) -> None:
+        """Let go of everything."""
+        if not self._closed:
+            self._closed = True
+            self._presenter.close()
+            self._free_target()
+            self.gpu.close()

@@ -1,0 +1,116 @@
+"""The loop on a display, once a refresh: for a run that whoever looks may change, and for a study, where nobody may."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from ..display import Command, Display, Label, Lost, Tick
+from .ending import Ending
+from .log import LiveLog
+from .recorder import Recorder
+from .returning import come_back
+from .stage import Stage
+from .tidying import Tidying
+
+Say = Callable[[str], None]
+AfterRefresh = Callable[[int], None]
+WAITING = "waiting for the first frame"
+
+
+class Watch(Protocol):
+    """Whoever decides what a stretch of refreshes is: what is written over its pictures, what a command does, when it is over.
+
+    pictures: whether the scene is shown; without, the display stays black but for the label.
+    """
+
+    pictures: bool
+
+    def over(self) -> bool:
+        """Whether to stop now; asked before each refresh."""
+
+    def label(self) -> Label:
+        """What is written over the picture, "" for nothing."""
+
+    def obey(self, commands: Sequence[Command]) -> bool:
+        """Do what was asked for; whether the options of the run are others afterwards."""
+
+
+class Driver:
+    """One display and its stage. A stretch may have a log and a recorder of its own.
+
+    ending: a signal ends every stretch. say: gets a sentence now and then. reconnect_s: how long a lost display is waited for.
+    """
+
+    def __init__(self, display: Display, stage: Stage, ending: Ending, say: Say) -> None:
+        self._display, self._stage, self._ending, self._say = display, stage, ending, say
+
+    def run(
+        self, watch: Watch, log: LiveLog | None = None, recorder: Recorder | None = None, after: AfterRefresh = lambda number: None
+    ) -> None:
+        """Until `watch` is over or a signal came. after(number): after each refresh that showed a picture, counted from 1.
+
+        Errors: Closed, when nobody looks any more; Lost, when the display went away and did not come back in time.
+        """
+        stretch = _Stretch(self._display, self._stage, self._ending, self._say, watch, log, recorder, after)
+        with Tidying(self._stage.options.collect) as tidying:
+            while self._ending.asked is None and not watch.over():
+                stretch.once(tidying)
+
+
+class _Stretch:
+    def __init__(
+        self,
+        display: Display,
+        stage: Stage,
+        ending: Ending,
+        say: Say,
+        watch: Watch,
+        log: LiveLog | None,
+        recorder: Recorder | None,
+        after: AfterRefresh,
+    ) -> None:
+        self._display, self._stage, self._ending, self._say = display, stage, ending, say
+        self._watch, self._log, self._recorder, self._after = watch, log, recorder, after
+        self._count = 0
+
+    def once(self, tidying: Tidying) -> None:
+        """One refresh, or a wait for one."""
+        try:
+            tick = self._display.wait()
+            if tick is not None:
+                self._refresh(tick)
+                tidying.between()
+            if self._watch.obey(self._display.commands()) and self._log is not None:
+                self._log.changed(self._stage)
+        except Lost as lost:
+            self._come_back(lost)
+
+    def _refresh(self, tick: Tick) -> None:
+        refresh, pictures = None, tick.render and self._watch.pictures
+        if pictures:
+            self._stage.fit()
+            loop = self._stage.loop
+            loop.draw(self._display.now_ns())
+            refresh = loop.show(tick.shown_ns)
+        label = tick.notice or self._watch.label() or (WAITING if pictures and refresh is None else "")
+        submitted_ns = self._display.show(refresh, label)
+        if self._log is not None:
+            self._log.add(tick, refresh, submitted_ns, label if isinstance(label, str) else "")
+        if refresh is None:
+            return
+        if self._recorder is not None:
+            self._recorder.add(refresh.head)
+        self._count += 1
+        self._after(self._count)
+        if self._log is not None:
+            self._display.tell(self._log.status)
+
+    def _come_back(self, lost: Lost) -> None:
+        """Wait until the display is there again. Errors: Lost, once that has taken too long."""
+        if self._recorder is not None:
+            self._recorder.flush()
+        if self._log is not None:
+            self._log.went(str(lost))
+        if come_back(self._display.reopen, lost, self._stage.options.reconnect_s, self._ending, self._say) and self._log is not None:
+            self._log.came_back()
