@@ -216,7 +216,7 @@ def pip(command: list[str | Path], *arguments: str | Path) -> None:
 def install_packages() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    wanted = [*project["dependencies"], *extras["test"], *extras["bench"], *extras["panel"]]
+    wanted = [*project["dependencies"], *extras["test"], *extras["bench"], *extras["panel"], *extras["study"]]
     STATE.write_text(HALF_MADE, encoding="utf-8")
     say("installing the pinned packages into .venv (about 1 GB on disk; a few minutes the first time)")
     pip([PYTHON, "-m", "pip"], "install", "--constraint", CONSTRAINTS, *wanted)

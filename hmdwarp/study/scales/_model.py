@@ -1,0 +1,56 @@
+"""What a scale is: a rating, a sickness score, or a questionnaire of several items."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+
+
+@attrs.frozen
+class Item:
+    """One question. key: as tables call it. text: as it is asked."""
+
+    key: str
+    text: str
+
+
+@attrs.frozen
+class Score:
+    """A subscale: the sum of these items' answers times weight, items counted from 1. of: other scores whose unweighted sums are added
+    up instead. What is not answered leaves the score empty."""
+
+    name: str
+    items: tuple[int, ...] = ()
+    of: tuple[str, ...] = ()
+    weight: float = 1.0
+
+
+@attrs.frozen
+class Scale:
+    """name: of its file. items: one for a rating. least, most, step: of an answer. low_is_good: its direction. anchors: words for some of
+    its values. scores: what a questionnaire comes to. kind: "rating", "sickness" or "questionnaire". units: for tables, "" for a mere number.
+    source: the paper.
+    """
+
+    name: str
+    title: str
+    kind: str
+    items: tuple[Item, ...]
+    least: float
+    most: float
+    step: float
+    low_is_good: bool
+    anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)
+    scores: tuple[Score, ...] = ()
+    units: str = ""
+    source: str = ""
+
+    def values(self) -> tuple[float, ...]:
+        """Every answer there is, from least to most."""
+        count = round((self.most - self.least) / self.step) + 1
+        return tuple(round(self.least + k * self.step, 9) for k in range(count))
+
+    def badness(self, answer: float) -> float:
+        """How bad an answer is, in steps of the scale's own unit: high is bad, 0 is the best."""
+        return answer - self.least if self.low_is_good else self.most - answer
