@@ -21,7 +21,7 @@ class Read:
 
 @attrs.frozen
 class Show:
-    """A condition, for some seconds. trial: its number from 1 on, 0 for the practice. repeat: which time this condition is shown, from 1 on."""
+    """A condition, for some seconds. trial: its number from 1 on, 0 for the practice. repeat: which time it is shown, from 1 on."""
 
     key: str
     trial: int

@@ -29,8 +29,8 @@ class Score:
 @attrs.frozen
 class Scale:
     """name: of its file. items: one for a rating. least, most, step: of an answer. low_is_good: its direction. anchors: words for some of
-    its values. scores: what a questionnaire comes to. kind: "rating", "sickness" or "questionnaire". units: for tables, "" for a mere number.
-    source: the paper.
+    its values. scores: what a questionnaire comes to. kind: "rating", "sickness" or "questionnaire". units: for
+    tables, "" for a mere number. source: the paper.
     """
 
     name: str
