@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ..version import __version__
-from . import bench, doctor, listing, live, plan, record, replay, trace, warp
+from . import bench, doctor, listing, live, plan, record, replay, study, trace, warp
 
 app = typer.Typer(
     name="hmdwarp",
@@ -41,4 +41,5 @@ app.command("warp")(warp.warp)
 app.command("list")(listing.list_)
 app.command("plan")(plan.plan)
 app.command("doctor")(doctor.doctor)
+app.add_typer(study.app, name="study")
 app.add_typer(trace.app, name="trace")

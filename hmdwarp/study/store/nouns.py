@@ -19,7 +19,7 @@ class Session:
     """One sitting of one participant, over one or more runs of the program.
 
     id: in the store. code: the participant's, as typed. sub: the random one that exports have. number: 1 for the first session. part: of
-    the plan. row: which order of the part's orders. order: the conditions' names, a tuple for each repeat. plan: the study file's text then.
+    the plan. row: which order of the part's orders. order: the conditions' names, a tuple for each repeat. plan: the file's text then.
     facts: versions, headset, GPU, seed. *_utc: ISO 8601.
     """
 
@@ -82,7 +82,7 @@ class Showing:
 
 @attrs.frozen
 class Event:
-    """A line of the journal. kind: "session", "shown", "answer", "pause", "continue", "break", "stop", "remark", "sick", "lost", "clock", ..
+    """A line of the journal. kind: "shown", "answer", "pause", "continue", "break", "stop", "remark", "sick", "lost", "clock", ..
     data: what belongs to it. mono_ns: the machine's monotonic clock, comparable within one run of the program only."""
 
     id: int
