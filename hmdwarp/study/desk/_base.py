@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import attrs
 
-from ...display import Command
+if TYPE_CHECKING:
+    from ...display import Command
 
 
 @attrs.frozen
@@ -27,9 +28,10 @@ class Question:
 class DeskState:
     """What there is to see. It holds nothing that tells the condition unless the study is blind to nobody.
 
-    heading: study, participant, session. step: "trial 3 of 12". done: share of the steps, 0 to 1. elapsed_s: of this sitting. left_s: of this
-    step, None where nobody knows. phase: "reading", "showing", "asking", "break", "paused", "over". rate_hz, missed: of the pictures. position_m,
-    turned_deg: the head, (x, y, z) and (yaw, pitch, roll); None before there is one. notice: "tracking lost". condition: "" where it is hidden.
+    heading: study, participant, session; PILOT, REHEARSAL or SIMULATED in it is made to stand out. step: "trial 3 of 12". done: share of
+    the steps, 0 to 1. elapsed_s: of this sitting. left_s: of this step, None where nobody knows. phase: "reading", "showing", "asking",
+    "break", "paused", "over". rate_hz, missed: of the pictures. position_m, turned_deg: the head, (x, y, z) and (yaw, pitch, roll); None
+    before there is one. notice: "tracking lost". condition: "" where it is hidden.
     """
 
     heading: str = ""
@@ -61,5 +63,5 @@ class Desk(Protocol):
         """A line for the journal on the screen."""
 
     def commands(self) -> Sequence[Command]:
-        """What the experimenter asked for since the last time: "pause", "continue", "break", "again", "skip", "stop", "agree"; "answer" with a
-        number, "remark" with a text."""
+        """What the experimenter asked for since the last time: "pause", "continue", "break", "again", "skip", "stop", "agree"; "answer" with
+        a number, "remark" with a text."""
