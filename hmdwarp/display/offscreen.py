@@ -28,13 +28,14 @@ AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
 class OffscreenDisplay:
     """As display.Display, of a window's kind: the lens is ours. Its clock begins at 0 and stands still while a picture is made.
 
+    gpu: None for one of its own.
     Errors: InputError without a trace, or for a headset that is not known; MachineError without OpenGL.
     """
 
     name = "offscreen"
     distorts = takes_depth = ""
 
-    def __init__(self, options: DisplayOptions) -> None:
+    def __init__(self, options: DisplayOptions, gpu: Gpu | None = None) -> None:
         if options.trace is None:
             raise InputError("an offscreen display has nobody's head to follow: name a recorded one by --trace")
         self._headset, self._size_asked = load_headset(options.headset), options.size
@@ -42,7 +43,7 @@ class OffscreenDisplay:
         self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0
         self.source = LoopedSource(options.trace, self.now_ns)
         self.look(options.view)
-        self.gpu = Gpu()
+        self._owns, self.gpu = gpu is None, gpu if gpu is not None else Gpu()
         self._presenter = Presenter(self.gpu)
         self._target: moderngl.Framebuffer | None = None
         self._texture: moderngl.Texture | None = None
@@ -105,4 +106,5 @@ class OffscreenDisplay:
             self._closed = True
             self._presenter.close()
             self._free_target()
-            self.gpu.close()
+            if self._owns:
+                self.gpu.close()

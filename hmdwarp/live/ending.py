@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 import time
+from collections.abc import Callable
 from types import FrameType
 
 
@@ -13,20 +14,23 @@ class Ending:
     at once, for whoever will not wait. Ctrl-C is the usual way to end a live run; the others are raised once more when it is left, after
     everything inside has been written, so that the program ends by them.
 
-    asked: the number of the signal that came, None before. The clock runs from the first refresh on.
+    asked: the number of the signal that came, None before. The clock runs from the first refresh on; now_ns: which one, the display's
+    once there is a display.
     """
 
     def __init__(self, seconds: float | None, frames: int | None) -> None:
         self._seconds, self._frames = seconds, frames
-        self._began: float | None = None
+        self._began_ns: int | None = None
+        self.now_ns: Callable[[], int] = time.monotonic_ns
         self.asked: int | None = None
         self._before: dict[int, object] = {}
 
     def due(self, count: int) -> bool:
         """Whether to end now, after `count` refreshes with a picture."""
-        if self._began is None and count:
-            self._began = time.monotonic()
-        late = self._seconds is not None and self._began is not None and time.monotonic() - self._began >= self._seconds
+        now_ns = self.now_ns()
+        if self._began_ns is None and count:
+            self._began_ns = now_ns
+        late = self._seconds is not None and self._began_ns is not None and now_ns - self._began_ns >= self._seconds * 1e9
         return self.asked is not None or late or (self._frames is not None and count >= self._frames)
 
     def _ask(self, number: int, _: FrameType | None) -> None:

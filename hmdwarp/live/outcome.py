@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -105,7 +106,7 @@ def summary_of(
     return {
         "schema": SCHEMA,
         "hmdwarp": __version__,
-        "trace": options.record.stem if options.record is not None else facts.source,
+        "trace": _trace_of(facts),
         "scene": facts.scene,
         "effects": facts.effects,
         "latency_ms": options.latency_ms,
@@ -126,6 +127,12 @@ def summary_of(
         "notes": [*facts.scene_notes, *_notes(events, live, pictures)],
         "live": live,
     }
+
+
+def _trace_of(facts: Facts) -> str:
+    """What a replay would be given, else whose head it was."""
+    named = facts.options.record or facts.options.trace
+    return Path(named).stem if named else facts.source
 
 
 def _live(facts: Facts, count: int, counts: Counts, figures: Thinned, events: Events, pauses: Pauses) -> dict[str, Any]:

@@ -32,6 +32,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         log = stack.enter_context(LiveLog(options))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(_closing(open_display(options, watchdog.watching, say)))
+        ending.now_ns = display.now_ns
         stage = Stage(display, options, scene)
         stack.callback(stage.close)
         stack.callback(log.leave)
