@@ -25,6 +25,7 @@ PACKAGE = ROOT / "hmdwarp"
 FLOORS = [
     {"errors", "version"},
     {"registry", "resources", "colour", "geometry"},
+    {"tables"},
     {"gpu", "poses", "headsets"},
     {"scenes"},
     {"frame"},

@@ -11,8 +11,8 @@ import numpy as np
 from ..errors import InputError
 from ..geometry import Fov
 from ..registry import unknown_name
+from ..tables import Table
 from ._model import COLOURS, Headset, RadialLens
-from ._table import Table
 
 _FOLDER = Path(__file__).parent
 
@@ -30,7 +30,7 @@ def load_headset(name: str) -> Headset:
             raise InputError(f"headset file {name} is not there")
         raise unknown_name("headset", name, headset_names())
     try:
-        return _headset(Table(tomllib.loads(path.read_text(encoding="utf-8"))))
+        return _headset(Table(tomllib.loads(path.read_text(encoding="utf-8")), example="hmdwarp/headsets/rift-dk1.toml"))
     except OSError as error:
         raise InputError(f"headset file {path}: {error.strerror}") from error
     except (InputError, ValueError) as error:  # not TOML and not UTF-8 are ValueErrors

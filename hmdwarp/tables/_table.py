@@ -1,0 +1,196 @@
+"""A TOML table that is asked for each key by its type, and says by its full name which one is wrong."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from collections.abc import Sequence
+
+from ..errors import InputError
+
+Path = tuple[str | int, ...]
+_NEEDED = object()  # no default: the key must be there
+
+
+class KeyFault(InputError):
+    """path: which key is wrong, from the top of the file: keys, and numbers from 0 within arrays."""
+
+    def __init__(self, text: str, path: Path) -> None:
+        super().__init__(text)
+        self.path = path
+
+
+class Table:
+    """`data` as tomllib gives it. path: where it lies in the file. example: a file that has all the keys, for whoever left one out.
+
+    Each getter takes a default for a key that may be left out. Errors: KeyFault naming the key.
+    """
+
+    def __init__(self, data: object, path: Path = (), example: str = "") -> None:
+        self._path, self._example = path, example
+        if not isinstance(data, dict):
+            raise KeyFault(f"{_named(path)} is {_short(data)}: wanted a table of keys", path)
+        self._data = data
+        self._read: dict[str, list[Table]] = {}
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._data
+
+    @property
+    def path(self) -> Path:
+        """Where it lies in the file."""
+        return self._path
+
+    def keys(self) -> tuple[str, ...]:
+        """As the file has them."""
+        return tuple(self._data)
+
+    def table(self, key: str) -> Table:
+        """The table inside this one, the same object each time."""
+        value = self._get(key)
+        if not self._read[key]:
+            self._read[key] = [Table(value, (*self._path, key), self._example)]
+        return self._read[key][0]
+
+    def tables(self, key: str) -> tuple[Table, ...]:
+        """The tables of an array, written as [[key]]; none where the key is left out."""
+        value = self._get(key, ())
+        if value == ():
+            return ()
+        if not isinstance(value, list):
+            raise self.fault(key, f"is {_short(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]")
+        if not self._read[key]:
+            self._read[key] = [Table(one, (*self._path, key, number), self._example) for number, one in enumerate(value)]
+        return tuple(self._read[key])
+
+    def raw(self, key: str) -> object:
+        """Whatever stands there."""
+        return self._get(key)
+
+    def text(self, key: str, default: object = _NEEDED) -> str:
+        """A text that is not empty."""
+        value = self._get(key, default)
+        if value is default:
+            return value  # type: ignore[return-value]
+        if not isinstance(value, str) or not value.strip():
+            raise self.fault(key, f"is {_short(value)}: wanted a text")
+        return value
+
+    def word(self, key: str, known: Sequence[str], default: object = _NEEDED) -> str:
+        """One of these."""
+        value = self._get(key, default)
+        if value is not default and value not in known:
+            raise self.fault(key, f"is {_short(value)}: wanted {_listed(known)}")
+        return value  # type: ignore[return-value]
+
+    def flag(self, key: str, default: object = _NEEDED) -> bool:
+        """true or false."""
+        value = self._get(key, default)
+        if value is not default and not isinstance(value, bool):
+            raise self.fault(key, f"is {_short(value)}: wanted true or false")
+        return value  # type: ignore[return-value]
+
+    def number(self, key: str, default: object = _NEEDED) -> float:
+        """A finite number."""
+        value = self._get(key, default)
+        if value is default:
+            return value  # type: ignore[return-value]
+        if not _is_number(value):
+            raise self.fault(key, f"is {_short(value)}: wanted a finite number")
+        return float(value)  # type: ignore[arg-type]
+
+    def within(self, key: str, least: float, most: float, default: object = _NEEDED, *, above: bool = False) -> float:
+        """A number from least to most; above: least itself is too small."""
+        value = self.number(key, default)
+        if value is not default and not (least <= value <= most and (value > least or not above)):
+            raise self.fault(key, f"is {value:g}: wanted a number {_range(least, most, above)}")
+        return value
+
+    def whole(self, key: str, least: int, most: int, default: object = _NEEDED) -> int:
+        """A whole number from least to most."""
+        value = self._get(key, default)
+        if value is default:
+            return value  # type: ignore[return-value]
+        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+            raise self.fault(key, f"is {_short(value)}: wanted a whole number {_range(least, most)}")
+        return value
+
+    def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
+        """Finite numbers, `count` of them (or any)."""
+        value = self._get(key)
+        if not isinstance(value, list) or not all(map(_is_number, value)) or count not in (None, len(value)):
+            raise self.fault(key, f"is {_short(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers")
+        return tuple(map(float, value))
+
+    def texts(self, key: str, default: object = _NEEDED) -> tuple[str, ...]:
+        """Texts that are not empty."""
+        value = self._get(key, default)
+        if value is default:
+            return value  # type: ignore[return-value]
+        if not isinstance(value, list) or not all(isinstance(one, str) and one.strip() for one in value):
+            raise self.fault(key, f'is {_short(value)}: wanted a list of texts, like ["one", "another"]')
+        return tuple(value)
+
+    def fault(self, key: str | None, says: str, *within: str | int) -> KeyFault:
+        """The error that says something of a key, or of this table itself where key is None. within: the path inside of its value."""
+        path = self._path if key is None else (*self._path, key)
+        return KeyFault(f"{_named(path)} {says}".lstrip(), (*path, *within))
+
+    def refuse_unread(self) -> None:
+        """Refuse keys nobody asked for: a misspelt one would otherwise be taken for left out."""
+        for key in self._data:
+            if key not in self._read:
+                raise self._unknown(key)
+            for inner in self._read[key]:
+                inner.refuse_unread()
+
+    def _unknown(self, key: str) -> KeyFault:
+        known = [_named((*self._path, one)) for one in self._read]
+        return KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
+
+    def _get(self, key: str, default: object = _NEEDED) -> object:
+        self._read.setdefault(key, [])
+        if key in self._data:
+            return self._data[key]
+        if default is not _NEEDED:
+            return default
+        hint = f"; {self._example} has them all" if self._example else ""
+        raise KeyFault(f"the key {_named((*self._path, key))} is missing{hint}", self._path)
+
+
+def _named(path: Path) -> str:
+    """'part.condition.name': the line says which of several."""
+    return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
+
+
+def _refused(name: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]}? " if near else ""
+    return f"unknown key {name}: {hint}known are {', '.join(known)}"
+
+
+def _short(value: object) -> str:
+    try:
+        return _shortened(repr(value))
+    except ValueError:  # Python prints no whole number of more than 4300 digits
+        return "a number beyond all bounds"
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _listed(known: Sequence[str]) -> str:
+    return " or ".join(filter(None, (", ".join(known[:-1]), known[-1])))
+
+
+def _range(least: float, most: float, above: bool = False) -> str:
+    lower = f"{'above' if above else 'of at least'} {least:g}"
+    return f"{lower} and at most {most:g}" if math.isfinite(most) else lower
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return abs(value) < 2**63  # as TOML has it; a longer one would overflow as a float
+    return isinstance(value, float) and math.isfinite(value)
