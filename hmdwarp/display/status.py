@@ -22,7 +22,8 @@ class Status:
     budget_ms: a refresh of the display. The deques hold the last refreshes, oldest first: total_ms: all passes of both eyes;
     age_ms: from drawing the shown frame to showing it; pose_age_ms: from reading the head to handing the picture over; holes: share of
     pixels without coverage after the warp (NaN where it was not counted); period_ms: between two pictures. stage_ms: of the last refresh,
-    both eyes. missed: refreshes without a new picture, since the start. notice: as Tick.notice.
+    both eyes. missed: refreshes without a new picture, since the start. notice: as Tick.notice. heading: stands in the title in place of
+    settings and numbers, which tell whoever looks what is on; "" for those.
     """
 
     values: dict[str, object] = attrs.field(factory=dict)
@@ -37,6 +38,7 @@ class Status:
     missed: int = 0
     notice: str = ""
     recording: bool = False
+    heading: str = ""
 
     @property
     def rate_hz(self) -> float:
@@ -46,9 +48,11 @@ class Status:
 
     def title(self) -> str:
         """One line for the window's title."""
+        notice = f" - {self.notice}" if self.notice else ""
+        if self.heading:
+            return f"hmdwarp - {self.heading}{notice}"
         v = self.values
         chosen = f"{v.get('scene', '')} - {v.get('warp', '')} + {v.get('fill', '')} - {v.get('latency', 0):g} ms"
         holes = f", holes {self.holes[-1]:.1%}" if self.holes and self.holes[-1] == self.holes[-1] else ""
         age = f", age {self.age_ms[-1]:.0f} ms" if self.age_ms else ""
-        notice = f" - {self.notice}" if self.notice else ""
         return f"hmdwarp - {chosen} - {self.rate_hz:.0f} fps{age}{holes}, {self.missed} missed{notice}"

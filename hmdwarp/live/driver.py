@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from ..display import Command, Display, Label, Lost, Tick
 from .ending import Ending
@@ -13,6 +13,9 @@ from .returning import come_back
 from .stage import Stage
 from .tidying import Tidying
 
+if TYPE_CHECKING:
+    from ..loop import Refresh
+
 Say = Callable[[str], None]
 AfterRefresh = Callable[[int], None]
 WAITING = "waiting for the first frame"
@@ -21,10 +24,12 @@ WAITING = "waiting for the first frame"
 class Watch(Protocol):
     """Whoever decides what a stretch of refreshes is: what is written over its pictures, what a command does, when it is over.
 
-    pictures: whether the scene is shown; without, the display stays black but for the label.
+    pictures: whether the scene is shown; without, the display stays black but for the label, and nothing is logged. ahead: whether, while
+    there are none, the server draws all the same and the passes run: frames are under way and everything is warm when pictures begin.
     """
 
     pictures: bool
+    ahead: bool = False
 
     def over(self) -> bool:
         """Whether to stop now; asked before each refresh."""
@@ -34,6 +39,12 @@ class Watch(Protocol):
 
     def obey(self, commands: Sequence[Command]) -> bool:
         """Do what was asked for; whether the options of the run are others afterwards."""
+
+    def arrived(self, refresh: Refresh) -> None:
+        """A frame was there at this refresh, whether or not it was shown."""
+
+    def went(self, why: str) -> None:
+        """The display went away just now. Whether it comes back is not known yet."""
 
 
 class Driver:
@@ -53,7 +64,7 @@ class Driver:
         Errors: Closed, when nobody looks any more; Lost, when the display went away and did not come back in time.
         """
         stretch = _Stretch(self._display, self._stage, self._ending, self._say, watch, log, recorder, after)
-        with Tidying(self._stage.options.collect) as tidying:
+        with Tidying(self._stage.options.collect and (watch.pictures or watch.ahead)) as tidying:
             while self._ending.asked is None and not watch.over():
                 stretch.once(tidying)
 
@@ -87,18 +98,28 @@ class _Stretch:
             self._come_back(lost)
 
     def _refresh(self, tick: Tick) -> None:
-        refresh, pictures = None, tick.render and self._watch.pictures
-        if pictures:
-            self._stage.fit()
-            loop = self._stage.loop
-            loop.draw(self._display.now_ns())
-            refresh = loop.show(tick.shown_ns)
-        label = tick.notice or self._watch.label() or (WAITING if pictures and refresh is None else "")
+        watch = self._watch
+        refresh = self._made(tick) if tick.render and (watch.pictures or watch.ahead) else None
+        if not watch.pictures:
+            self._display.show(None, watch.label())  # a question stays where it is, whatever the tracking does
+            return
+        label = tick.notice or watch.label() or (WAITING if tick.render and refresh is None else "")
         submitted_ns = self._display.show(refresh, label)
         if self._log is not None:
             self._log.add(tick, refresh, submitted_ns, label if isinstance(label, str) else "")
-        if refresh is None:
-            return
+        if refresh is not None:
+            self._shown(refresh)
+
+    def _made(self, tick: Tick) -> Refresh | None:
+        self._stage.fit()
+        loop = self._stage.loop
+        loop.draw(self._display.now_ns())
+        refresh = loop.show(tick.shown_ns)
+        if refresh is not None:
+            self._watch.arrived(refresh)
+        return refresh
+
+    def _shown(self, refresh: Refresh) -> None:
         if self._recorder is not None:
             self._recorder.add(refresh.head)
         self._count += 1
@@ -108,6 +129,7 @@ class _Stretch:
 
     def _come_back(self, lost: Lost) -> None:
         """Wait until the display is there again. Errors: Lost, once that has taken too long."""
+        self._watch.went(str(lost))
         if self._recorder is not None:
             self._recorder.flush()
         if self._log is not None:

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ..display import Display, Tick
 from ..display.status import Status
@@ -252,6 +254,10 @@ class LiveLog:
 
     def _sum_up(self) -> dict[str, Any]:
         return summary_of(self._facts, self.count, self._counts, self._figures, self._fates, self._events, self._pauses, self._pictures)
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """One number of outcome.COLUMNS for each refresh, as far as it is known; NaN where it was not measured. Of a long run every n-th."""
+        return self._figures.column(name)
 
     def result(self) -> LiveResult:
         """What came out."""

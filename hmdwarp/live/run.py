@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 from ..display import Closed, Command, Display
 from .changes import choices, values
-from .driver import AfterRefresh, Driver, Say
+from .driver import AfterRefresh, Driver, Say, Watch
 from .ending import Ending
 from .log import LiveLog, LiveResult
 from .obeying import Obeying
@@ -71,7 +71,7 @@ class _closing:  # noqa: N801 (as contextlib.closing, which leaves out __enter__
         self._display.close()
 
 
-class _Free:
+class _Free(Watch):
     """Whoever looks may change everything, until as much was shown as was asked for."""
 
     pictures = True
