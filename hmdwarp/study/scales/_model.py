@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Self
 
 import attrs
+
+KINDS = (RATING, SICKNESS, QUESTIONNAIRE) = ("rating", "sickness", "questionnaire")
+OF = (SUMS, SCORES) = ("sums", "scores")
 
 
 @attrs.frozen
@@ -17,13 +21,16 @@ class Item:
 
 @attrs.frozen
 class Score:
-    """A subscale: the sum of these items' answers times weight, items counted from 1. of: other scores whose unweighted sums are added
-    up instead. What is not answered leaves the score empty."""
+    """What a questionnaire comes to: the sum of these items' answers times weight, items counted from 1. of: names of other scores that
+    are added up instead: what they are the sums of (of_what "sums"), or themselves with their weights ("scores"). title: for people.
+    """
 
     name: str
     items: tuple[int, ...] = ()
     of: tuple[str, ...] = ()
     weight: float = 1.0
+    of_what: str = SUMS
+    title: str = ""
 
 
 @attrs.frozen
@@ -54,3 +61,7 @@ class Scale:
     def badness(self, answer: float) -> float:
         """How bad an answer is, in steps of the scale's own unit: high is bad, 0 is the best."""
         return answer - self.least if self.low_is_good else self.most - answer
+
+    def with_scores(self, scores: tuple[Score, ...]) -> Self:
+        """The same with these."""
+        return attrs.evolve(self, scores=scores)

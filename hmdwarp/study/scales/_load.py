@@ -1,0 +1,161 @@
+"""Scale files (.toml) to Scale objects."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+
+from ...errors import InputError
+from ...registry import unknown_name
+from ...tables import KeyFault, LineFinder, Table
+from ._model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
+
+_FOLDER = Path(__file__).parent
+_EXAMPLE = "hmdwarp/study/scales/grade.toml"
+_MOST_VALUES = 10_000  # of one answer: more cannot be told apart on any plate
+_MOST_ITEMS = 500
+
+
+def scale_names() -> list[str]:
+    """Names of the shipped scales, sorted."""
+    return sorted(p.stem for p in _FOLDER.glob("*.toml"))
+
+
+def load_scale(name: str) -> Scale:
+    """A shipped scale by name, or one's own .toml file by path. Errors: InputError naming the file, the line and what is wrong there."""
+    path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
+    if not name.endswith(".toml") and name not in scale_names():
+        raise unknown_name("scale", name, scale_names())
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"scale file {path}: {error.strerror}: wanted a .toml file, or one of {', '.join(scale_names())}") from error
+    except ValueError as error:
+        raise InputError(f"scale file {path}: {error}: wanted a text in UTF-8") from error
+    return _scale_from_text(text, path)
+
+
+def _scale_from_text(text: str, path: Path) -> Scale:
+    try:
+        return _scale(Table(tomllib.loads(text), example=_EXAMPLE), path.stem)
+    except KeyFault as error:
+        raise InputError(f"scale file {path}:{LineFinder(text).line(error.path)}: {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"scale file {path}: {error}") from error
+
+
+def _scale(data: Table, name: str) -> Scale:
+    answer = data.table("answer")
+    least, most = answer.number("least"), answer.number("most")
+    made = Scale(
+        name=name,
+        title=data.text("title"),
+        kind=data.word("kind", KINDS),
+        items=_items(data),
+        least=least,
+        most=most,
+        step=_step(answer, least, most),
+        low_is_good=answer.flag("low_is_good"),
+        anchors=_anchors(answer, least, most),
+        scores=(),
+        units=data.raw("units") if _is_text(data, "units") else "",  # type: ignore[arg-type]
+        source=data.text("source"),
+    )
+    scores = _scores(data, made)
+    data.refuse_unread()
+    return made.with_scores(scores)
+
+
+def _is_text(data: Table, key: str) -> bool:
+    if key not in data:
+        return False
+    if not isinstance(data.raw(key), str):
+        raise data.fault(key, 'is no text: wanted what an answer is measured in, or "" for a mere number')
+    return True
+
+
+def _items(data: Table) -> tuple[Item, ...]:
+    tables = data.tables("item")
+    if not 1 <= len(tables) <= _MOST_ITEMS:
+        raise data.fault("item", f"comes {len(tables)} times: wanted 1 to {_MOST_ITEMS} questions, each beginning with [[item]]")
+    items: list[Item] = []
+    for table in tables:
+        key = table.text("key")
+        if not key.isidentifier():
+            raise table.fault("key", f"is {key!r}: wanted a word of letters, digits and _, as a column of a table can be called")
+        if key in [item.key for item in items]:
+            raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
+        items.append(Item(key, table.text("text")))
+    return tuple(items)
+
+
+def _step(answer: Table, least: float, most: float) -> float:
+    if not most > least:
+        raise answer.fault("most", f"is {most:g}: wanted more than answer.least, {least:g}")
+    step = answer.number("step")
+    if not step > 0:
+        raise answer.fault("step", f"is {step:g}: wanted a number above 0")
+    steps = (most - least) / step
+    if not steps <= _MOST_VALUES:
+        raise answer.fault("step", f"is {step:g}: wanted one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}")
+    if round(steps) < 1 or not math.isclose(steps, round(steps), abs_tol=1e-6):
+        raise answer.fault("step", f"is {step:g}: wanted one that divides {least:g} to {most:g} into equal steps")
+    return step
+
+
+def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
+    table = answer.table("anchors")
+    anchors: dict[float, str] = {}
+    for key in table.keys():  # noqa: SIM118  (a Table is no dict)
+        try:
+            value = float(key)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= most:
+            raise table.fault(key, f"is no answer: wanted a number from {least:g} to {most:g}, in quotes where it has a point or a sign")
+        if value in anchors:
+            raise table.fault(key, "says a second time what this answer means")
+        anchors[value] = table.text(key)
+    for end in (least, most):
+        if end not in anchors:
+            raise answer.fault("anchors", f"has no word for {end:g}: wanted words for both ends at least")
+    return dict(sorted(anchors.items()))
+
+
+def _scores(data: Table, scale: Scale) -> tuple[Score, ...]:
+    tables = data.tables("score")
+    if tables and scale.kind != QUESTIONNAIRE:
+        raise data.fault("score", f"is for questionnaires: a {scale.kind} is its own score")
+    made: list[Score] = []
+    for table in tables:
+        name = table.text("name")
+        if not name.isidentifier() or name in [score.name for score in made]:
+            raise table.fault("name", f"is {name!r}: wanted a word of letters, digits and _ that no other score has")
+        made.append(_score(table, name, len(scale.items), [score.name for score in made]))
+    return tuple(made)
+
+
+def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
+    if ("items" in table) == ("of" in table):
+        raise table.fault(None, f"'{name}': wanted either items, numbers of questions from 1 on, or of, names of scores above it")
+    weight = table.number("weight", 1.0)
+    if "items" in table:
+        return Score(name, _item_numbers(table, items), weight=weight, title=table.text("title"))
+    of = table.texts("of")
+    for one in of:
+        if one not in before:
+            raise table.fault("of", f"names {one!r}: wanted scores that stand above this one ({', '.join(before) or 'there are none'})")
+    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.text("title"))
+
+
+def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
+    numbers = table.numbers("items")
+    known = set(range(1, items + 1))
+    if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
+        raise table.fault("items", f"is {list(map(_tidy, numbers))}: wanted numbers of questions, from 1 to {items}, each once")
+    return tuple(map(int, numbers))
+
+
+def _tidy(value: float) -> float | int:
+    return int(value) if value == int(value) else value
