@@ -2,9 +2,13 @@
 
 from .nouns import (
     BLIND,
+    BOTH,
+    FIXED,
     NOBODY,
     ORDERS,
     PARTICIPANT,
+    RANDOM,
+    WILLIAMS,
     Breaks,
     Comparison,
     Condition,
@@ -17,9 +21,13 @@ from .nouns import (
 
 __all__ = [
     "BLIND",
+    "BOTH",
+    "FIXED",
     "NOBODY",
     "ORDERS",
     "PARTICIPANT",
+    "RANDOM",
+    "WILLIAMS",
     "Breaks",
     "Comparison",
     "Condition",
