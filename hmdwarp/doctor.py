@@ -15,6 +15,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 
 import attrs
 
@@ -47,7 +48,7 @@ class Finding:
 def examine() -> list[Finding]:
     """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
     headset, desktop = openxr(), window()
-    return [python(), packages(), *opengl(), *headset, desktop, live(headset, desktop), panel(), video(), codecs()]
+    return [python(), packages(), *opengl(), *headset, desktop, live(headset, desktop), panel(), study(), video(), codecs()]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
@@ -174,6 +175,25 @@ def panel() -> Finding:
     except importlib.metadata.PackageNotFoundError:
         return Finding("panel", State.OPTIONAL, "not installed: the window of hmdwarp live has keys alone", "pip install 'hmdwarp[panel]'")
     return Finding("panel", State.OK, f"imgui-bundle {version}", facts={"version": version})
+
+
+STUDY_PACKAGES = {
+    "statsmodels": "study analyse, study power",
+    "pyarrow": "Parquet of study export",
+    "prompt-toolkit": "the experimenter's terminal",
+}
+
+
+def study() -> Finding:
+    """The packages behind parts of `hmdwarp study`; sessions run and are exported without them."""
+    versions: dict[str, str] = {}
+    for name in STUDY_PACKAGES:
+        with suppress(importlib.metadata.PackageNotFoundError):
+            versions[name] = importlib.metadata.version(name)
+    lacking = [f"{name} ({what})" for name, what in STUDY_PACKAGES.items() if name not in versions]
+    if lacking:
+        return Finding("study", State.OPTIONAL, f"not installed: {', '.join(lacking)}", "pip install 'hmdwarp[study]'", versions)
+    return Finding("study", State.OK, ", ".join(f"{name} {version}" for name, version in versions.items()), facts=versions)
 
 
 def video() -> Finding:

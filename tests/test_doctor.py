@@ -206,3 +206,19 @@ def test_only_what_replay_needs_decides():
 def test_probes_are_found_by_the_interpreter():
     """The path that -P leaves must still hold hmdwarp: it does once it is installed."""
     assert doctor.ask("gl").get("message", "").find("No module named") == -1, f"install hmdwarp into {sys.prefix} first (make setup)"
+
+
+def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
+    there = {"pyarrow": "26.0.1"}
+
+    def version(name: str) -> str:
+        if name not in there:
+            raise doctor.importlib.metadata.PackageNotFoundError(name)
+        return there[name]
+
+    monkeypatch.setattr(doctor.importlib.metadata, "version", version)
+    found = doctor.study()
+    assert found.state is State.OPTIONAL and "hmdwarp[study]" in found.remedy
+    assert "statsmodels (study analyse" in found.detail and "prompt-toolkit" in found.detail and "pyarrow" not in found.detail
+    there.update(dict.fromkeys(doctor.STUDY_PACKAGES, "1.0"))
+    assert doctor.study().state is State.OK
