@@ -256,7 +256,7 @@ class LiveLog:
         return summary_of(self._facts, self.count, self._counts, self._figures, self._fates, self._events, self._pauses, self._pictures)
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """One number of outcome.COLUMNS for each refresh, as far as it is known; NaN where it was not measured. Of a long run every n-th."""
+        """One number of outcome.COLUMNS for each refresh, as far as known; NaN where it was not measured. Of a long run every n-th."""
         return self._figures.column(name)
 
     def result(self) -> LiveResult:
