@@ -63,5 +63,5 @@ class Desk(Protocol):
         """A line for the journal on the screen."""
 
     def commands(self) -> Sequence[Command]:
-        """What the experimenter asked for since the last time: "pause", "continue", "break", "again", "skip", "stop", "agree"; "answer" with
-        a number, "remark" with a text."""
+        """What the experimenter asked for since the last time: "pause", "continue", "break", "again", "skip", "stop", "agree"; "answer"
+        with a number, "remark" with a text."""
