@@ -25,6 +25,21 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match.group(1)), int(match.group(2))
 
 
+def fill_for(warp: str, fill: str | None, fused: bool = False, wide: bool = False) -> str:
+    """The fill asked for, or the usual one, which is none for a warp fused with the lens; with a wide view that one before it.
+
+    Errors: InputError for one beside warp auto, which chooses its own.
+    """
+    if warp == AUTO and (fill is not None or wide):
+        asked = "--wide" if fill is None else f"--fill {fill}"
+        raise InputError(f"{asked}: warp auto chooses the fill too; leave one of the two out")
+    usual = "none" if fused else "interpolate"
+    asked = usual if fill is None else fill
+    if not wide:
+        return asked
+    return "wide" if asked == "none" else f"wide+{asked}"
+
+
 def _as_float(value: float) -> float:
     """Infinite for a whole number that is too large."""
     try:

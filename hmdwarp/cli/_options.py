@@ -67,24 +67,6 @@ TraceRate = Annotated[float | None, typer.Option("--trace-rate", help="Samples p
 Segment = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.", show_default=False)]
 
 
-def fill_for(warp: str, fill: str | None, fused: bool = False, wide: bool = False) -> str:
-    """The fill asked for, or the usual one, which is none for a warp fused with the lens; with a wide view that one before it.
-
-    Errors: InputError for one beside warp auto, which chooses its own.
-    """
-    from ..errors import InputError
-    from ..options import AUTO
-
-    if warp == AUTO and (fill is not None or wide):
-        asked = "--wide" if fill is None else f"--fill {fill}"
-        raise InputError(f"{asked}: warp auto chooses the fill too; leave one of the two out")
-    usual = "none" if fused else "interpolate"
-    asked = usual if fill is None else fill
-    if not wide:
-        return asked
-    return "wide" if asked == "none" else f"wide+{asked}"
-
-
 def lens_for(lens: str | None, headset: str) -> str:
     """The lens asked for, or the one the headset has."""
     if lens is not None:
@@ -92,10 +74,3 @@ def lens_for(lens: str | None, headset: str) -> str:
     from ..headsets import load_headset
 
     return "radial" if load_headset(headset).lens is not None else "none"
-
-
-def network_of(jitter: str, delay_trace: Path | None, loss: str, bandwidth: str, seed: int):
-    """What lies between, from the texts of the options. Errors: InputError."""
-    from ..link import LinkOptions
-
-    return LinkOptions.parse(jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=seed)

@@ -40,7 +40,7 @@ def plan(
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
-    from ..options import AUTO, parse_size
+    from ..options import AUTO, fill_for, parse_size
     from ..plans import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
@@ -50,7 +50,7 @@ def plan(
         scene=scene,
         latency_ms=latency,
         warp=warp,
-        fill=o.fill_for(warp, fill, fused, wide),
+        fill=fill_for(warp, fill, fused, wide),
         effects=effects,
         lens="none" if lens is None and told else o.lens_for(lens, headset),
         headset=headset,

@@ -61,7 +61,8 @@ def replay(
 ) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it against no latency at all."""
     from ..codec import Coding
-    from ..options import RunOptions, parse_guard, parse_size
+    from ..link import LinkOptions
+    from ..options import RunOptions, fill_for, parse_guard, parse_size
     from ..poses.options import TraceOptions
 
     options = RunOptions(
@@ -69,10 +70,10 @@ def replay(
         scene=scene,
         latency_ms=latency,
         warp=warp,
-        fill=o.fill_for(warp, fill, fused, wide),
+        fill=fill_for(warp, fill, fused, wide),
         effects=effects,
         mirrors=mirrors,
-        network=o.network_of(jitter, delay_trace, loss, bandwidth, link_seed),
+        network=LinkOptions.parse(jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=link_seed),
         coding=Coding(codec, crf, bitrate),
         budget_ms=budget,
         bench=bench,

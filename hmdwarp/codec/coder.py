@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import InputError
 from .codecs import CODECS, Codec
+from .coding import check_quality
 from .depth import DepthDecoder, DepthEncoder
 from .errors import Undecodable
 from .holes import covered
 from .stream import ColourDecoder, ColourEncoder
-
-_CRFS = (0, 51)
 
 
 @attrs.frozen
@@ -68,7 +67,7 @@ class Encoder:
         bitrate_mbit: float | None = None,
         key_every_s: float | None = None,
     ) -> None:
-        _check_quality(crf, bitrate_mbit)
+        check_quality(crf, bitrate_mbit)
         if key_every_s is not None and not 0 < key_every_s < math.inf:
             raise InputError(f"key frames every {key_every_s:g} s: wanted a time above 0")
         self.size = size
@@ -125,15 +124,6 @@ def _coding(codec: str | Codec) -> Codec:
     if codec.is_none:
         raise InputError(f"codec '{codec.name}' encodes nothing: wanted one of {', '.join(one.name for one in CODECS if not one.is_none)}")
     return codec
-
-
-def _check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
-    if crf is not None and bitrate_mbit is not None:
-        raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: wanted a quality or a rate, not both")
-    if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:
-        raise InputError(f"crf {crf}: wanted {_CRFS[0]} (best) to {_CRFS[1]}")
-    if bitrate_mbit is not None and not 0.01 <= bitrate_mbit <= 1000:
-        raise InputError(f"bitrate {bitrate_mbit:g} Mbit/s: wanted 0.01 to 1000 for one eye")
 
 
 def _check_shapes(size: tuple[int, int], colour: NDArray, inverse_depth: NDArray) -> None:

@@ -24,14 +24,15 @@ from .options import LiveOptions
 from .recent import Recent
 
 
-def checked_scene(options: LiveOptions) -> Scene:
-    """The scene, after everything that can be told wrong without a display. Errors: InputError and its kin."""
+def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
+    """The scene, after everything that can be told wrong without a display. scene: where it is loaded already.
+    Errors: InputError and its kin."""
     if options.predict not in PREDICTORS:
         raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
     check_codec(options.coding.codec)
     if options.lens != AUTO:
         lenses.get(options.lens)
-    scene = load_scene(options.scene)
+    scene = scene or load_scene(options.scene)
     if options.warp != AUTO:
         plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
     return scene

@@ -1,0 +1,149 @@
+"""Parts, conditions and families of a study file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ...errors import InputError
+from ...registry import unknown_name
+from ...scenes import Scene
+from ...tables import KeyFault, Table
+from .nouns import ORDERS, WILLIAMS, Comparison, Condition, Family, Part
+from .settings import DISPLAY, SettingFault, at, check_settings, live_options
+
+ONLY_PART = "main"  # the name of the part of a study that has but one, and gives it none
+NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
+NAME_WANTED = "wanted a name of letters, digits, and . _ + - after the first, 64 at most"
+_MOST_CONDITIONS = 100
+
+
+class Checker:
+    """Makes the settings of one condition after the other, and tries them. folder: of the study file. common: its [common]."""
+
+    def __init__(self, folder: Path, common: Table | None, checked: bool) -> None:
+        self._folder, self._common, self._checked = folder, common, checked
+        self._scenes: dict[str, Scene] = {}
+
+    def settings(
+        self, table: Table, own: Mapping[str, object], who: str, *, beneath: Mapping[str, object] | None = None, only: Sequence[str] = ()
+    ) -> dict[str, object]:
+        """What holds for a condition: [common] (of which `only` these, where said), then what is `beneath`, then its own.
+
+        Errors: KeyFault at the key that is at fault, as far as that can be told.
+        """
+        common = self._placed(self._common, _all_of(self._common), "common") if self._common is not None else {}
+        mine = self._placed(table, own, who)
+        for name in DISPLAY:
+            if name in mine:
+                key = next(key for key in own if key.replace("-", "_") == name)
+                raise table.fault(key, "is the same for all conditions, as the display is opened once: say it in [common]")
+        settings = {name: value for name, value in common.items() if not only or name in only} | dict(beneath or {}) | mine
+        try:
+            check_settings(settings, self._scenes) if self._checked else live_options(settings)
+        except InputError as error:
+            raise self._blamed(table, own, who, str(error), getattr(error, "key", "")) from error
+        return settings
+
+    def _placed(self, table: Table, settings: Mapping[str, object], who: str) -> dict[str, object]:
+        try:
+            return at(self._folder, settings)
+        except SettingFault as error:
+            raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
+
+    def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
+        """At the key that the message speaks of first."""
+        words = re.findall(r"[\w-]+", named or says)
+        for word in words:
+            for inside, keys in ((table, own), (self._common, _all_of(self._common))):
+                key = next((key for key in keys if key.replace("-", "_") == word.replace("-", "_")), None)
+                if inside is not None and key is not None:
+                    return KeyFault(f"{who}: {says}", (*inside.path, key))
+        return KeyFault(f"{who}: {says}", table.path)
+
+
+def _all_of(table: Table | None) -> dict[str, object]:
+    return {} if table is None else {key: table.raw(key) for key in table.keys()}  # noqa: SIM118  (a Table is no dict)
+
+
+def name_of(table: Table, used: Sequence[str]) -> str:
+    """The table's own name, that none of the others has."""
+    name = table.text("name")
+    if not NAME.fullmatch(name):
+        raise table.fault("name", f"is {name[:80]!r}: {NAME_WANTED}")
+    if name.lower() in [one.lower() for one in used]:
+        raise table.fault("name", f"is {name!r} a second time: wanted one that no other has, in capitals or not")
+    return name
+
+
+def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
+    """[[part]] with [[part.condition]] each, or [[condition]] alone for a study of one part."""
+    if "part" in data and "condition" in data:
+        raise data.fault("condition", "beside [[part]]: wanted it within one, as [[part.condition]]")
+    if "part" not in data:
+        return (Part(ONLY_PART, _conditions(data, data, checker)),)
+    tables = data.tables("part")
+    if not tables:
+        raise data.fault("part", "is empty: wanted one [[part]] at least")
+    parts: list[Part] = []
+    for table in tables:
+        name = name_of(table, [part.name for part in parts])
+        parts.append(Part(name, _conditions(table, data, checker)))
+    return tuple(parts)
+
+
+def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition, ...]:
+    tables = within.tables("condition")
+    heading = "[[part.condition]]" if within is not data else "[[condition]]"
+    if not 1 <= len(tables) <= _MOST_CONDITIONS:
+        raise within.fault("condition", f"comes {len(tables)} times: wanted 1 to {_MOST_CONDITIONS}, each beginning with {heading}")
+    made: list[Condition] = []
+    for table in tables:
+        name = name_of(table, [condition.name for condition in made])
+        reference = table.flag("reference", False)
+        if reference and any(condition.reference for condition in made):
+            raise table.fault("reference", "is true a second time in this part: wanted one hidden reference, or none")
+        own = {key: value for key, value in _all_of(table).items() if key not in ("name", "reference")}
+        made.append(Condition(name, checker.settings(table, own, f"condition '{name}'"), reference))
+    trial = data.table("trial")
+    if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
+        key = "order" if "order" in trial else None
+        raise trial.fault(key, f"is {WILLIAMS} for one condition, '{made[0].name}': wanted two at least, or order fixed")
+    return tuple(made)
+
+
+def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
+    """[[family]], each with pairs of conditions of one part."""
+    made: list[Family] = []
+    for table in data.tables("family"):
+        name = table.text("name")
+        if name in [family.name for family in made]:
+            raise table.fault("name", f"is {name!r} a second time: wanted one that no other family has")
+        made.append(Family(name, _comparisons(table, _part_of(table, parts))))
+    return tuple(made)
+
+
+def _part_of(table: Table, parts: tuple[Part, ...]) -> Part:
+    if "part" not in table and len(parts) == 1:
+        return parts[0]
+    return next(part for part in parts if part.name == table.word("part", [part.name for part in parts]))
+
+
+def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
+    pairs, known = table.raw("pairs"), [condition.name for condition in part.conditions]
+    if not isinstance(pairs, list) or not pairs:
+        raise table.fault("pairs", 'is no list of pairs: wanted names of conditions, like [["late", "warped"]]')
+    made: list[Comparison] = []
+    for number, pair in enumerate(pairs):
+        if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
+            raise table.fault("pairs", f"has {str(pair)[:80]}: wanted pairs of names, like [[\"late\", \"warped\"]]", number)
+        for name in pair:
+            if name not in known:
+                raise table.fault("pairs", f"has an {unknown_name('condition', name, known)} in part '{part.name}'", number)
+        a, b = pair
+        if a == b or {a, b} in [{one.a, one.b} for one in made]:
+            why = "a condition beside itself" if a == b else "the same pair a second time"
+            raise table.fault("pairs", f"has [{a}, {b}]: {why}; wanted each comparison once", number)
+        made.append(Comparison(part.name, a, b))
+    return tuple(made)

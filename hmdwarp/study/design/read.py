@@ -1,0 +1,125 @@
+"""Study files (.toml) to Design objects; what is wrong in one is told with its line."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+from ...errors import InputError
+from ...registry import unknown_name
+from ...tables import KeyFault, LineFinder, Table
+from ..scales import Scale
+from ._around import breaks_of, consent_of, practice_of, questionnaires_of, sickness_of
+from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
+from ._scales import scales_of
+from .nouns import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
+
+SCHEMA = 1
+READY = Path(__file__).resolve().parent.parent / "ready"
+_EXAMPLE = "hmdwarp/study/ready/thesis.toml"
+_MOST_BYTES = 1_000_000  # a plan is written by hand; what is longer is another file taken for one
+
+
+def ready_names() -> list[str]:
+    """Names of the shipped studies, sorted."""
+    return sorted(p.stem for p in READY.glob("*.toml"))
+
+
+def load_design(name_or_path: str) -> Design:
+    """A shipped study by name, or a .toml file by path, checked: every condition's settings are tried as far as they can be without a
+    display. Errors: InputError that names the file, the line, what was found and what was wanted."""
+    path = _path_of(name_or_path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"study file {path}: {error.strerror}: wanted a .toml file, or one of {', '.join(ready_names())}") from error
+    if len(data) > _MOST_BYTES:
+        raise InputError(f"study file {path}: {len(data)} bytes: wanted a plan, of at most {_MOST_BYTES}")
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: wanted a text in UTF-8") from error
+    return design_from_text(text, str(path))
+
+
+def _path_of(name: str) -> Path:
+    if name.endswith(".toml"):
+        return Path(name)
+    if name in ready_names():
+        return READY / f"{name}.toml"
+    if Path(name).is_file():
+        raise InputError(f"study file {name}: wanted one whose name ends in .toml")
+    raise unknown_name("study", name, [*ready_names(), "FILE.toml"])
+
+
+def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
+    """The plan in a text. path: where it lies, for messages and for files it names. checked: False leaves out trying the settings, for
+    looking at a session of long ago whose scenes may be gone. Errors: as load_design."""
+    text = text.replace("\r\n", "\n")
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(_not_toml(path, str(error))) from error
+    try:
+        return _design(Table(data, example=_EXAMPLE), text, path, checked)
+    except KeyFault as error:
+        raise InputError(f"{path}:{LineFinder(text).line(error.path)}: {error}") from error
+
+
+def _not_toml(path: str, says: str) -> str:
+    """With the line, where tomllib says it."""
+    found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says, re.DOTALL)
+    if found is None:
+        return f"{path}: this is no TOML: {says}"
+    return f"{path}:{found[2]}: this is no TOML: {found[1]} (column {found[3]})"
+
+
+def _design(data: Table, text: str, path: str, checked: bool) -> Design:
+    if data.raw("schema") != SCHEMA:
+        raise data.fault("schema", f"is {data.raw('schema')!r}: wanted {SCHEMA}, which this version of hmdwarp reads")
+    folder = Path(path).parent
+    trial = data.table("trial")
+    checker = Checker(folder, data.table("common") if "common" in data else None, checked)
+    scales = scales_of(trial, "scales", folder)
+    sickness = sickness_of(data, folder)
+    before, after = questionnaires_of(data, folder)
+    _refuse_twice(trial, scales, sickness)
+    parts = parts_of(data, checker)
+    made = Design(
+        name=_name(data),
+        title=data.text("title"),
+        parts=parts,
+        scales=scales,
+        families=families_of(data, parts),
+        seconds=trial.within("seconds", 0, 3600, 20.0, above=True),
+        repeats=trial.whole("repeats", 1, 1000, 1),
+        order=trial.word("order", ORDERS, WILLIAMS),
+        seed=data.whole("seed", 0, 2**63 - 1, 0),
+        blind=data.word("blind", BLIND, BOTH),
+        practice=practice_of(data, checker),
+        practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True) if "practice" in data else 60.0,
+        breaks=breaks_of(data),
+        sickness=sickness,
+        before=before,
+        after=after,
+        consent=consent_of(data, folder),
+        text=text,
+        path=path,
+    )
+    data.refuse_unread()
+    return made
+
+
+def _name(data: Table) -> str:
+    name = data.text("name")
+    if not NAME.fullmatch(name):
+        raise data.fault("name", f"is {name[:80]!r}: {NAME_WANTED}")
+    return name
+
+
+def _refuse_twice(trial: Table, scales: tuple[Scale, ...], sickness: Sickness | None) -> None:
+    """An answer is known by the trial, the scale and the item it belongs to."""
+    if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
+        raise trial.fault("scales", f"has '{sickness.scale.name}', which [sickness] asks as well: leave it out of one of them")

@@ -1,0 +1,181 @@
+"""The settings of a condition: options of `hmdwarp live`, under their long names."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ...client.choice import Rung
+from ...errors import InputError
+from ...headsets import Headset, load_headset
+from ...ladder import ladder_from_file
+from ...live import LiveOptions
+from ...live.given import options_given
+from ...live.stage import checked_scene
+from ...options import AUTO
+from ...plans import plans_for
+from ...scenes import Scene
+from ...server.draw import MIRRORS
+from ...sizes import guarded_size
+
+# What a value of the file has to be. A number may stand where the command line takes a text that is one.
+_TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
+_TEXT_OR_NUMBER = "a number or a text"
+KINDS = {
+    "scene": _TEXT,
+    "latency": _NUMBER,
+    "warp": _TEXT,
+    "budget": _NUMBER,
+    "bench": _TEXT,
+    "fill": _TEXT,
+    "effects": _TEXT,
+    "mirrors": _TEXT,
+    "lens": _TEXT,
+    "headset": _TEXT,
+    "size": _TEXT,
+    "rate": _NUMBER,
+    "guard": _TEXT_OR_NUMBER,
+    "wide": _FLAG,
+    "fused": _FLAG,
+    "view": _TEXT,
+    "full_screen": _FLAG,
+    "vsync": _FLAG,
+    "depth_layer": _FLAG,
+    "jitter": _TEXT,
+    "delay_trace": _TEXT,
+    "loss": _TEXT_OR_NUMBER,
+    "bandwidth": _TEXT_OR_NUMBER,
+    "link_seed": _WHOLE,
+    "codec": _TEXT,
+    "crf": _WHOLE,
+    "bitrate": _NUMBER,
+    "predict": _TEXT,
+    "horizon": _NUMBER,
+    "reconnect": _NUMBER,
+    "hang": _NUMBER,
+    "gc_between": _FLAG,
+}
+# The display is opened once for a session: these are the same for all conditions.
+DISPLAY = ("headset", "size", "rate", "view", "full_screen", "vsync", "depth_layer", "reconnect", "hang", "gc_between")
+# Of the picture, not of how it travels or is warped: what the practice takes over from [common].
+PICTURE = ("scene", "effects", "mirrors", "lens", *DISPLAY)
+FILES = ("bench", "delay_trace")
+_NOT_SETTINGS = {
+    "seconds": "how long a condition is shown stands in [trial] and [practice]",
+    "frames": "how long a condition is shown stands in [trial] and [practice], in seconds",
+    "record": "the head's trace of every trial is recorded anyway",
+    "out": "what was shown is kept in the study's store",
+    "images_every": "'hmdwarp study measure' makes the pictures afterwards, from the traces",
+    "source": "where it is shown is said to 'hmdwarp study run'",
+    "trace": "whose head it is, is said to 'hmdwarp study run'",
+    "panel": "a study shows no controls",
+    "quiet": "what is told is said to 'hmdwarp study run'",
+}
+
+
+class SettingFault(InputError):
+    """key: the setting that is wrong, as the file has it."""
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(text)
+        self.key = key
+
+
+def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
+    """The options of a live run with these settings, without the panel. settings: see KINDS; names with - or _, values as TOML has them.
+    more: fields of LiveOptions: source, trace, record, ..
+    Errors: SettingFault for a name that is none, or a value of another kind; InputError for one that cannot be meant.
+    """
+    given = {name: _value(key, name, value) for key, name, value in _named(settings)}
+    return options_given(**given, panel=False, **more)
+
+
+def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> LiveOptions:
+    """The options, after everything about them was tried that needs no display. scenes: those loaded so far, and this one then.
+
+    Errors: InputError and its kin, now and not in the middle of a session.
+    """
+    options = live_options(settings)
+    if options.mirrors not in MIRRORS:
+        raise InputError(f"mirrors '{options.mirrors}': wanted {' or '.join(MIRRORS)}")
+    options.network.check(round(options.latency_ms * 1e6))
+    headset = load_headset(options.headset)
+    guarded_size(options.guard, headset, options.size or headset.eye_size_px)  # type: ignore[arg-type]
+    scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
+    plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _rungs(options, headset))
+    return options
+
+
+def _lens(options: LiveOptions, headset: Headset) -> str:
+    """As a window for this headset has it."""
+    if options.lens != AUTO:
+        return options.lens
+    return "radial" if headset.lens is not None else "none"
+
+
+def _rungs(options: LiveOptions, headset: Headset) -> tuple[Rung, ...]:
+    """What warp auto chooses from."""
+    if options.warp != AUTO:
+        return ()
+    return ladder_from_file(options.bench, attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px), None).rungs
+
+
+def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
+    """The same settings, names with _, and files as they lie from `folder`."""
+    return {name: _placed(folder, name, value) for _, name, value in _named(settings)}
+
+
+def _placed(folder: Path, name: str, value: object) -> object:
+    is_file = name in FILES or (isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value)))
+    return str(folder / value) if is_file and isinstance(value, str) else value
+
+
+def _is_scene_file(name: str, value: str) -> bool:
+    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply"))
+
+
+def _named(settings: Mapping[str, object]) -> list[tuple[str, str, object]]:
+    """(key of the file, name with _, value). Errors: SettingFault."""
+    out: list[tuple[str, str, object]] = []
+    for key, value in settings.items():
+        name = key.replace("-", "_")
+        if name in _NOT_SETTINGS:
+            raise SettingFault(key, f"{key} is no setting of a condition: {_NOT_SETTINGS[name]}")
+        if name not in KINDS:
+            near = difflib.get_close_matches(name, [*KINDS, "name", "reference"], n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]}? " if near else ""
+            raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(KINDS)}")
+        if name in [other for _, other, _ in out]:
+            raise SettingFault(key, f"{key} is given twice, with - and with _: leave one of them out")
+        out.append((key, name, value))
+    return out
+
+
+def _value(key: str, name: str, value: object) -> object:
+    """As the command line would hand it over. Errors: SettingFault."""
+    kind = KINDS[name]
+    if isinstance(value, bool) or kind == _FLAG:
+        if isinstance(value, bool) and kind == _FLAG:
+            return value
+    elif isinstance(value, str):
+        if kind in (_TEXT, _TEXT_OR_NUMBER):
+            return Path(value) if name in FILES else value
+    elif isinstance(value, int) and kind == _WHOLE:
+        return value
+    elif isinstance(value, int | float) and kind in (_NUMBER, _TEXT_OR_NUMBER) and abs(value) < 2**63 and math.isfinite(value):
+        return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
+    raise SettingFault(key, f"{key} is {_told(value)}: wanted {kind}")
+
+
+def _told(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    try:
+        return repr(value)[:80]
+    except ValueError:  # Python prints no whole number of more than 4300 digits
+        return "a number beyond all bounds"
