@@ -68,7 +68,7 @@ APART = {
     "doctor": {"client", "server", "scenes", "poses"},
     "_probes": {"client", "server", "scenes", "poses"},
 }
-CLOCK_READERS = {"gpu/timers.py", "channel.py", "loop.py", "replay.py", "live.py", "bench.py", "doctor.py"}
+CLOCK_READERS = {"gpu/timers.py", "channel.py", "loop.py", "replay.py", "live.py", "bench.py", "doctor.py", "study/store/clock.py"}
 CLOCK_FOLDERS = ("cli/", "loop/", "replay/", "live/", "bench/", "display/")  # display: its clock is the one all live times are on
 HEAVY = ("scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL", "jinja2", "rich")
 

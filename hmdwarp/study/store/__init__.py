@@ -1,5 +1,6 @@
 """What happened, on the disk before the next thing happens."""
 
+from .folders import store_folder
 from .nouns import (
     COMPLETE,
     INTERRUPTED,
@@ -17,6 +18,7 @@ from .nouns import (
     Session,
     Showing,
 )
+from .store import Store
 
 __all__ = [
     "COMPLETE",
@@ -34,4 +36,6 @@ __all__ = [
     "Event",
     "Session",
     "Showing",
+    "Store",
+    "store_folder",
 ]

@@ -1,0 +1,106 @@
+"""Erasing a participant: rows, traces, and the bytes they lay in; what was begun is finished at the next opening.
+
+A mark comes first (the participant is no longer read from then on), the traces next, the rows and the mark in one transaction, the bytes of
+the file last. What a program cannot reach: copies that a flash disk keeps in blocks it took out of use, snapshots and journals of
+a file system, backups, and what was exported before. Whoever promises erasure must see to these.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from contextlib import suppress
+from pathlib import Path
+
+from ...errors import HmdwarpError, InputError, MachineError
+from .codes import check_code
+from .faults import told, transaction
+from .folders import TRACES, sync_folder
+from .schema import FILE
+
+_CHUNK = 1 << 20
+
+
+def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
+    """Everything of a participant but the code. Errors: InputError for one who is not known or has withdrawn already."""
+    check_code(code)
+    if db.execute("SELECT 1 FROM withdrawn WHERE code = ?", (code,)).fetchone():
+        raise InputError(f"participant {code} has withdrawn already: nothing is left of them here")
+    with transaction(db, folder / FILE):
+        if not db.execute("UPDATE participant SET withdrawing = 1 WHERE code = ?", (code,)).rowcount:
+            raise InputError(f"participant {code} is not known here: see whether the code is right")
+    finish_erasing(db, folder)
+
+
+def finish_erasing(db: sqlite3.Connection, folder: Path) -> None:
+    """What is marked, and what was left half done by a program that died. Nothing to do is the rule, and costs two queries."""
+    with told(folder / FILE):
+        marked = db.execute("SELECT id, code, sub FROM participant WHERE withdrawing").fetchall()
+    for id_, code, sub in marked:
+        _erase_traces(folder / TRACES, sub)
+        with transaction(db, folder / FILE):
+            _erase_rows(db, id_, code)
+    _clean(db, folder, [sub for _, _, sub in marked])
+
+
+def _erase_rows(db: sqlite3.Connection, participant: int, code: str) -> None:
+    of_sessions = "session IN (SELECT id FROM session WHERE participant = ?)"
+    for table in ("answer", "event", "showing"):  # answers point at showings
+        db.execute(f"DELETE FROM {table} WHERE {of_sessions}", (participant,))
+    db.execute("DELETE FROM session WHERE participant = ?", (participant,))
+    db.execute("DELETE FROM plan WHERE id NOT IN (SELECT plan FROM session)")
+    db.execute("DELETE FROM participant WHERE id = ?", (participant,))
+    db.execute("INSERT INTO withdrawn (code, cleaned) VALUES (?, 0)", (code,))
+
+
+def _erase_traces(traces: Path, sub: str) -> None:
+    """Overwritten, then unlinked: the name alone going would leave the poses on the disk until something else takes the place."""
+    try:
+        for path in sorted(traces.iterdir()) if traces.is_dir() else ():
+            if sub in path.name and path.is_file() and not path.is_symlink():  # a copy or a half-written one beside it has it too
+                _overwrite(path)
+                path.unlink()
+        if traces.is_dir():
+            sync_folder(traces)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise MachineError(f"{traces}: cannot erase ({why}); what is left goes at the next try: make it writable") from error
+
+
+def _overwrite(path: Path) -> None:
+    handle = os.open(path, os.O_WRONLY | os.O_NOFOLLOW)
+    try:
+        left = os.fstat(handle).st_size
+        while left > 0:
+            left -= os.write(handle, bytes(min(left, _CHUNK)))
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
+    """The file is written anew without what was deleted, and the log beside it emptied. secure_delete has overwritten the rows before; what
+    it does not reach are copies of rows in pages that were split, and the log."""
+    with told(folder / FILE):
+        if not db.execute("SELECT 1 FROM withdrawn WHERE NOT cleaned").fetchone():
+            return
+        _empty_log(db, folder)  # zeros over the old rows in their own place, before the file gets shorter
+        db.execute("VACUUM")
+        _empty_log(db, folder)
+    _check_bytes(folder, subs)
+    with transaction(db, folder / FILE):
+        db.execute("UPDATE withdrawn SET cleaned = 1")
+
+
+def _empty_log(db: sqlite3.Connection, folder: Path) -> None:
+    if db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
+        raise MachineError(f"{folder}: another program reads the study's data: close it and say it again, the erasing is not over")
+
+
+def _check_bytes(folder: Path, subs: list[str]) -> None:
+    """Trust is good: the random word that all of a person's files and rows hang on must be nowhere."""
+    for path in sorted(folder.rglob("*")):
+        with suppress(FileNotFoundError):
+            found = [sub for sub in subs if sub in path.name or (path.is_file() and sub.encode() in path.read_bytes())]
+            if found:
+                raise HmdwarpError(f"{path}: still holds something of a participant who withdrew: keep it closed, and report this")

@@ -1,0 +1,58 @@
+"""What SQLite and the system say, in the words of this program."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from ...errors import HmdwarpError, InputError, MachineError
+
+KEPT = "everything that was confirmed is kept"
+RECOVER = "keep the folder as it is and work on a copy; `sqlite3 FILE .recover` saves what can be"
+_WORDS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
+    ("SQLITE_FULL", MachineError, f"no room is left on the disk; {KEPT}: make room and go on (study run --resume)"),
+    ("SQLITE_READONLY", InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
+    ("SQLITE_PERM", InputError, "it may not be opened: see who owns it"),
+    ("SQLITE_AUTH", InputError, "it may not be opened: see who owns it"),
+    ("SQLITE_IOERR", MachineError, f"the disk fails ({{said}}); {KEPT}: copy the folder to another disk and go on there (--store)"),
+    ("SQLITE_CANTOPEN", MachineError, "it cannot be opened ({said}): see that the folder is there and may be written to"),
+    ("SQLITE_BUSY", MachineError, "another program holds it: close what looks into the study's data, and try again"),
+    ("SQLITE_LOCKED", MachineError, "another program holds it: close what looks into the study's data, and try again"),
+    ("SQLITE_NOTADB", InputError, "it is no database: it is damaged, or something else; keep it as it is and take a copy made before"),
+    ("SQLITE_CORRUPT", InputError, f"it is damaged ({{said}}): {RECOVER}"),
+)
+
+
+def store_error(error: sqlite3.Error, path: Path) -> HmdwarpError:
+    """One line for people. A guard of the store that was run into is a fault of ours, as is what nobody foresaw."""
+    name = getattr(error, "sqlite_errorname", None) or ""
+    for begins, kind, words in _WORDS:
+        if name.startswith(begins):
+            return kind(f"{path}: {words.format(said=error)}")
+    return HmdwarpError(f"{path}: {error} ({name or type(error).__name__})")
+
+
+@contextmanager
+def told(path: Path) -> Iterator[None]:
+    """SQLite's errors leave this block as ours."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise store_error(error, path) from error
+
+
+@contextmanager
+def transaction(db: sqlite3.Connection, path: Path) -> Iterator[sqlite3.Connection]:
+    """All of the block or nothing of it is on the disk when it ends; synced, as the connection says. Errors: as store_error."""
+    with told(path):
+        db.execute("BEGIN IMMEDIATE")
+        try:
+            yield db
+            db.execute("COMMIT")
+        except BaseException:  # a signal's too: the next one must be able to begin
+            if db.in_transaction:  # a full disk may have rolled it back already
+                with suppress(sqlite3.Error):
+                    db.execute("ROLLBACK")
+            raise

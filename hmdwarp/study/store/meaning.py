@@ -1,0 +1,55 @@
+"""What of a plan makes ratings comparable: sessions of one part must agree in it, whatever else of the file was mended meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..design import Condition, Design
+from ..scales import Scale
+
+
+def meaning(design: Design, part: str) -> dict[str, Any]:
+    """As JSON has it. Titles, comments, breaks, the consent's text, the families and other parts are not in it: they may change."""
+    return {
+        "conditions": [_condition(one) for one in design.part(part).conditions],
+        "seconds": float(design.seconds),
+        "repeats": design.repeats,
+        "order": design.order,
+        "seed": design.seed,
+        "scales": [_scale(one) for one in design.scales],
+        "practice": None if design.practice is None else [_condition(design.practice), float(design.practice_seconds)],
+        "sickness": _sickness(design),
+        "before": [_scale(one) for one in design.before],
+        "after": [_scale(one) for one in design.after],
+    }
+
+
+def _condition(condition: Condition) -> dict[str, Any]:
+    return {"name": condition.name, "settings": dict(sorted(condition.settings.items())), "reference": condition.reference}
+
+
+def _scale(scale: Scale) -> dict[str, Any]:
+    items = [item.key for item in scale.items]
+    return {"name": scale.name, "items": items, "range": [scale.least, scale.most, scale.step], "low_is_good": scale.low_is_good}
+
+
+def _sickness(design: Design) -> dict[str, Any] | None:
+    rule = design.sickness
+    return None if rule is None else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
+
+
+def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """In what two meanings differ, in words; none, where they agree. Both as JSON gives them back."""
+    told = []
+    for key in now:
+        if before.get(key) != now[key]:
+            told.append(_conditions(before[key], now[key]) if key == "conditions" else key)
+    return told
+
+
+def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
+    was, is_ = ({one["name"]: one for one in side} for side in (before, now))
+    words = [f"'{name}' is new" for name in is_ if name not in was] + [f"'{name}' is gone" for name in was if name not in is_]
+    words += [f"'{name}' is another" for name in is_ if name in was and was[name] != is_[name]]
+    return f"conditions ({', '.join(words) or 'in another order'})"

@@ -1,0 +1,113 @@
+"""Rows of the tables as nouns."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterable
+from pathlib import Path
+
+from ._json import from_json
+from .nouns import PILOT, Answer, Contents, Event, Session, Showing
+
+_SESSION = """SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, s.status, plan.text,
+  s.started_utc, s.ended_utc, s.why, s.facts FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
+_ANSWER = "SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing FROM answer"
+_SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual, measured, started_utc
+  FROM showing"""
+_EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
+
+
+def session_of(row: tuple) -> Session:
+    """A row of _SESSION."""
+    id_, code, sub, number, part, order_row, names, origin, status, plan, started, ended, why, facts = row
+    order = tuple(tuple(repeat) for repeat in from_json(names))
+    return Session(id_, code, sub, number, part, order_row, order, origin, status, plan, started, ended, why, from_json(facts))
+
+
+def showing_of(row: tuple) -> Showing:
+    """A row of _SHOWING."""
+    id_, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual, measured, started = row
+    texts = (from_json(text) for text in (settings, actual, measured))
+    settings, actual, measured = texts
+    return Showing(
+        id_, session, key, trial, repeat, condition, presentation, bool(complete), settings, trace, actual, measured, started
+    )  # fmt: skip
+
+
+def _event_of(row: tuple) -> Event:
+    return Event(*row[:-1], from_json(row[-1]))
+
+
+def session(db: sqlite3.Connection, id_: int) -> Session:
+    """The one of that id. Errors: KeyError."""
+    row = db.execute(f"{_SESSION} WHERE s.id = ?", (id_,)).fetchone()
+    if row is None:
+        raise KeyError(id_)
+    return session_of(row)
+
+
+def sessions_of(db: sqlite3.Connection, code: str) -> list[Session]:
+    """All of a participant, the first one first."""
+    rows = db.execute(f"{_SESSION} WHERE p.code = ? AND NOT p.withdrawing ORDER BY s.number", (code,))
+    return [session_of(row) for row in rows]
+
+
+def answer(db: sqlite3.Connection, id_: int) -> Answer:
+    """The one of that id."""
+    return Answer(*db.execute(f"{_ANSWER} WHERE id = ?", (id_,)).fetchone())
+
+
+def showing(db: sqlite3.Connection, id_: int) -> Showing:
+    """The one of that id. Errors: KeyError."""
+    row = db.execute(f"{_SHOWING} WHERE id = ?", (id_,)).fetchone()
+    if row is None:
+        raise KeyError(id_)
+    return showing_of(row)
+
+
+def counting(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
+    """The answers of a session that count, each question once, in the order they were first asked."""
+    rows = db.execute(f"{_ANSWER} WHERE session = ? ORDER BY id", (session_id,))
+    latest: dict[str, Answer] = {}
+    for row in rows:
+        one = Answer(*row)
+        latest[one.key] = one  # a revision comes after what it revises, and takes its place in the order
+    return tuple(latest.values())
+
+
+def done(db: sqlite3.Connection, session_id: int) -> set[str]:
+    """Keys of the steps that are over."""
+    rows = db.execute(
+        "SELECT key FROM answer WHERE session = :id UNION SELECT key FROM showing WHERE session = :id AND complete "
+        "UNION SELECT key FROM event WHERE session = :id AND kind = 'finished'",
+        {"id": session_id},
+    )
+    return {key for (key,) in rows}
+
+
+def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
+    """Everything of one moment: of people and simulated ones, or of pilots."""
+    db.execute("BEGIN")  # one state for all the queries, a writer beside or not
+    try:
+        where = f"NOT p.withdrawing AND p.origin {'=' if pilot else '<>'} '{PILOT}'"
+        sessions = tuple(session_of(row) for row in db.execute(f"{_SESSION} WHERE {where} ORDER BY s.id"))
+        of = f"WHERE session IN (SELECT s.id FROM session s JOIN participant p ON p.id = s.participant WHERE {where}) ORDER BY id"
+        answers = tuple(Answer(*row) for row in db.execute(f"{_ANSWER} {of}"))
+        showings = tuple(showing_of(row) for row in db.execute(f"{_SHOWING} {of}"))
+        events = tuple(_event_of(row) for row in db.execute(f"{_EVENT} {of}"))
+        name = study_name(db)
+        gone = "SELECT (SELECT count(*) FROM withdrawn) + (SELECT count(*) FROM participant WHERE withdrawing)"
+        withdrawn = db.execute(gone).fetchone()[0]
+        return Contents(folder, name, sessions, answers, showings, events, withdrawn)
+    finally:
+        db.execute("ROLLBACK")  # nothing was written
+
+
+def study_name(db: sqlite3.Connection) -> str:
+    """Whose store it is."""
+    return db.execute("SELECT name FROM study").fetchone()[0]
+
+
+def ids(found: Iterable[tuple]) -> list:
+    """The only column."""
+    return [one for (one,) in found]
