@@ -13,12 +13,13 @@ if TYPE_CHECKING:
     from .client.warps import Warp
     from .headsets import Headset
     from .poses import PoseTrack
+    from .study.scales import Scale
 
 
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings.
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales.
     """
     return _MAKERS[kind]()
 
@@ -123,6 +124,26 @@ def _recording_row(track: PoseTrack) -> dict[str, str]:
     }
 
 
+def _scales() -> list[dict[str, str]]:
+    from .study.scales import load_scale, scale_names
+
+    return [_scale_row(load_scale(name)) for name in scale_names()]
+
+
+def _scale_row(scale: Scale) -> dict[str, str]:
+    items = [item.text for item in scale.items]
+    return {
+        "name": scale.name,
+        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, {'low' if scale.low_is_good else 'high'} is good",
+        "kind": scale.kind,
+        "step": f"{scale.step:g}",
+        "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items()),
+        "asks": items[0] if len(items) == 1 else f"{len(items)} items: {', '.join(items)}",
+        "scores": ", ".join(score.name for score in scale.scores) or "the answer itself",
+        "source": scale.source,
+    }
+
+
 _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "warps": _warps,
     "fills": _fills,
@@ -132,4 +153,5 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "headsets": _headsets,
     "formats": _formats,
     "recordings": _recordings,
+    "scales": _scales,
 }

@@ -35,7 +35,7 @@ FLOORS = [
     {"metrics"},
     {"report"},
     {"channel"},
-    {"options", "frame_files", "catalogue", "loop"},
+    {"options", "frame_files", "loop"},
     {"client_scene"},
     {"sizes", "plans"},
     {"pipeline"},
@@ -49,6 +49,7 @@ FLOORS = [
     {"doctor", "_probes"},
     {"replay", "live"},
     {"study"},
+    {"catalogue"},
     {"cli"},
     {"__main__"},
 ]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-KINDS = ("warps", "fills", "effects", "lenses", "scenes", "headsets", "formats", "recordings")
+KINDS = ("warps", "fills", "effects", "lenses", "scenes", "headsets", "formats", "recordings", "scales")
 
 
 def list_(
@@ -15,7 +15,7 @@ def list_(
     json: Annotated[bool, typer.Option("--json", help="Everything, as a JSON array of objects.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Everything, as a Markdown table.")] = False,
 ) -> None:
-    """List the warps, fills, effects, lenses, scenes, headsets, trace formats or recordings there are."""
+    """List the warps, fills, effects, lenses, scenes, headsets, trace formats, recordings or rating scales there are."""
     from ..errors import InputError
     from ..registry import unknown_name
 
