@@ -6,7 +6,7 @@ import sqlite3
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...errors import HmdwarpError, InputError
+from ...errors import InputError
 from ..design import Design
 from ..orders import Order, allot, rows_for
 from . import reading
@@ -161,8 +161,3 @@ def the_part(design: Design, part: str | None) -> str:
         found = f"--part {part} is not in" if part else "--part is missing for"
         raise InputError(f"{found} {design.path or design.name}: it has {', '.join(names)}")
     return part
-
-
-def not_running(session: Session) -> HmdwarpError:
-    """A fault of ours: something comes after the end."""
-    return HmdwarpError(f"session {session.number} of participant {session.code} is {session.status}: nothing more can be stored in it")

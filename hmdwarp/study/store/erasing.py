@@ -15,32 +15,43 @@ from pathlib import Path
 from ...errors import HmdwarpError, InputError, MachineError
 from .codes import check_code
 from .faults import told, transaction
-from .folders import TRACES, sync_folder
-from .schema import FILE
+from .folders import FILE, TRACES, sync_folder
 
 _CHUNK = 1 << 20
 
 
 def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
     """Everything of a participant but the code. Errors: InputError for one who is not known or has withdrawn already."""
-    check_code(code)
-    if db.execute("SELECT 1 FROM withdrawn WHERE code = ?", (code,)).fetchone():
-        raise InputError(f"participant {code} has withdrawn already: nothing is left of them here")
     with transaction(db, folder / FILE):
-        if not db.execute("UPDATE participant SET withdrawing = 1 WHERE code = ?", (code,)).rowcount:
-            raise InputError(f"participant {code} is not known here: see whether the code is right")
+        participant, _ = known(db, code)
+        db.execute("UPDATE participant SET withdrawing = 1 WHERE id = ?", (participant,))
     finish_erasing(db, folder)
 
 
-def finish_erasing(db: sqlite3.Connection, folder: Path) -> None:
-    """What is marked, and what was left half done by a program that died. Nothing to do is the rule, and costs two queries."""
+def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
+    """The participant's row and sub. Errors: InputError for one who is not known or has withdrawn already."""
+    check_code(code)
+    if db.execute("SELECT 1 FROM withdrawn WHERE code = ?", (code,)).fetchone():
+        raise InputError(f"participant {code} has withdrawn already: nothing is left of them here")
+    found = db.execute("SELECT id, sub FROM participant WHERE code = ?", (code,)).fetchone()
+    if found is None:
+        raise InputError(f"participant {code} is not known here: see whether the code is right")
+    return found
+
+
+def finish_erasing(db: sqlite3.Connection, folder: Path) -> list[str]:
+    """What is marked, or was left half done by a program that died; the codes. Nothing to do is the rule, and costs two queries."""
     with told(folder / FILE):
         marked = db.execute("SELECT id, code, sub FROM participant WHERE withdrawing").fetchall()
     for id_, code, sub in marked:
         _erase_traces(folder / TRACES, sub)
         with transaction(db, folder / FILE):
             _erase_rows(db, id_, code)
-    _clean(db, folder, [sub for _, _, sub in marked])
+    with told(folder / FILE):
+        codes = [code for (code,) in db.execute("SELECT code FROM withdrawn WHERE NOT cleaned")]
+    if codes:
+        _clean(db, folder, [sub for _, _, sub in marked])
+    return codes
 
 
 def _erase_rows(db: sqlite3.Connection, participant: int, code: str) -> None:
@@ -82,8 +93,6 @@ def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
     """The file is written anew without what was deleted, and the log beside it emptied. secure_delete has overwritten the rows before; what
     it does not reach are copies of rows in pages that were split, and the log."""
     with told(folder / FILE):
-        if not db.execute("SELECT 1 FROM withdrawn WHERE NOT cleaned").fetchone():
-            return
         _empty_log(db, folder)  # zeros over the old rows in their own place, before the file gets shorter
         db.execute("VACUUM")
         _empty_log(db, folder)

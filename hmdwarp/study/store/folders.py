@@ -9,9 +9,8 @@ from pathlib import Path
 from ...errors import InputError, MachineError
 from ..design import Design
 from .lock import NAME as LOCK
-from .schema import FILE
 
-TRACES = "traces"
+FILE, TRACES = "study.sqlite3", "traces"
 _OURS = {FILE, f"{FILE}-wal", f"{FILE}-shm", f"{FILE}-journal", LOCK, TRACES}
 _PACKAGE = Path(__file__).resolve().parents[2]
 

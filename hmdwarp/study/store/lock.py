@@ -48,7 +48,7 @@ class Lock:
             os.pwrite(self._file, text.encode(), 0)
 
     def _holder(self) -> str:
-        """"since 14:03, process 123 on HOST", or "" where the file does not tell."""
+        """As "since 14:03, process 123 on HOST"; "" where the file does not tell."""
         with suppress(OSError, ValueError, KeyError, TypeError):
             said = json.loads(os.pread(self._file, 4096, 0))
             since = datetime.fromisoformat(said["since"]).strftime("%H:%M on %Y-%m-%d")

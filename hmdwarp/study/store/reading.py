@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable
 from pathlib import Path
 
 from ._json import from_json
@@ -108,6 +107,9 @@ def study_name(db: sqlite3.Connection) -> str:
     return db.execute("SELECT name FROM study").fetchone()[0]
 
 
-def ids(found: Iterable[tuple]) -> list:
-    """The only column."""
-    return [one for (one,) in found]
+def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:
+    """How many rows there are of a participant."""
+    tables = {"ratings": "answer", "showings": "showing", "events": "event"}
+    of = "WHERE session IN (SELECT id FROM session WHERE participant = ?)"
+    out = {name: db.execute(f"SELECT count(*) FROM {table} {of}", (participant,)).fetchone()[0] for name, table in tables.items()}
+    return {"sessions": db.execute("SELECT count(*) FROM session WHERE participant = ?", (participant,)).fetchone()[0], **out}

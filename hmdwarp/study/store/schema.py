@@ -9,11 +9,11 @@ from urllib.parse import quote
 
 from ...errors import InputError, MachineError
 from .faults import RECOVER, told, transaction
+from .folders import FILE, sync_folder
 
-FILE = "study.sqlite3"
 SCHEMA = 1
 APPLICATION_ID = 0x686D6477  # "hmdw": so that a database of something else is known
-BUSY_MS = 5000  # somebody's reader may hold it for a moment, at a checkpoint
+BUSY_S = 5.0  # somebody's reader may hold it for a moment, at a checkpoint
 
 # No row keeps a date, a sub or a name of somebody who withdrew: `withdrawn` has the code alone. cleaned: whether the bytes are gone too.
 # AUTOINCREMENT: a number that was used never comes back, so that an id in an old export can never mean somebody else's row.
@@ -88,84 +88,85 @@ CREATE TABLE withdrawn (code TEXT NOT NULL PRIMARY KEY COLLATE NOCASE, cleaned I
 """
 
 
-def open_to_write(folder: Path) -> sqlite3.Connection:
-    """The store of a folder, for the one who has its lock; checked from end to end first.
+def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
+    """The store of a folder, for the one who has its lock; made where there is none, checked from end to end where there is.
 
     WAL and synchronous=FULL: a commit is one append and one fsync, and readers see the state before it meanwhile.
-    Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or something else.
+    study, made_by: of a new one. Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or something
+    else; MachineError for a disk that cannot hold one.
     """
     path = folder / FILE
     with told(path):
-        db = _connect(path, "rw")
+        db = _connect(path, "mode=rwc")
         try:
-            db.execute("PRAGMA journal_mode = WAL")
-            for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
-                db.execute(f"PRAGMA {setting}")
-            _check_schema(db, path)
+            new = _is_empty(db)
+            if not new:
+                _check_schema(db, path)
+            _set_up(db, path)
+            if new:
+                _make(db, path, study, made_by)
             found = db.execute("PRAGMA integrity_check(1)").fetchone()[0]
             if found != "ok":
-                raise _damaged(path, found)
+                raise InputError(f"{path}: damaged ({found}): {RECOVER}")
             return db
         except BaseException:
             db.close()
             raise
 
 
-def open_to_read(folder: Path) -> sqlite3.Connection:
-    """The store of a folder as it is now, a writer beside it or not. Errors: as open_to_write."""
+def _set_up(db: sqlite3.Connection, path: Path) -> None:
+    mode = db.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+    if mode != "wal":
+        raise MachineError(f"{path}: no write-ahead log can be held there ({mode}): keep the study on a disk of this machine (--store)")
+    for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
+        db.execute(f"PRAGMA {setting}")
+
+
+def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
+    """All tables or none."""
+    with transaction(db, path):
+        for statement in TABLES.split(";\n"):
+            db.execute(statement)
+        db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
+        db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        db.execute(f"PRAGMA user_version = {SCHEMA}")
+    sync_folder(path.parent)
+
+
+def open_to_read(folder: Path) -> sqlite3.Connection | None:
+    """The store of a folder as it is now, a writer beside it or not; None where none was made yet. Errors: as open_to_write."""
     path = folder / FILE
+    if not path.is_file():
+        return None
     with told(path):
         try:
             return _reader(path, "mode=ro")
         except sqlite3.OperationalError:
-            if not path.is_file() or os.access(folder, os.W_OK):
+            if os.access(folder, os.W_OK):
                 raise
         return _reader(path, _frozen(path))
 
 
-def make(folder: Path, study: str, made_by: str) -> None:
-    """A new, empty store; all of it or nothing. With the lock."""
-    path = folder / FILE
-    with told(path):
-        db = _connect(path, "rwc")
-        try:
-            db.execute("PRAGMA journal_mode = WAL")
-            db.execute("PRAGMA synchronous = FULL")
-            with transaction(db, path):
-                for statement in TABLES.split(";\n"):
-                    db.execute(statement)
-                db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
-                db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-                db.execute(f"PRAGMA user_version = {SCHEMA}")
-        finally:
-            db.close()
-
-
-def is_made(folder: Path) -> bool:
-    """Whether there is more than the beginnings of a file: a program that died while it made one leaves an empty database."""
-    path = folder / FILE
-    if not path.is_file() or not path.stat().st_size:
-        return False
-    with told(path):
-        db = _connect(path, "ro")
-        try:
-            return db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] > 0
-        finally:
-            db.close()
-
-
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
-    return sqlite3.connect(f"file:{quote(str(path.absolute()))}?mode={mode}", uri=True, isolation_level=None, timeout=BUSY_MS / 1000)
-
-
-def _reader(path: Path, how: str) -> sqlite3.Connection:
-    db = sqlite3.connect(f"file:{quote(str(path.absolute()))}?{how}", uri=True, isolation_level=None, timeout=BUSY_MS / 1000)
+def _reader(path: Path, how: str) -> sqlite3.Connection | None:
+    db = _connect(path, how)
     try:
+        if _is_empty(db):
+            db.close()
+            return None
         _check_schema(db, path)
         return db
     except BaseException:
         db.close()
         raise
+
+
+def _is_empty(db: sqlite3.Connection) -> bool:
+    """A program that died while it made one leaves an empty database."""
+    return db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
+
+
+def _connect(path: Path, how: str) -> sqlite3.Connection:
+    return sqlite3.connect(f"file:{quote(str(path.absolute()))}?{how}", uri=True, isolation_level=None, timeout=BUSY_S)
 
 
 def _frozen(path: Path) -> str:
@@ -182,7 +183,3 @@ def _check_schema(db: sqlite3.Connection, path: Path) -> None:
         raise InputError(f"{path}: a database, but not of a study of hmdwarp: choose another folder (--store)")
     if version > SCHEMA:
         raise InputError(f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): bring hmdwarp up to date")
-
-
-def _damaged(path: Path, found: str) -> InputError:
-    return InputError(f"{path}: damaged ({found}): {RECOVER}")
