@@ -4,4 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from . import plan
+
 app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
+app.command("plan")(plan.plan)

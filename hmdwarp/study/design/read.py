@@ -22,8 +22,8 @@ _MOST_BYTES = 1_000_000  # a plan is written by hand; what is longer is another 
 
 
 def ready_names() -> list[str]:
-    """Names of the shipped studies, sorted."""
-    return sorted(p.stem for p in READY.glob("*.toml"))
+    """Names of the shipped studies, sorted. (NAME_model.toml beside one says how simulated participants answer in it.)"""
+    return sorted(p.stem for p in READY.glob("*.toml") if not p.stem.endswith("_model"))
 
 
 def load_design(name_or_path: str) -> Design:

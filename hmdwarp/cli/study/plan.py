@@ -1,0 +1,226 @@
+"""hmdwarp study plan: checks a plan, and tells what it comes to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from ...study.design import Condition, Design, Family, Part
+    from ...study.orders import Order
+    from ...study.scales import Scale
+
+Study = Annotated[str, typer.Argument(help="A .toml file, or the name of a shipped study, such as thesis.")]
+_MOST_ORDERS = 40  # printed of random ones; --json has them all
+
+
+def plan(
+    study: Study,
+    json: Annotated[bool, typer.Option("--json", help="Everything, as one JSON object.")] = False,
+    orders: Annotated[bool, typer.Option("--orders", help="Print every order as well.")] = False,
+) -> None:
+    """Check a study's file and tell what it comes to: conditions, steps, time, orders, scales, comparisons. Starts nothing."""
+    from ...study.design.as_json import design_as_json
+    from ...study.design.read import load_design
+
+    design = load_design(study)
+    if json:
+        import json as json_
+
+        typer.echo(json_.dumps(design_as_json(design), indent=2, ensure_ascii=False))
+        return
+    _print_head(design)
+    for part in design.parts:
+        _print_part(design, part, orders)
+    _print_scales(design)
+    _print_families(design)
+    _print_notes(design)
+
+
+def _print_head(design: Design) -> None:
+    from .._show import in_columns, paragraph
+
+    paragraph(typer.style(design.title, bold=True))
+    rows = [("Study", f"{design.name}: {design.path} has no fault"), ("Hidden", _hidden(design)), ("Order", _order(design))]
+    if design.practice is not None:
+        rows.append(("Practice", f"{design.practice_seconds:g} s first, not scored: {_settings(design.practice)}"))
+    if design.sickness is not None:
+        rows.append(("Sickness", _sickness(design)))
+    if design.consent is not None:
+        rows.append(("Consent", f"text version {design.consent.version}, {len(design.consent.text.split())} words"))
+    in_columns(rows)
+
+
+def _hidden(design: Design) -> str:
+    from ...study.design import BOTH, PARTICIPANT
+
+    if design.blind == BOTH:
+        return "the condition, from participant and experimenter: both see numbers of trials only"
+    if design.blind == PARTICIPANT:
+        return "the condition, from the participant; the experimenter sees it"
+    return "nothing: participant and experimenter see the condition"
+
+
+def _order(design: Design) -> str:
+    from ...study.design import FIXED, WILLIAMS
+
+    if design.order == FIXED:
+        return "fixed: as the file has the conditions, the same for everybody"
+    again = f"; each condition {design.repeats} times, each time round in another order" if design.repeats > 1 else ""
+    if design.order == WILLIAMS:
+        return f"Williams design, seed {design.seed}: the order taken least often so far is allotted{again}"
+    return f"random, seed {design.seed}: another one for each participant{again}"
+
+
+def _sickness(design: Design) -> str:
+    asked = design.sickness
+    often = "every trial" if asked.every == 1 else f"every {asked.every} trials"
+    ends = []
+    if asked.stop_at is not None:
+        ends.append(f"{asked.stop_at:g} or {'more' if asked.scale.low_is_good else 'less'}")
+    if asked.rise is not None:
+        ends.append(f"{asked.rise:g} worse than at first")
+    return f"{asked.scale.name} after {often}; {'ends the session at ' + ' or at '.join(ends) if ends else 'never ends the session'}"
+
+
+def _settings(condition: Condition) -> str:
+    return ", ".join(f"{name} {_value(value)}" for name, value in condition.settings.items())
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
+
+
+def _common(design: Design, part: Part) -> dict[str, object]:
+    """The settings that all conditions of the part share."""
+    first, *others = part.conditions
+    return {
+        name: value
+        for name, value in first.settings.items()
+        if others and all(name in one.settings and one.settings[name] == value for one in others)
+    }
+
+
+def _print_part(design: Design, part: Part, orders: bool) -> None:
+    from .._show import in_columns
+
+    typer.echo()
+    typer.echo(typer.style(f"Part {part.name}: {len(part.conditions)} conditions", bold=True))
+    shared = _common(design, part)
+    rows = []
+    for number, one in enumerate(part.conditions, 1):
+        own = ", ".join(f"{name} {_value(value)}" for name, value in one.settings.items() if name not in shared)
+        rows.append((f"{number}  {one.name}", (own or "as all") + (" (the hidden reference)" if one.reference else "")))
+    if shared:
+        rows.append(("   all", ", ".join(f"{name} {_value(value)}" for name, value in shared.items())))
+    in_columns(rows, indent=2)
+    _print_session(design, part)
+    _print_orders(design, part, orders)
+
+
+def _print_session(design: Design, part: Part) -> None:
+    from ...study.design.outline import stretches
+    from .._show import in_columns
+
+    session = stretches(design, part.name)
+    total = sum(one.seconds for one in session)
+    typer.echo(f"  A session: {sum(one.steps for one in session)} steps, about {_time(total)}")
+    in_columns(((one.name, f"{_time(one.seconds):>7}  {one.told}") for one in session), indent=4)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+
+
+def _print_orders(design: Design, part: Part, all_of_them: bool) -> None:
+    from ...study.orders import rows_for
+    from .._show import in_columns
+
+    rows = rows_for(design, part.name)
+    typer.echo(f"  Orders: {len(rows)}")
+    in_columns(_balance(design, part, rows), indent=4)
+    if not all_of_them:
+        return
+    numbers = {one.name: number for number, one in enumerate(part.conditions, 1)}
+    for number, order in enumerate(rows[:_MOST_ORDERS], 1):
+        told = " | ".join(" ".join(str(numbers[name]) for name in names) for names in order)
+        in_columns([(f"order {number}:", told)], indent=4)
+    if len(rows) > _MOST_ORDERS:
+        typer.echo(f"    .. and {len(rows) - _MOST_ORDERS} more; --json has them all")
+
+
+def _balance(design: Design, part: Part, rows: tuple[Order, ...]) -> list[tuple[str, str]]:
+    from ...study.design import FIXED, WILLIAMS
+    from ...study.design.outline import balance
+
+    if design.order == FIXED:
+        return [("balanced", "no: there is one order")]
+    found = balance(rows, part)
+    told = [("places", f"each condition in each place {_times(found.places)}")]
+    if found.pairs is not None:
+        told.append(("neighbours", f"each condition right after each other one {_times(found.pairs)}"))
+    if found.seams is not None:
+        again = f"; {found.repeated} times one follows itself" if found.repeated else "; none follows itself"
+        told.append(("seams", f"between two rounds, each right after each other one {_times(found.seams)}{again}"))
+    if design.order == WILLIAMS:
+        count = found.orders
+        told.append(("people", f"balanced with {count}, {2 * count}, {3 * count} .. complete sessions"))
+    return told
+
+
+def _times(counts: tuple[int, int]) -> str:
+    least, most = counts
+    if least != most:
+        return f"{least} to {most} times"
+    return "once" if least == 1 else f"{least} times"
+
+
+def _print_scales(design: Design) -> None:
+    from ...study.design.outline import every_scale
+    from .._show import in_columns
+
+    typer.echo()
+    typer.echo(typer.style("Scales", bold=True))
+    in_columns(((scale.name, _scale(scale)) for scale in every_scale(design)), indent=2)
+
+
+def _scale(scale: Scale) -> str:
+    anchors = "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items())
+    good = "low" if scale.low_is_good else "high"
+    items = f" {len(scale.items)} items." if len(scale.items) > 1 else ""
+    return f"{scale.title}: {scale.least:g} to {scale.most:g} in steps of {scale.step:g}, {good} is good.{items} {anchors}"
+
+
+def _print_families(design: Design) -> None:
+    from .._show import in_columns
+
+    typer.echo()
+    typer.echo(typer.style("Comparisons, each family with Holm's correction", bold=True))
+    in_columns(((family.name, _family(family)) for family in design.families), indent=2)
+    if not design.families:
+        typer.echo("  none is planned")
+
+
+def _family(family: Family) -> str:
+    from ...study.design.outline import least_p, least_participants
+
+    pairs = ", ".join(f"{one.a} - {one.b}" for one in family.comparisons)
+    count = len(family.comparisons)
+    need = least_participants(count)
+    return f"{pairs}\np below 0.05 is out of reach with fewer than {need} people ({count} x {least_p(need):.2g} at best with {need})"
+
+
+def _print_notes(design: Design) -> None:
+    from ...study.design.outline import notes
+    from .._show import in_columns
+
+    told = notes(design)
+    typer.echo()
+    if told:
+        typer.echo(typer.style("To think of", bold=True))
+        in_columns((("-", note) for note in told), indent=2)
+    else:
+        typer.echo("Nothing to think of was found.")

@@ -1,0 +1,56 @@
+"""A plan as one object for other programs: what `hmdwarp study plan --json` prints."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+
+from ..orders import rows_for
+from ..scales import Scale
+from .nouns import Design, Part
+from .outline import balance, every_scale, notes, stretches
+
+
+def design_as_json(design: Design) -> dict[str, object]:
+    """All of it; times in seconds, orders as lists of names for each repeat."""
+    return {
+        "name": design.name,
+        "title": design.title,
+        "path": design.path,
+        "seed": design.seed,
+        "blind": design.blind,
+        "order": design.order,
+        "repeats": design.repeats,
+        "trial_seconds": design.seconds,
+        "practice": None if design.practice is None else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},
+        "breaks": attrs.asdict(design.breaks),
+        "sickness": _sickness_json(design),
+        "consent_version": None if design.consent is None else design.consent.version,
+        "scales": [_scale_json(scale) for scale in every_scale(design)],
+        "asked": {key: [scale.name for scale in getattr(design, key)] for key in ("scales", "before", "after")},
+        "parts": [_part_json(design, part) for part in design.parts],
+        "families": [attrs.asdict(family) for family in design.families],
+        "notes": list(notes(design)),
+    }
+
+
+def _sickness_json(design: Design) -> dict[str, object] | None:
+    asked = design.sickness
+    return None if asked is None else {"scale": asked.scale.name, "every": asked.every, "stop_at": asked.stop_at, "rise": asked.rise}
+
+
+def _scale_json(scale: Scale) -> dict[str, object]:
+    return attrs.asdict(scale) | {"anchors": {f"{value:g}": words for value, words in scale.anchors.items()}}
+
+
+def _part_json(design: Design, part: Part) -> dict[str, object]:
+    rows, session = rows_for(design, part.name), stretches(design, part.name)
+    return {
+        "name": part.name,
+        "conditions": [attrs.asdict(one) for one in part.conditions],
+        "session": [attrs.asdict(one) for one in session],
+        "session_seconds": math.fsum(one.seconds for one in session),
+        "orders": rows,
+        "balance": attrs.asdict(balance(rows, part)),
+    }
