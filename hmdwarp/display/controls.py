@@ -7,10 +7,12 @@ import attrs
 
 @attrs.frozen
 class Control:
-    """name: as Command.control names it. key: as glfw's printable keys are written ("T", "[", "F11"); with shift it steps back.
+    """name: as Command.control names it. key: as glfw's keys are named ("T", "[", "F11", "KP 1", "Left"); with shift it steps back.
 
-    back: a key of its own for a step back, "" for shift. what: for the help, a few words. of_display: whether the display does it by
-    itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel. span: the least and most of a number.
+    back: a key of its own for a step back, "" for shift. what: for the help, a few words; "" leaves it out there. of_display: whether the
+    display does it by itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel; a "step" goes on
+    while its key is held, as a number does. span: the least and most of a number. also: further keys for the same. value: what the command
+    is given, where several keys are one control. buttons: of controllers, by the action's name in display/openxr/bindings.py.
     """
 
     name: str
@@ -20,6 +22,9 @@ class Control:
     back: str = ""
     of_display: bool = False
     span: tuple[float, float] = (0.0, 0.0)
+    also: tuple[str, ...] = ()
+    value: object = None
+    buttons: tuple[str, ...] = ()
 
 
 CONTROLS: tuple[Control, ...] = (

@@ -1,0 +1,25 @@
+"""What a participant's hands can ask for, whatever display they are before."""
+
+from __future__ import annotations
+
+from ...display.controls import Control, control
+
+_KEYPAD = {str(digit): (f"KP {digit}",) for digit in range(10)}
+_DIGITS = tuple(Control("digit", key, "", "action", also=also, value=key) for key, also in _KEYPAD.items())
+
+# W A S D Q E walk. Escape opens the menu, where one can stop: nobody is to end a session by a slip, nor to look for the way out.
+CONTROLS: tuple[Control, ...] = (
+    Control("left", "Left", "less, or the one before", "step", buttons=("left",)),
+    Control("right", "Right", "more, or the next one", "step", buttons=("right",)),
+    Control("up", "Up", "", "step", buttons=("up",)),
+    Control("down", "Down", "", "step", buttons=("down",)),
+    *_DIGITS,
+    Control("digit", ".", "", "action", also=(",", "KP Decimal"), value="."),
+    Control("erase", "Backspace", "erase what was chosen", "step", also=("Delete",)),
+    Control("confirm", "Enter", "confirm", "action", also=("KP Enter", "Space"), buttons=("confirm",)),
+    Control("skip", "X", "cannot say", "action"),
+    Control("menu", "Escape", "menu: break, stop", "action", also=("M",), buttons=("menu",)),
+    control("recentre"),
+    control("full_screen"),
+    control("help"),
+)
