@@ -1,6 +1,6 @@
 """TOML files that people write: each key is asked for by its type, and what is wrong is told with its full name and its line."""
 
 from ._lines import LineFinder
-from ._table import KeyFault, Table
+from ._table import KeyFault, Table, told
 
-__all__ = ["KeyFault", "LineFinder", "Table"]
+__all__ = ["KeyFault", "LineFinder", "Table", "told"]

@@ -13,6 +13,14 @@ Path = tuple[str | int, ...]
 _NEEDED = object()  # no default: the key must be there
 
 
+def told(value: object) -> str:
+    """A value of a file as messages show it, on one line and not too long."""
+    try:
+        return _shortened(repr(value))
+    except ValueError:  # Python prints no whole number of more than 4300 digits
+        return "a number beyond all bounds"
+
+
 class KeyFault(InputError):
     """path: which key is wrong, from the top of the file: keys, and numbers from 0 within arrays."""
 
@@ -30,11 +38,13 @@ class Table:
     def __init__(self, data: object, path: Path = (), example: str = "") -> None:
         self._path, self._example = path, example
         if not isinstance(data, dict):
-            raise KeyFault(f"{_named(path)} is {_short(data)}: wanted a table of keys", path)
+            raise KeyFault(f"{_named(path)} is {told(data)}: wanted a table of keys", path)
         self._data = data
         self._read: dict[str, list[Table]] = {}
+        self._known: dict[str, None] = {}  # every key that was asked for, in that order
 
     def __contains__(self, key: str) -> bool:
+        self._known[key] = None
         return key in self._data
 
     @property
@@ -59,7 +69,7 @@ class Table:
         if value == ():
             return ()
         if not isinstance(value, list):
-            raise self.fault(key, f"is {_short(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]")
+            raise self.fault(key, f"is {told(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]")
         if not self._read[key]:
             self._read[key] = [Table(one, (*self._path, key, number), self._example) for number, one in enumerate(value)]
         return tuple(self._read[key])
@@ -74,21 +84,28 @@ class Table:
         if value is default:
             return value  # type: ignore[return-value]
         if not isinstance(value, str) or not value.strip():
-            raise self.fault(key, f"is {_short(value)}: wanted a text")
+            raise self.fault(key, f"is {told(value)}: wanted a text")
+        return value
+
+    def line(self, key: str, default: object = _NEEDED) -> str:
+        """A text of one line, without control characters."""
+        value = self.text(key, default)
+        if value is not default and not value.isprintable():
+            raise self.fault(key, f"is {told(value)}: wanted a text of one line, without control characters")
         return value
 
     def word(self, key: str, known: Sequence[str], default: object = _NEEDED) -> str:
         """One of these."""
         value = self._get(key, default)
         if value is not default and value not in known:
-            raise self.fault(key, f"is {_short(value)}: wanted {_listed(known)}")
+            raise self.fault(key, f"is {told(value)}: wanted {_listed(known)}")
         return value  # type: ignore[return-value]
 
     def flag(self, key: str, default: object = _NEEDED) -> bool:
         """true or false."""
         value = self._get(key, default)
         if value is not default and not isinstance(value, bool):
-            raise self.fault(key, f"is {_short(value)}: wanted true or false")
+            raise self.fault(key, f"is {told(value)}: wanted true or false")
         return value  # type: ignore[return-value]
 
     def number(self, key: str, default: object = _NEEDED) -> float:
@@ -97,7 +114,7 @@ class Table:
         if value is default:
             return value  # type: ignore[return-value]
         if not _is_number(value):
-            raise self.fault(key, f"is {_short(value)}: wanted a finite number")
+            raise self.fault(key, f"is {told(value)}: wanted a finite number")
         return float(value)  # type: ignore[arg-type]
 
     def within(self, key: str, least: float, most: float, default: object = _NEEDED, *, above: bool = False) -> float:
@@ -113,14 +130,14 @@ class Table:
         if value is default:
             return value  # type: ignore[return-value]
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-            raise self.fault(key, f"is {_short(value)}: wanted a whole number {_range(least, most)}")
+            raise self.fault(key, f"is {told(value)}: wanted a whole number {_range(least, most)}")
         return value
 
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
         """Finite numbers, `count` of them (or any)."""
         value = self._get(key)
         if not isinstance(value, list) or not all(map(_is_number, value)) or count not in (None, len(value)):
-            raise self.fault(key, f"is {_short(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers")
+            raise self.fault(key, f"is {told(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers")
         return tuple(map(float, value))
 
     def texts(self, key: str, default: object = _NEEDED) -> tuple[str, ...]:
@@ -129,7 +146,7 @@ class Table:
         if value is default:
             return value  # type: ignore[return-value]
         if not isinstance(value, list) or not all(isinstance(one, str) and one.strip() for one in value):
-            raise self.fault(key, f'is {_short(value)}: wanted a list of texts, like ["one", "another"]')
+            raise self.fault(key, f'is {told(value)}: wanted a list of texts, like ["one", "another"]')
         return tuple(value)
 
     def fault(self, key: str | None, says: str, *within: str | int) -> KeyFault:
@@ -146,11 +163,12 @@ class Table:
                 inner.refuse_unread()
 
     def _unknown(self, key: str) -> KeyFault:
-        known = [_named((*self._path, one)) for one in self._read]
+        known = [_named((*self._path, one)) for one in self._known]
         return KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
 
     def _get(self, key: str, default: object = _NEEDED) -> object:
         self._read.setdefault(key, [])
+        self._known[key] = None
         if key in self._data:
             return self._data[key]
         if default is not _NEEDED:
@@ -168,13 +186,6 @@ def _refused(name: str, known: list[str]) -> str:
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]}? " if near else ""
     return f"unknown key {name}: {hint}known are {', '.join(known)}"
-
-
-def _short(value: object) -> str:
-    try:
-        return _shortened(repr(value))
-    except ValueError:  # Python prints no whole number of more than 4300 digits
-        return "a number beyond all bounds"
 
 
 def _shortened(text: str) -> str:

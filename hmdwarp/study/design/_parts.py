@@ -9,7 +9,7 @@ from pathlib import Path
 from ...errors import InputError
 from ...registry import unknown_name
 from ...scenes import Scene
-from ...tables import KeyFault, Table
+from ...tables import KeyFault, Table, told
 from .nouns import ORDERS, WILLIAMS, Comparison, Condition, Family, Part
 from .settings import DISPLAY, SettingFault, at, check_settings, live_options
 
@@ -17,6 +17,7 @@ ONLY_PART = "main"  # the name of the part of a study that has but one, and give
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "wanted a name of letters, digits, and . _ + - after the first, 64 at most"
 _MOST_CONDITIONS = 100
+_MOST_TRIALS = 1000  # of one session
 
 
 class Checker:
@@ -53,14 +54,16 @@ class Checker:
             raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
 
     def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
-        """At the key that the message speaks of first."""
-        words = re.findall(r"[\w-]+", named or says)
-        for word in words:
-            for inside, keys in ((table, own), (self._common, _all_of(self._common))):
-                key = next((key for key in keys if key.replace("-", "_") == word.replace("-", "_")), None)
-                if inside is not None and key is not None:
-                    return KeyFault(f"{who}: {says}", (*inside.path, key))
-        return KeyFault(f"{who}: {says}", table.path)
+        """At the key that the message speaks of first, or whose value it shows; else at the condition."""
+        keys = [(table, key, value) for key, value in own.items()]
+        keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
+        spoken = [named.replace("-", "_")] if named else [word.replace("-", "_") for word in re.findall(r"[\w-]+", says)]
+        found = [(spoken.index(name), inside, key) for inside, key, _ in keys if (name := key.replace("-", "_")) in spoken]
+        if found:
+            _, inside, key = min(found, key=lambda one: one[0])
+        else:
+            inside, key = next(((inside, key) for inside, key, value in keys if f"'{value}'" in says), (table, None))
+        return KeyFault(f"{who}: {says}", inside.path if key is None else (*inside.path, key))
 
 
 def _all_of(table: Table | None) -> dict[str, object]:
@@ -71,7 +74,7 @@ def name_of(table: Table, used: Sequence[str]) -> str:
     """The table's own name, that none of the others has."""
     name = table.text("name")
     if not NAME.fullmatch(name):
-        raise table.fault("name", f"is {name[:80]!r}: {NAME_WANTED}")
+        raise table.fault("name", f"is {told(name)}: {NAME_WANTED}")
     if name.lower() in [one.lower() for one in used]:
         raise table.fault("name", f"is {name!r} a second time: wanted one that no other has, in capitals or not")
     return name
@@ -108,8 +111,9 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
         made.append(Condition(name, checker.settings(table, own, f"condition '{name}'"), reference))
     trial = data.table("trial")
     if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
-        key = "order" if "order" in trial else None
-        raise trial.fault(key, f"is {WILLIAMS} for one condition, '{made[0].name}': wanted two at least, or order fixed")
+        raise trial.fault("order", f"is {WILLIAMS} (also where nothing is said): one condition has no order; wanted two, or order fixed")
+    if len(made) * trial.whole("repeats", 1, _MOST_TRIALS, 1) > _MOST_TRIALS:
+        raise trial.fault("repeats", f"makes {len(made)} x {trial.raw('repeats')} trials: wanted {_MOST_TRIALS} at most in a session")
     return tuple(made)
 
 
@@ -117,7 +121,7 @@ def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
     """[[family]], each with pairs of conditions of one part."""
     made: list[Family] = []
     for table in data.tables("family"):
-        name = table.text("name")
+        name = table.line("name")
         if name in [family.name for family in made]:
             raise table.fault("name", f"is {name!r} a second time: wanted one that no other family has")
         made.append(Family(name, _comparisons(table, _part_of(table, parts))))
@@ -137,7 +141,7 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
     made: list[Comparison] = []
     for number, pair in enumerate(pairs):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
-            raise table.fault("pairs", f"has {str(pair)[:80]}: wanted pairs of names, like [[\"late\", \"warped\"]]", number)
+            raise table.fault("pairs", f"has {told(pair)}: wanted pairs of names, like [[\"late\", \"warped\"]]", number)
         for name in pair:
             if name not in known:
                 raise table.fault("pairs", f"has an {unknown_name('condition', name, known)} in part '{part.name}'", number)

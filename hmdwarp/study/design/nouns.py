@@ -19,7 +19,7 @@ class Condition:
     """
 
     name: str
-    settings: Mapping[str, object] = attrs.field(factory=dict)
+    settings: Mapping[str, object] = attrs.field(factory=dict, hash=False)
     reference: bool = False
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import attrs
 
-from ..orders import Order, rows_for
+from ..orders import Order
 from ..scales import QUESTIONNAIRE, Scale
 from ..steps import Ask, Pause, Read, Show, Step, steps_of
 from .nouns import FIXED, RANDOM, WILLIAMS, Design, Part
@@ -42,8 +42,9 @@ class Balance:
 
 def stretches(design: Design, part: str) -> tuple[Stretch, ...]:
     """A session of that part, from beginning to end."""
-    steps = steps_of(design, rows_for(design, part)[0], part)
-    trials = len(design.part(part).conditions) * design.repeats
+    names = tuple(one.name for one in design.part(part).conditions)
+    steps = steps_of(design, (names,) * design.repeats, part)
+    trials = len(names) * design.repeats
     asked = [scale.name for scale in design.scales]
     every = design.sickness.every if design.sickness is not None else 0
     sick = [] if design.sickness is None else [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {every}'}"]

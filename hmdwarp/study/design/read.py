@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...registry import unknown_name
-from ...tables import KeyFault, LineFinder, Table
+from ...tables import KeyFault, LineFinder, Table, told
 from ..scales import Scale
 from ._around import breaks_of, consent_of, practice_of, questionnaires_of, sickness_of
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
@@ -37,7 +37,7 @@ def load_design(name_or_path: str) -> Design:
     if len(data) > _MOST_BYTES:
         raise InputError(f"study file {path}: {len(data)} bytes: wanted a plan, of at most {_MOST_BYTES}")
     try:
-        text = data.decode("utf-8")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: wanted a text in UTF-8") from error
@@ -77,8 +77,8 @@ def _not_toml(path: str, says: str) -> str:
 
 
 def _design(data: Table, text: str, path: str, checked: bool) -> Design:
-    if data.raw("schema") != SCHEMA:
-        raise data.fault("schema", f"is {data.raw('schema')!r}: wanted {SCHEMA}, which this version of hmdwarp reads")
+    if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
+        raise data.fault("schema", f"is {schema}: wanted {SCHEMA}, which this version of hmdwarp reads")
     folder = Path(path).parent
     trial = data.table("trial")
     checker = Checker(folder, data.table("common") if "common" in data else None, checked)
@@ -89,7 +89,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     parts = parts_of(data, checker)
     made = Design(
         name=_name(data),
-        title=data.text("title"),
+        title=data.line("title"),
         parts=parts,
         scales=scales,
         families=families_of(data, parts),
@@ -115,7 +115,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
 def _name(data: Table) -> str:
     name = data.text("name")
     if not NAME.fullmatch(name):
-        raise data.fault("name", f"is {name[:80]!r}: {NAME_WANTED}")
+        raise data.fault("name", f"is {told(name)}: {NAME_WANTED}")
     return name
 
 

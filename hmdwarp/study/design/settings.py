@@ -22,6 +22,7 @@ from ...plans import plans_for
 from ...scenes import Scene
 from ...server.draw import MIRRORS
 from ...sizes import guarded_size
+from ...tables import told
 
 # What a value of the file has to be. A number may stand where the command line takes a text that is one.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
@@ -64,6 +65,7 @@ KINDS = {
 DISPLAY = ("headset", "size", "rate", "view", "full_screen", "vsync", "depth_layer", "reconnect", "hang", "gc_between")
 # Of the picture, not of how it travels or is warped: what the practice takes over from [common].
 PICTURE = ("scene", "effects", "mirrors", "lens", *DISPLAY)
+_MOST_PIXELS = 16384
 FILES = ("bench", "delay_trace")
 _NOT_SETTINGS = {
     "seconds": "how long a condition is shown stands in [trial] and [practice]",
@@ -105,10 +107,17 @@ def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> 
         raise InputError(f"mirrors '{options.mirrors}': wanted {' or '.join(MIRRORS)}")
     options.network.check(round(options.latency_ms * 1e6))
     headset = load_headset(options.headset)
-    guarded_size(options.guard, headset, options.size or headset.eye_size_px)  # type: ignore[arg-type]
+    _check_guard(options, headset)
     scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
     plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _rungs(options, headset))
     return options
+
+
+def _check_guard(options: LiveOptions, headset: Headset) -> None:
+    width, height = guarded_size(options.guard, headset, options.size or headset.eye_size_px)  # type: ignore[arg-type]
+    if max(width, height) > _MOST_PIXELS:
+        found = f"guard {options.guard:g} makes frames of {width}x{height} pixels"
+        raise InputError(f"{found}: wanted at most {_MOST_PIXELS} on each side, as most GPUs have it")
 
 
 def _lens(options: LiveOptions, headset: Headset) -> str:
@@ -169,13 +178,4 @@ def _value(key: str, name: str, value: object) -> object:
         return value
     elif isinstance(value, int | float) and kind in (_NUMBER, _TEXT_OR_NUMBER) and abs(value) < 2**63 and math.isfinite(value):
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
-    raise SettingFault(key, f"{key} is {_told(value)}: wanted {kind}")
-
-
-def _told(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    try:
-        return repr(value)[:80]
-    except ValueError:  # Python prints no whole number of more than 4300 digits
-        return "a number beyond all bounds"
+    raise SettingFault(key, f"{key} is {told(value)}: wanted {kind}")

@@ -50,7 +50,7 @@ def _scale(data: Table, name: str) -> Scale:
     least, most = answer.number("least"), answer.number("most")
     made = Scale(
         name=name,
-        title=data.text("title"),
+        title=data.line("title"),
         kind=data.word("kind", KINDS),
         items=_items(data),
         least=least,
@@ -59,20 +59,12 @@ def _scale(data: Table, name: str) -> Scale:
         low_is_good=answer.flag("low_is_good"),
         anchors=_anchors(answer, least, most),
         scores=(),
-        units=data.raw("units") if _is_text(data, "units") else "",  # type: ignore[arg-type]
-        source=data.text("source"),
+        units=data.line("units", ""),
+        source=data.line("source"),
     )
     scores = _scores(data, made)
     data.refuse_unread()
     return made.with_scores(scores)
-
-
-def _is_text(data: Table, key: str) -> bool:
-    if key not in data:
-        return False
-    if not isinstance(data.raw(key), str):
-        raise data.fault(key, 'is no text: wanted what an answer is measured in, or "" for a mere number')
-    return True
 
 
 def _items(data: Table) -> tuple[Item, ...]:
@@ -86,7 +78,7 @@ def _items(data: Table) -> tuple[Item, ...]:
             raise table.fault("key", f"is {key!r}: wanted a word of letters, digits and _, as a column of a table can be called")
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
-        items.append(Item(key, table.text("text")))
+        items.append(Item(key, table.line("text")))
     return tuple(items)
 
 
@@ -116,7 +108,7 @@ def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
             raise table.fault(key, f"is no answer: wanted a number from {least:g} to {most:g}, in quotes where it has a point or a sign")
         if value in anchors:
             raise table.fault(key, "says a second time what this answer means")
-        anchors[value] = table.text(key)
+        anchors[value] = table.line(key)
     for end in (least, most):
         if end not in anchors:
             raise answer.fault("anchors", f"has no word for {end:g}: wanted words for both ends at least")
@@ -141,12 +133,12 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
         raise table.fault(None, f"'{name}': wanted either items, numbers of questions from 1 on, or of, names of scores above it")
     weight = table.number("weight", 1.0)
     if "items" in table:
-        return Score(name, _item_numbers(table, items), weight=weight, title=table.text("title"))
+        return Score(name, _item_numbers(table, items), weight=weight, title=table.line("title"))
     of = table.texts("of")
     for one in of:
         if one not in before:
             raise table.fault("of", f"names {one!r}: wanted scores that stand above this one ({', '.join(before) or 'there are none'})")
-    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.text("title"))
+    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
 
 
 def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
