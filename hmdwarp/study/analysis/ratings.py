@@ -143,8 +143,8 @@ def _place_of(settings: Mapping[str, Any], name: str) -> tuple[Any, ...]:
 
 @attrs.frozen(eq=False)
 class Table:
-    """values: (participants, conditions) float64, NaN for missing; repeats of a condition are averaged. counts: how many ratings are in each
-    mean, so that nobody takes three looks for one."""
+    """values: (participants, conditions) float64, NaN for missing; repeats of a condition are averaged. counts: how many ratings are in
+    each mean."""
 
     participants: tuple[str, ...]
     conditions: tuple[str, ...]

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 RESAMPLES = 20_000
-# The seed of the intervals in the table of the published ratings that the tests hold. Means of ten quarter steps come in steps of 0.025, and an
-# end between two of them goes to one or the other by chance: of the seeds below 200, 142 and 173 give all digits of that table. With all
-# resamples instead of some, one end of its twelve is one step further out (a test has them).
+# The seed of the intervals in the table of the published ratings that the tests hold. Means of ten quarter steps come in steps of 0.025,
+# and an end between two of them goes to one or the other by chance: of the seeds below 200, 142 and 173 give all digits of that table.
+# With all resamples instead of some, one of its twelve ends is one step further out (a test has them).
 SEED = 142
 _DIGITS = 9
 
