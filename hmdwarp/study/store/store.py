@@ -13,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +22,16 @@ from ..steps import Ask, Show
 from . import beginning, reading
 from ._json import to_json
 from .clock import Clock, MachineClock
+from .codes import NEW, check_code
 from .erasing import erase, known
 from .faults import told
 from .folders import trace_name
 from .nouns import RUNNING, STATUSES, Answer, Contents, Session, Showing
 from .opened import Opened
+
+
+class _Undone(Exception):  # noqa: N818 (nothing is wrong: a transaction is given up)
+    """What was only tried must not stay."""
 
 
 class Store:
@@ -93,6 +99,25 @@ class Store:
         if mended:
             self._opened.say("the study's file is another than in the session before, but shows and asks the same; both are kept")
         return session
+
+    def would_begin(self, design: Design, part: str | None, code: str, origin: str, new_session: bool = False) -> None:
+        """Nothing, or what `begin` would refuse: to be told before anybody puts a headset on. A store that is not there yet is not made."""
+        part = beginning.the_part(design, part)
+        if not self._opened.name:
+            if code.lower() != NEW:
+                check_code(code)
+            return
+        self._opened.lock(design.name)
+        with suppress(_Undone), self._opened.write() as db:
+            beginning.participant_for(db, code, part, origin, new_session)
+            beginning.check_plan(db, design, part, origin)
+            raise _Undone
+
+    def would_resume(self, code: str, part: str | None = None) -> Session:
+        """The session that `resume` would go on with. Errors: as resume."""
+        self._opened.lock()
+        with told(self._opened.path):
+            return beginning.to_resume(self._opened.db, code, part)
 
     def resume(self, code: str, part: str | None = None, facts: Mapping[str, Any] | None = None) -> Session:
         """Go on with the interrupted session of a participant. facts: of this run of the program, kept with the event.
