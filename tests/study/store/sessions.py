@@ -1,0 +1,139 @@
+"""A small study and sessions of it, for the tests of the store: no pictures, all else as it is."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from hmdwarp.study.design import Design
+from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.steps import Ask, Show, Step, steps_of
+from hmdwarp.study.store import PERSON, Session, Showing, Store
+
+ROOT = Path(__file__).resolve().parents[3]
+TEXT = """schema = 1
+name = "late"
+title = "How late is too late?"
+seed = 5
+[trial]
+seconds = 2
+scales = ["grade"]
+[practice]
+seconds = 1
+[consent]
+version = "1"
+text = "You may stop at any time."
+[breaks]
+every = 2
+seconds = 1
+[sickness]
+scale = "fms"
+every = 1
+stop_at = 15
+[[part]]
+name = "one"
+[[part.condition]]
+name = "a"
+latency = 0
+[[part.condition]]
+name = "b"
+latency = 200
+[[part.condition]]
+name = "c"
+latency = 400
+[[part.condition]]
+name = "d"
+latency = 800
+[[part]]
+name = "two"
+[[part.condition]]
+name = "a"
+latency = 0
+[[part.condition]]
+name = "b"
+latency = 200
+"""
+
+
+def design(text: str = TEXT, path: str = "late.toml") -> Design:
+    """The study of a text."""
+    return design_from_text(text, path, checked=False)
+
+
+def steps(session: Session, of: Design | None = None) -> tuple[Step, ...]:
+    """All of a session."""
+    return steps_of(of or design(), session.order, session.part)
+
+
+def shows(session: Session) -> list[Show]:
+    """The practice and the trials."""
+    return [step for step in steps(session) if isinstance(step, Show)]
+
+
+def asks(session: Session) -> list[Ask]:
+    """Every question."""
+    return [step for step in steps(session) if isinstance(step, Ask)]
+
+
+def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERSON, **more) -> Session:
+    """A session that runs."""
+    return store.begin(design(), part, code, origin, **more)
+
+
+def go_through(store: Store, session: Session, value: float = 2.25, trace: str = "") -> None:
+    """Every step of it that is not done. trace: what is written as each head's recording, "" for none."""
+    showing: Showing | None = None
+    for step in steps(session):
+        if step.key in store.done(session):
+            continue
+        if isinstance(step, Show):
+            showing = store.begin_showing(session, step, step.condition.settings, recorded=bool(trace))
+            if trace:
+                (store.traces / showing.trace).write_text(trace, encoding="utf-8")
+            showing = store.end_showing(session, showing, {"seconds": step.seconds, "missed": 3}, complete=True)
+        elif isinstance(step, Ask):
+            store.answer(session, step, value, 1.5, "participant", showing)
+        else:
+            store.finish_step(session, step.key)
+
+
+def whole(store: Store, code: str, status: str = "complete", **more) -> Session:
+    """A session from its beginning to its end."""
+    session = begun(store, code, **more)
+    go_through(store, session)
+    return store.end(session, status)
+
+
+class SetClock:
+    """A clock that goes on by a second whenever it is read, and may be set."""
+
+    def __init__(self) -> None:
+        self.instant, self.mono = datetime(2026, 3, 1, 9, 0, tzinfo=UTC), 0
+
+    def utc(self) -> datetime:
+        self.instant += timedelta(seconds=1)
+        return self.instant
+
+    def mono_ns(self) -> int:
+        self.mono += 1_000_000_000
+        return self.mono
+
+
+def child(code: str, *words: object, before: tuple[str, ...] = (), **more) -> subprocess.Popen:
+    """Another program that runs `code`, with the names of this module, in the project's folder. before: what it is started by."""
+    head = "import sys, os, json\nfrom pathlib import Path\nfrom tests.study.store.sessions import *\n"
+    command = [*before, sys.executable, "-c", head + code, *map(str, words)]
+    return subprocess.Popen(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+
+
+def answered(code: str, *words: object, before: tuple[str, ...] = ()) -> str:
+    """What it printed."""
+    process = child(code, *words, before=before)
+    try:
+        out, err = process.communicate(timeout=120)
+    finally:
+        process.kill()
+    assert process.returncode == 0, err
+    return out

@@ -1,0 +1,168 @@
+"""What a store does not take: names, doubled codes, another study, a plan that became another. Each in words that say what to do."""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store
+from hmdwarp.study.store.meaning import differences, meaning
+
+from .sessions import TEXT, begun, design, whole
+
+
+@pytest.fixture
+def store(tmp_path):
+    with Store(tmp_path / "data", create=True) as made:
+        yield made
+
+
+@pytest.mark.parametrize("code", ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1"])
+def test_a_code_that_may_be_a_name_is_refused(store, code):
+    with pytest.raises(InputError, match="must not be a name"):
+        begun(store, code)
+    assert not store.folder.exists() or not store.contents().sessions
+
+
+def test_new_draws_a_code_that_is_read_without_doubt(store):
+    codes = [begun(store, word).code for word in ("new", "NEW", "new")]
+    assert len(set(codes)) == 3 and all(len(code) == 5 and not set(code) & set("0O1IL2Z5S9") for code in codes)
+    with pytest.raises(InputError, match="--new-session needs the code"):
+        begun(store, "new", new_session=True)
+
+
+@pytest.mark.parametrize("code", ["P01", "p01"])
+def test_a_known_code_is_refused_with_what_can_be_done(tmp_path, code):
+    with Store(tmp_path / "data", create=True) as store:
+        begun(store, "P01")
+    with Store(tmp_path / "data", create=True) as store:
+        with pytest.raises(InputError, match=r"session 1 of part 'one' interrupted\): --resume goes on with it, --new-session begins"):
+            begun(store, code)
+        store.end(store.resume(code), COMPLETE)
+        with pytest.raises(InputError, match=r"session 1 of part 'one' complete\): --new-session begins another") as error:
+            begun(store, code)
+        assert "--resume" not in str(error.value)
+        assert len(store.contents().sessions) == 1
+        assert begun(store, code, new_session=True).number == 2
+
+
+def test_a_new_session_of_nobody_is_refused(store):
+    whole(store, "P01")
+    with pytest.raises(InputError, match="P10 is not known here: leave --new-session away"):
+        begun(store, "P10", new_session=True)
+
+
+@pytest.mark.parametrize("origin", [PILOT, SIMULATED])
+def test_a_code_is_of_one_kind(tmp_path, origin):
+    with Store(tmp_path / "data", create=True) as store:
+        whole(store, "P01", origin=origin)
+        other = PILOT if origin == SIMULATED else "person"
+        with pytest.raises(InputError, match=f"P01 is a {origin} here"):
+            begun(store, "P01", origin=other, new_session=True)
+
+
+def test_what_cannot_be_gone_on_with(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        with pytest.raises(InputError, match="no data of a study there"):
+            store.resume("P01")
+        whole(store, "P01")
+        for code, why in (("P02", "not known"), ("P01", "no interrupted session"), ("a b", "must not be a name")):
+            with pytest.raises(InputError, match=why):
+                store.resume(code)
+        store.end(begun(store, "P01", "one", new_session=True), "interrupted")
+        store.end(begun(store, "P01", "two", new_session=True), "interrupted")
+        with pytest.raises(InputError, match="several parts.*--part"):
+            store.resume("P01")
+        assert store.resume("P01", "two").number == 3
+
+
+def test_parts_are_named(store):
+    with pytest.raises(InputError, match=r"--part three is not in late\.toml: it has one, two"):
+        begun(store, part="three")
+    with pytest.raises(InputError, match="--part is missing"):
+        begun(store, part=None)
+    single = design(TEXT[: TEXT.index("[[part]]", TEXT.index('name = "one"'))])
+    assert store.begin(single, None, "P01", "person").part == "one"
+
+
+def test_a_store_is_of_one_study(store, tmp_path):
+    whole(store, "P01")
+    other = design(TEXT.replace('name = "late"', 'name = "later"'))
+    with pytest.raises(InputError, match="holds the study 'late', not 'later'"):
+        store.begin(other, "one", "P02", "person")
+    with pytest.raises(InputError, match="holds the study 'late', not 'x'"):
+        Store(tmp_path / "data", study="x")
+
+
+CHANGES = [
+    ("latency = 200", "latency = 250", "conditions ('b' is another)"),
+    ('name = "d"', 'name = "e"', "conditions ('e' is new, 'd' is gone)"),
+    ("seconds = 2\n", "seconds = 3\n", "seconds"),
+    ("seed = 5", "seed = 6", "seed"),
+    ('scales = ["grade"]', 'scales = ["acr"]', "scales"),
+    ("[practice]\nseconds = 1", "[practice]\nseconds = 2", "practice"),
+    ("stop_at = 15", "stop_at = 12", "sickness"),
+    ("seconds = 2\n", 'seconds = 2\norder = "random"\n', "order"),
+]
+
+
+@pytest.mark.parametrize(("was", "is_", "told"), CHANGES, ids=[told for *_, told in CHANGES])
+def test_a_plan_that_means_something_else_begins_no_session(store, was, is_, told):
+    whole(store, "P01")
+    changed = design(TEXT.replace(was, is_, 1))
+    with pytest.raises(InputError) as error:
+        store.begin(changed, "one", "P02", "person")
+    assert f"were made with another plan ({told})" in str(error.value) and "study of its own" in str(error.value)
+    assert store.begin(changed, "one", "T1", PILOT).plan == changed.text, "rehearsals are where a plan is changed"
+    assert [one.code for one in store.contents().sessions] == ["P01"], "nothing came of the refused one"
+
+
+def test_what_may_be_mended_in_a_plan_is_kept_with_the_session(tmp_path):
+    said: list[str] = []
+    with Store(tmp_path / "data", create=True, say=said.append) as store:
+        whole(store, "P01")
+        assert not said
+        mended = TEXT.replace("too late?", "too late for whom?").replace("every = 2\nseconds = 1", "every = 3\nseconds = 9")
+        session = store.begin(design(mended), "one", "P02", "person")
+        assert session.plan == mended and "both are kept" in said[0]
+        assert store.contents().sessions[0].plan == TEXT
+        before, two, after = mended.partition('name = "two"')
+        other_part = before + two + after.replace('name = "a"', 'name = "z"')
+        assert store.begin(design(other_part), "one", "P03", "person").plan == other_part
+
+
+def test_an_interrupted_session_goes_on_with_its_own_plan(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        began = begun(store)
+    with Store(tmp_path / "data") as store:
+        again = store.resume("P01", facts={"hmdwarp": "next"})
+        assert (again.plan, again.order, again.id) == (TEXT, began.order, began.id)
+        kinds = [(one.kind, one.data) for one in store.contents().events]
+        assert [kind for kind, _ in kinds] == ["begin", "interrupted", "resume"] and kinds[-1][1] == {"hmdwarp": "next"}
+
+
+def test_orders_made_in_another_way_are_noticed(store, monkeypatch):
+    """A later version of this program may make other orders from the same file."""
+    from hmdwarp.study.store import beginning
+
+    whole(store, "P01")
+    made = beginning.rows_for
+    monkeypatch.setattr(beginning, "rows_for", lambda plan, part: made(plan, part)[::-1])
+    with pytest.raises(InputError, match="another plan \\(the orders\\)"):
+        begun(store, "P02")
+
+
+def test_meanings_of_one_text_agree():
+    assert differences(meaning(design(), "one"), meaning(design(), "one")) == []
+    swapped = meaning(design(), "one")
+    swapped["conditions"] = swapped["conditions"][::-1]
+    assert differences(meaning(design(), "one"), swapped) == ["conditions (in another order)"]
+
+
+def test_the_text_agreed_to_is_known_by_its_hash(store):
+    import hashlib
+
+    begun(store)
+    data = store.contents().events[0].data
+    assert data["consent_version"] == "1"
+    assert data["consent_sha256"] == hashlib.sha256(b"You may stop at any time.").hexdigest()

@@ -1,0 +1,281 @@
+"""What is told is there, in order, once; what is asked for comes back as it was told."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import sqlite3
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.study.design import WILLIAMS
+from hmdwarp.study.orders import rows_for
+from hmdwarp.study.store import COMPLETE, INTERRUPTED, PILOT, RUNNING, SICK, SIMULATED, STOPPED, Store, store_folder
+from hmdwarp.study.store import _json as json_
+
+from .sessions import SetClock, answered, asks, begun, design, go_through, shows, steps, whole
+
+
+@pytest.fixture
+def store(tmp_path):
+    with Store(tmp_path / "data", create=True) as made:
+        yield made
+
+
+def test_a_whole_session_comes_back_as_it_was_told(store, tmp_path):
+    session = begun(store, facts={"gpu": "llvmpipe", "seed": 5})
+    go_through(store, session, trace="time_ns\n1\n")
+    store.record(session, "remark", text="ein Wörtchen")
+    ended = store.end(session, COMPLETE)
+    with Store(tmp_path / "data") as again:
+        found = again.contents()
+    assert found.name == "late" and found.sessions == (ended,) and found.withdrawn == 0
+    assert (ended.code, ended.number, ended.part, ended.status, ended.origin) == ("P01", 1, "one", COMPLETE, "person")
+    assert ended.plan == design().text and ended.facts == {"gpu": "llvmpipe", "seed": 5}
+    assert [one.key for one in found.answers] == [step.key for step in asks(session)]
+    assert {one.value for one in found.answers} == {2.25} and {one.seconds for one in found.answers} == {1.5}
+    assert [one.key for one in found.showings] == [step.key for step in shows(session)] and all(one.complete for one in found.showings)
+    by_id = {one.id: one for one in found.showings}
+    assert all(by_id[one.showing].trial == one.trial for one in found.answers)
+    assert [one.settings for one in found.showings] == [step.condition.settings for step in shows(session)]
+    assert all((found.folder / "traces" / one.trace).read_text() == "time_ns\n1\n" for one in found.showings)
+    kinds = [one.kind for one in found.events]
+    assert kinds[0] == "begin" and kinds[-2:] == ["remark", "end"] and found.events[-2].data == {"text": "ein Wörtchen"}
+    assert kinds.count("answer") == len(found.answers) and kinds.count("shown") == len(found.showings)
+    assert [one.id for one in found.events] == sorted(one.id for one in found.events)
+
+
+def test_what_is_done_follows_from_what_was_told(store):
+    session = begun(store)
+    assert store.done(session) == set()
+    expected = set()
+    for step in steps(session):
+        assert step.key not in store.done(session)
+        if step in shows(session):
+            store.shown(session, step, {}, False, {}, True)
+        elif step in asks(session):
+            store.answer(session, step, None, 1.0, "participant")  # "cannot say" is an answer
+        else:
+            store.finish_step(session, step.key)
+        expected.add(step.key)
+        assert store.done(session) == expected
+
+
+def test_a_showing_that_was_cut_off_stays_and_is_shown_again_under_a_new_name(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        session = begun(store)
+        step = shows(session)[1]
+        first = store.begin_showing(session, step, {"latency": 200})
+        (store.traces / first.trace).write_text("half")
+    with Store(tmp_path / "data") as store:
+        session = store.resume("P01")
+        assert step.key not in store.done(session)
+        second = store.begin_showing(session, step, {"latency": 200})
+        assert second.trace != first.trace and second.presentation == 2 and not (store.traces / second.trace).exists()
+        (store.traces / second.trace).write_text("whole")
+        store.end_showing(session, second, {"seconds": 2.0}, complete=True)
+        showings = store.contents().showings
+        assert [(one.presentation, one.complete) for one in showings] == [(1, False), (2, True)]
+        assert [(store.traces / one.trace).read_text() for one in showings] == ["half", "whole"]
+        assert step.key in store.done(session)
+
+
+def test_a_trace_that_never_came_to_be_is_not_named(store):
+    session = begun(store)
+    showing = store.end_showing(session, store.begin_showing(session, shows(session)[0], {}), {}, complete=False)
+    assert showing.trace == "" and not showing.complete
+
+
+def test_names_of_traces_tell_nobody(store):
+    session = begun(store, "P17")
+    paths = [store.path_for(session, step, 1).name for step in shows(session)]
+    assert len(set(paths)) == len(paths)
+    assert all(re.fullmatch(r"[a-z0-9]{12}_ses-1_trial-\d+_1\.csv", name) for name in paths)
+
+
+def test_a_question_asked_again_keeps_both_answers_and_the_last_counts(store):
+    session = begun(store)
+    first, second = asks(session)[:2]
+    store.answer(session, first, 3, 2.0, "participant")
+    store.answer(session, second, 4, 2.0, "participant")
+    assert store.answer(session, first, 1.75, 9.0, "experimenter").revision == 2
+    assert [(one.key, one.value) for one in store.answers(session)] == [(first.key, 1.75), (second.key, 4)]
+    assert [one.revision for one in store.contents().answers] == [1, 1, 2]
+
+
+def test_the_file_itself_refuses_a_doubled_rating(store):
+    session = begun(store)
+    store.answer(session, asks(session)[0], 3, 2.0, "participant")
+    with pytest.raises(sqlite3.IntegrityError, match="UNIQUE"):
+        store._opened.db.execute(
+            """INSERT INTO answer (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc)
+              SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc FROM answer"""
+        )
+
+
+@pytest.mark.parametrize("status", [COMPLETE, STOPPED, SICK, INTERRUPTED])
+def test_nothing_is_stored_after_the_end(store, status):
+    session = begun(store)
+    ended = store.end(session, status, "because")
+    assert (ended.status, ended.why) == (status, "because") and ended.ended_utc >= ended.started_utc
+    for late in (
+        lambda: store.answer(session, asks(session)[0], 3, 2.0, "participant"),
+        lambda: store.record(session, "remark", text="late"),
+        lambda: store.end(session, COMPLETE),
+    ):
+        with pytest.raises(HmdwarpError, match="nothing more can be stored") as error:
+            late()
+        assert error.value.exit_status == 1
+    assert len(store.contents().events) == 2
+
+
+def test_a_rating_that_is_no_number_is_a_fault_of_ours(store):
+    session = begun(store)
+    with pytest.raises(ValueError, match="nan"):
+        store.answer(session, asks(session)[0], float("nan"), 1.0, "participant")
+    with pytest.raises(ValueError, match="running"):
+        store.end(session, RUNNING)
+
+
+def test_facts_take_the_numbers_of_numpy_and_no_infinity(store):
+    session = begun(store, facts={"size": np.array([96, 120]), "rate": np.float32(90), "hole": float("nan"), "p": (1, {"q": float("inf")})})
+    assert session.facts == {"size": [96, 120], "rate": 90.0, "hole": None, "p": [1, {"q": None}]}
+    with pytest.raises(TypeError, match="object"):
+        json_.to_json({"what": object()})
+
+
+# --- who gets which order --------------------------------------------------------------------------------------------------
+
+
+def test_orders_are_filled_evenly_and_gaps_first(store):
+    rows = len(rows_for(design(), "one"))
+    assert design().order == WILLIAMS and rows == 4
+    first = [whole(store, f"P{k}") for k in range(rows)]
+    assert sorted(one.row for one in first) == list(range(rows))
+    assert all(one.order == rows_for(design(), "one")[one.row] for one in first)
+    whole(store, "Q1", STOPPED)
+    second = [whole(store, f"R{k}") for k in range(rows)]
+    assert sorted(one.row for one in second) == list(range(rows)), "as if Q1 had never been"
+
+
+@pytest.mark.parametrize(("status", "holds"), [(COMPLETE, True), (INTERRUPTED, True), (STOPPED, False), (SICK, False)])
+def test_who_holds_an_order(store, status, holds):
+    """The draw follows from what is filled: where the order is free again, the next one gets the same."""
+    row = store.end(begun(store, "P1"), status).row
+    assert (begun(store, "P2").row != row) == holds
+
+
+def test_pilots_and_parts_are_counted_apart(store):
+    alone = [whole(store, f"P{k}").row for k in range(4)]
+    with_others = []
+    for k in range(4):
+        begun_one = whole(store, f"T{k}", origin=PILOT)
+        with_others.append(begun_one.row)
+    assert with_others == alone, "as if nobody else were there"
+    assert [one.row for one in (whole(store, f"S{k}", part="two") for k in range(2))] in ([0, 1], [1, 0])
+    assert {one.origin for one in store.contents().sessions} == {"person"}
+    pilots = store.contents(pilot=True)
+    assert {one.origin for one in pilots.sessions} == {PILOT} and len(pilots.sessions) == 4
+    ids = {one.id for one in pilots.sessions}
+    assert {one.session for one in (*pilots.answers, *pilots.showings, *pilots.events)} == ids
+
+
+def test_the_plan_alone_decides_the_orders(tmp_path):
+    """No code, no clock and no chance: the same codes in another order of coming get the same rows by place."""
+    found = []
+    for names in (["P1", "P2", "P3", "P4", "P5"], ["Z9", "x", "P1", "M-3", "q_4"]):
+        with Store(tmp_path / names[0], create=True, clock=SetClock()) as store:
+            found.append([whole(store, name).row for name in names])
+    assert found[0] == found[1]
+
+
+def test_subs_are_random_and_follow_from_nothing(tmp_path):
+    subs = []
+    for k in range(3):
+        with Store(tmp_path / str(k), create=True, clock=SetClock()) as store:
+            subs += [begun(store, code).sub for code in ("P01", "P02")]
+    assert len(set(subs)) == 6 and all(re.fullmatch("[a-z0-9]{12}", sub) for sub in subs)
+
+
+def test_one_who_comes_again_keeps_the_sub(store):
+    first = whole(store, "P01")
+    second = begun(store, "P01", "two", new_session=True)
+    assert (second.number, second.sub, second.part) == (2, first.sub, "two")
+
+
+def test_simulated_ones_are_kept_from_people(store, tmp_path):
+    whole(store, "P01")
+    with pytest.raises(HmdwarpError, match="must not get among them"):
+        begun(store, "S01", origin=SIMULATED)
+    with Store(tmp_path / "other", create=True) as other:
+        whole(other, "S01", origin=SIMULATED)
+        assert len(other.contents().sessions) == 1
+        with pytest.raises(HmdwarpError, match="must not get among them"):
+            begun(other, "P01")
+        begun(other, "T01", origin=PILOT)
+
+
+# --- measuring, reading ----------------------------------------------------------------------------------------------------
+
+
+def test_what_was_measured_is_added_and_lets_go_of_the_lock(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        whole(store, "P01")
+    with Store(tmp_path / "data") as store:
+        showing = store.contents().showings[2]
+        store.measured(showing.id, {"flicker": np.float64(0.25)})
+        store.measured(showing.id, {"flicker": 0.5})
+        assert store.contents().showings[2].measured == {"flicker": 0.5} and store.contents().showings[1].measured == {}
+        with Store(tmp_path / "data") as other:
+            begun(other, "P02")
+        with pytest.raises(KeyError):
+            store.measured(10_000, {})
+
+
+def test_reading_asks_as_few_questions_of_many_sessions_as_of_one(store):
+    counts = []
+    for sessions in (1, 20):
+        for k in range(sessions):
+            whole(store, f"P{sessions}-{k}")
+        asked: list[str] = []
+        store._opened.db.set_trace_callback(asked.append)
+        store.contents()
+        store._opened.db.set_trace_callback(None)
+        counts.append(len(asked))
+    assert counts[0] == counts[1] < 12
+
+
+def test_a_reader_sees_one_moment_beside_a_writer(store, tmp_path):
+    session = begun(store)
+    with Store(tmp_path / "data") as reader:
+        for count, step in enumerate(itertools.islice(asks(session), 4), 1):
+            store.answer(session, step, 3, 1.0, "participant")
+            found = reader.contents()
+            assert len(found.answers) == count == len([one for one in found.events if one.kind == "answer"])
+
+
+def test_another_program_may_read_while_a_session_runs(store, tmp_path):
+    session = begun(store)
+    store.answer(session, asks(session)[0], 3, 1.0, "participant")
+    out = answered("with Store(Path(sys.argv[1])) as s: print(len(s.contents().answers))", tmp_path / "data")
+    assert out.strip() == "1"
+
+
+# --- where -----------------------------------------------------------------------------------------------------------------
+
+
+def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert store_folder(design(path="some/late.toml"), None).as_posix() == "some/late-data"
+    assert store_folder(design(path="some/late.toml"), tmp_path / "x") == tmp_path / "x"
+    from hmdwarp.study.design.read import load_design
+
+    assert store_folder(load_design("quick"), None).as_posix() == "quick-data"
+
+
+def test_the_folder_is_its_owner_s_alone(store, tmp_path):
+    assert not (tmp_path / "data").exists(), "before a session there is nothing to keep"
+    begun(store)
+    assert (tmp_path / "data").stat().st_mode & 0o077 == 0
