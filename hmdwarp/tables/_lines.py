@@ -107,7 +107,10 @@ class LineFinder:
         self._at += 1
 
     def _skip(self, pattern: re.Pattern[str]) -> int:
-        self._at = pattern.match(self._text, self._at).end()  # type: ignore[union-attr]
+        found = pattern.match(self._text, self._at)
+        if found is None:
+            raise ValueError
+        self._at = found.end()
         return self._at
 
     def _note(self, path: Path, at: int) -> None:
