@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from ...errors import HmdwarpError, InputError, MachineError
 
+_LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
 RECOVER = "keep the folder as it is and work on a copy; `sqlite3 FILE .recover` saves what can be"
 _WORDS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
@@ -16,7 +18,7 @@ _WORDS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
     ("SQLITE_READONLY", InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
     ("SQLITE_PERM", InputError, "it may not be opened: see who owns it"),
     ("SQLITE_AUTH", InputError, "it may not be opened: see who owns it"),
-    ("SQLITE_IOERR", MachineError, f"the disk fails ({{said}}); {KEPT}: copy the folder to another disk and go on there (--store)"),
+    ("SQLITE_IOERR", MachineError, f"the disk fails or a quota is used up ({{said}}); {KEPT}: go on with a copy on another disk (--store)"),
     ("SQLITE_CANTOPEN", MachineError, "it cannot be opened ({said}): see that the folder is there and may be written to"),
     ("SQLITE_BUSY", MachineError, "another program holds it: close what looks into the study's data, and try again"),
     ("SQLITE_LOCKED", MachineError, "another program holds it: close what looks into the study's data, and try again"),
@@ -28,10 +30,20 @@ _WORDS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
 def store_error(error: sqlite3.Error, path: Path) -> HmdwarpError:
     """One line for people. A guard of the store that was run into is a fault of ours, as is what nobody foresaw."""
     name = getattr(error, "sqlite_errorname", None) or ""
+    if name.startswith("SQLITE_IOERR") and _is_full(path.parent):
+        name = "SQLITE_FULL"  # what the shared memory beside the log gets, for one, has no room either
     for begins, kind, words in _WORDS:
         if name.startswith(begins):
             return kind(f"{path}: {words.format(said=error)}")
     return HmdwarpError(f"{path}: {error} ({name or type(error).__name__})")
+
+
+def _is_full(folder: Path) -> bool:
+    try:
+        found = os.statvfs(folder)
+    except OSError:
+        return False
+    return found.f_bavail * found.f_frsize < _LEAST_BYTES
 
 
 @contextmanager

@@ -107,7 +107,7 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
                 _make(db, path, study, made_by)
             found = db.execute("PRAGMA integrity_check(1)").fetchone()[0]
             if found != "ok":
-                raise InputError(f"{path}: damaged ({found}): {RECOVER}")
+                raise InputError(f"{path}: damaged ({found.splitlines()[-1]}): {RECOVER}")
             return db
         except BaseException:
             db.close()

@@ -1,0 +1,358 @@
+"""Full disks, folders that may not be written, damaged files, two at once, clocks set back: for real, and nothing confirmed is lost."""
+
+from __future__ import annotations
+
+import fcntl
+import functools
+import json
+import os
+import re
+import shutil
+import sqlite3
+import subprocess
+from datetime import timedelta
+
+import pytest
+
+from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.study.store import COMPLETE, Store
+from hmdwarp.study.store.folders import FILE
+
+from .sessions import SetClock, answered, asks, begun, child, whole
+
+
+@functools.cache
+def own_mounts() -> tuple[str, ...]:
+    """What a program with mounts of its own is started by: nothing of them is seen outside, and they go with it."""
+    way = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-rm")
+    trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
+    if shutil.which("unshare") and not subprocess.run(trial, capture_output=True, check=False).returncode:
+        return way
+    pytest.skip("no mounts of one's own here (unshare -m), so no small disk and no read-only one")
+
+
+def test_a_full_disk_loses_nothing(tmp_path):
+    """A disk of 600 kB, filled by somebody else's file in the middle of a session; then that one goes away again."""
+    code = """
+import subprocess, errno
+folder = Path(sys.argv[1])
+folder.mkdir()
+subprocess.run(["mount", "-t", "tmpfs", "-o", "size=600k", "none", str(folder)], check=True)
+store, confirmed = Store(folder / "data", create=True), []
+session = begun(store)
+def fill():
+    with (folder / "others").open("wb", buffering=0) as file:
+        try:
+            while file.write(bytes(4096)) == 4096: pass
+        except OSError as error: assert error.errno == errno.ENOSPC
+try:
+    for k in range(100_000):
+        store.answer(session, asks(session)[0], k, 1.0, "participant")
+        confirmed.append(k)
+        if k == 5: fill()
+except Exception as error:
+    told = [type(error).__name__, str(error)]
+kept = [one.value for one in store.contents().answers]
+(folder / "others").unlink()
+store.answer(session, asks(session)[1], 7, 1.0, "participant")
+store.close()
+with Store(folder / "data") as again:
+    again.resume("P01")
+    print(json.dumps([told, confirmed, kept, [one.value for one in again.contents().answers]]))
+"""
+    (kind, message), confirmed, kept, after = json.loads(answered(code, tmp_path / "disk", before=own_mounts()))
+    assert kind == "MachineError" and "no room is left" in message and "everything that was confirmed is kept" in message, message
+    assert len(confirmed) > 5 and kept == confirmed and after == [*confirmed, 7]
+
+
+@pytest.mark.parametrize("size", [4096, 8192, 20_000, 60_000])
+def test_a_disk_too_small_to_begin(tmp_path, size):
+    """What was begun there is no store, and none that cannot be opened later."""
+    code = """
+import subprocess
+folder = Path(sys.argv[1])
+folder.mkdir()
+subprocess.run(["mount", "-t", "tmpfs", "-o", "size=" + sys.argv[2], "none", str(folder)], check=True)
+try:
+    with Store(folder / "data", create=True) as store: begun(store)
+except Exception as error: told = [type(error).__name__, str(error)]
+subprocess.run(["mount", "-o", "remount,size=2m", str(folder)], check=True)
+with Store(folder / "data", create=True) as store:
+    begun(store)
+    print(json.dumps([told, len(store.contents().sessions)]))
+"""
+    (kind, message), sessions = json.loads(answered(code, tmp_path / "disk", size, before=own_mounts()))
+    assert kind == "MachineError" and "make room" in message and str(tmp_path / "disk") in message, message
+    assert sessions == 1
+
+
+READ_ONLY = """
+import subprocess
+folder = sys.argv[1]
+subprocess.run(["mount", "--bind", folder, folder], check=True)
+subprocess.run(["mount", "-o", "remount,bind,ro", folder], check=True)
+out = []
+for act in (
+    lambda s: len(s.contents().answers), lambda s: begun(s, "P02").code, lambda s: s.resume("P01").code, lambda s: s.withdraw("P01")
+):
+    try:
+        with Store(Path(folder) / "data", create=True) as store: out.append(act(store))
+    except Exception as error: out.append([type(error).__name__, str(error)])
+print(json.dumps(out))
+"""
+
+
+def test_a_folder_that_may_only_be_read_is_read(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        whole(store, "P01")
+        count = len(store.contents().answers)
+    found, *refused = json.loads(answered(READ_ONLY, tmp_path, before=own_mounts()))
+    assert found == count
+    for kind, message in refused:
+        assert kind == "InputError" and "cannot" in message and "choose another folder" in message, message
+
+
+def test_a_place_for_nothing(tmp_path):
+    code = READ_ONLY.replace('Path(folder) / "data"', 'Path(folder) / "new" / "data"')
+    for kind, message in json.loads(answered(code, tmp_path, before=own_mounts())):
+        assert kind == "InputError" and str(tmp_path / "new" / "data") in message, message
+
+
+def test_a_cut_off_session_on_a_read_only_disk_is_not_read_by_halves(tmp_path):
+    """What is in the log beside the file would be missed: a copy is asked for, and the copy has it all."""
+    code = """
+with Store(Path(sys.argv[1]) / "data", create=True) as store:
+    session = begun(store)
+    for ask in asks(session): store.answer(session, ask, 2, 1.0, "participant")
+    os._exit(0)
+"""
+    answered(code, tmp_path)
+    (tmp_path / "data" / f"{FILE}-shm").unlink()  # readers make it anew where they may
+    (kind, message), *_ = json.loads(answered(READ_ONLY, tmp_path, before=own_mounts()))
+    assert kind == "MachineError" and "copy the folder" in message
+    shutil.copytree(tmp_path / "data", tmp_path / "copy")
+    with Store(tmp_path / "copy") as copy:
+        assert len(copy.contents().answers) == len(asks(copy.contents().sessions[0]))
+
+
+# --- files that are something else -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def made(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        for k in range(30):
+            whole(store, f"P{k}")
+    return tmp_path / "data"
+
+
+def refusals(folder) -> list[HmdwarpError]:
+    """Of reading, and of beginning a session."""
+    out = []
+    for act in (lambda store: store.contents(), lambda store: begun(store, "Q1")):
+        with pytest.raises(HmdwarpError) as error, Store(folder, create=True) as store:
+            act(store)
+        assert "\n" not in str(error.value)
+        out.append(error.value)
+    return out
+
+
+def test_a_folder_with_something_else_in_it(tmp_path):
+    (tmp_path / "thesis.tex").write_text("x")
+    with Store(tmp_path, create=True) as store, pytest.raises(InputError, match=r"holds something else \(thesis.tex\)"):
+        begun(store)
+    assert [one.name for one in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_no_such_folder_and_a_file_in_its_place(tmp_path):
+    with pytest.raises(InputError, match="no data of a study there"):
+        Store(tmp_path / "nowhere")
+    (tmp_path / "file").write_text("x")
+    with Store(tmp_path / "file", create=True) as store, pytest.raises(InputError, match="cannot be made"):
+        begun(store)
+
+
+def test_a_file_that_is_no_database(tmp_path):
+    (tmp_path / FILE).write_bytes(b"ratings: 3, 4, 5\n" * 100)
+    for error in refusals(tmp_path):
+        assert isinstance(error, InputError) and "no database" in str(error)
+    assert (tmp_path / FILE).read_bytes() == b"ratings: 3, 4, 5\n" * 100
+
+
+def test_a_database_of_something_else(tmp_path):
+    db = sqlite3.connect(tmp_path / FILE)
+    db.execute("CREATE TABLE bookmarks (url)")
+    db.commit()
+    db.close()
+    before = (tmp_path / FILE).read_bytes()
+    for error in refusals(tmp_path):
+        assert isinstance(error, InputError) and "not of a study of hmdwarp" in str(error)
+    assert (tmp_path / FILE).read_bytes() == before
+
+
+def test_a_store_of_a_newer_program(made):
+    db = sqlite3.connect(made / FILE)
+    db.execute("PRAGMA user_version = 99")
+    db.close()
+    for error in refusals(made):
+        assert isinstance(error, InputError) and "newer hmdwarp (schema 99; this one knows 1)" in str(error)
+
+
+def test_a_page_that_was_overwritten_is_found_before_anything_is_written(made):
+    data = bytearray((made / FILE).read_bytes())
+    for page in range(5, len(data) // 4096, 3):  # not the schema's own: it must open and still be refused
+        data[page * 4096 : page * 4096 + 512] = os.urandom(512)
+    (made / FILE).write_bytes(data)
+    with pytest.raises(InputError, match="damaged.*work on a copy"), Store(made) as store:
+        begun(store, "Q1")
+    assert (made / FILE).read_bytes() == data
+
+
+def test_a_file_that_was_cut_off(made):
+    size = (made / FILE).stat().st_size
+    os.truncate(made / FILE, size // 2 // 4096 * 4096)
+    for error in refusals(made):
+        assert isinstance(error, InputError) and "damaged" in str(error)
+
+
+def test_a_program_that_died_while_it_made_the_store(tmp_path):
+    """An empty file, or an empty database: begun anew."""
+    (tmp_path / FILE).touch()
+    with Store(tmp_path, create=True) as store:
+        begun(store)
+    other = tmp_path / "other"
+    other.mkdir()
+    db = sqlite3.connect(other / FILE)
+    db.execute("PRAGMA journal_mode = WAL")
+    db.close()
+    assert (other / FILE).stat().st_size
+    with pytest.raises(InputError, match="no data of a study there"):
+        Store(other)
+    with Store(other, create=True) as store:
+        begun(store)
+
+
+# --- two at once -----------------------------------------------------------------------------------------------------------
+
+
+def test_two_programs_at_once(tmp_path):
+    """The second is told who the first is; when that one is killed, nothing is in the way."""
+    code = "store = Store(Path(sys.argv[1]), create=True)\nbegun(store)\nprint('on', flush=True)\nsys.stdin.read()"
+    process = child(code, tmp_path / "data", stdin=subprocess.PIPE)
+    try:
+        assert process.stdout.readline() == "on\n"
+        for act in (lambda s: begun(s, "P02"), lambda s: s.resume("P01"), lambda s: s.withdraw("P01"), lambda s: s.measured(1, {})):
+            with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError) as error:
+                act(store)
+            wanted = rf"a session of this study is running already \(since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+\)"
+            assert re.search(wanted, str(error.value))
+        with Store(tmp_path / "data") as store:
+            assert store.contents().sessions[0].status == "running"
+    finally:
+        process.kill()
+        process.communicate()
+    with Store(tmp_path / "data") as store:
+        assert store.resume("P01").status == "running"
+        assert [one.kind for one in store.contents().events] == ["begin", "interrupted", "resume"]
+
+
+def test_two_stores_in_one_program_are_two_as_well(tmp_path):
+    with Store(tmp_path / "data", create=True) as one, Store(tmp_path / "data", create=True) as two:
+        begun(one)
+        with pytest.raises(MachineError, match="running already"):
+            begun(two, "P02")
+        one.close()
+        begun(two, "P02")
+
+
+def test_a_lock_whose_words_are_missing_holds_all_the_same(tmp_path):
+    (tmp_path / "lock").touch()
+    with (tmp_path / "lock").open() as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        with Store(tmp_path, create=True) as store, pytest.raises(MachineError, match="running already: end it"):
+            begun(store)
+
+
+def test_a_file_system_without_locks(tmp_path, monkeypatch):
+    """None such can be mounted here: flock's own answer on one is put in its place."""
+
+    def refuse(*_):
+        raise OSError(38, "Function not implemented")
+
+    monkeypatch.setattr("hmdwarp.study.store.lock.fcntl.flock", refuse)
+    with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError, match="cannot lock files .*network drives"):
+        begun(store)
+
+
+def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, monkeypatch):
+    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.05)
+    with Store(tmp_path / "data", create=True) as store:
+        session = begun(store)
+        other = sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(MachineError, match="another program holds it"):
+            store.answer(session, asks(session)[0], 2, 1.0, "participant")
+        other.close()
+        assert store.answer(session, asks(session)[0], 2, 1.0, "participant").revision == 1
+
+
+# --- time ------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_clock_set_back_is_told_once_and_changes_no_order(tmp_path):
+    said: list[str] = []
+    clock = SetClock()
+    with Store(tmp_path / "data", create=True, say=said.append, clock=clock) as store:
+        session = begun(store)
+        store.answer(session, asks(session)[0], 2, 1.0, "participant")
+        clock.instant -= timedelta(hours=2)
+        for ask in asks(session)[1:4]:
+            store.answer(session, ask, 3, 1.0, "participant")
+        ended = store.end(session, COMPLETE)
+        found = store.contents()
+    assert len(said) == 1 and "set back by" in said[0] and "nothing is lost" in said[0]
+    back = [one for one in found.events if one.kind == "clock"]
+    assert len(back) == 1 and 7100 < back[0].data["back_s"] < 7200 and back[0].at_utc < back[0].data["before"]
+    assert [one.key for one in found.answers] == [one.key for one in asks(session)[:4]]
+    assert [one.mono_ns for one in found.events] == sorted(one.mono_ns for one in found.events)
+    assert ended.ended_utc < ended.started_utc, "as the clock said; nothing is computed from it"
+
+
+def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):
+    said: list[str] = []
+    clock = SetClock()
+    with Store(tmp_path / "data", create=True, say=said.append, clock=clock) as store:
+        session = begun(store)
+        clock.instant -= timedelta(seconds=2.5)  # it goes on by one at each look: 0.5 and more back, below BACK_S
+        clock.instant += timedelta(seconds=0.9)
+        store.record(session, "remark", text="x")
+    assert not said
+
+
+# --- the disk itself -------------------------------------------------------------------------------------------------------
+
+
+def test_an_answer_is_synced_before_the_call_returns(tmp_path):
+    """Seen by what the program asks the system for: between any two lines it prints there is a sync of the log."""
+    if not shutil.which("strace"):
+        pytest.skip("strace is not installed, so nobody sees what is synced")
+    trace = tmp_path / "calls"
+    code = """
+store = Store(Path(sys.argv[1]), create=True)
+session = begun(store)
+os.write(1, b"one ")
+for ask in asks(session)[:5]:
+    store.answer(session, ask, 2, 1.0, "participant")
+    os.write(1, b"one ")
+"""
+    watched = ("strace", "-f", "-y", "-e", "trace=write,fsync,fdatasync", "-o", str(trace))
+    if subprocess.run([*watched, "true"], capture_output=True, check=False).returncode:
+        pytest.skip("strace may not look here")
+    answered(code, tmp_path / "data", before=watched)
+    parts = trace.read_text().split('"one "')
+    assert len(parts) == 7
+    for between in parts[1:-1]:
+        synced = [line for line in between.splitlines() if "sync(" in line and f"{FILE}-wal" in line]
+        assert synced, between
+    creation = [line for line in parts[0].splitlines() if "fsync(" in line]
+    assert any(line.split("<")[1].startswith(f"{tmp_path / 'data'}>") for line in creation), "the folder's own entry too"
