@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...tables import Table
+from ...errors import InputError
+from ...tables import Table, text_of, told
 from ..scales import QUESTIONNAIRE, Scale
 from ._parts import Checker
 from ._scales import scale_at, scales_of
@@ -70,9 +71,9 @@ def consent_of(data: Table, folder: Path) -> Consent | None:
 def _text_of(table: Table, folder: Path) -> str:
     path = folder / table.text("file")
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise table.fault("file", f"is {str(path)!r}: {getattr(error, 'strerror', None) or error}: wanted a text in UTF-8") from error
+        text = text_of(path, "a text that participants read")
+    except InputError as error:
+        raise table.fault("file", f"is {told(str(path))}: {error}") from error
     if not text.strip():
-        raise table.fault("file", f"is {str(path)!r}, which is empty: wanted what participants agree to")
+        raise table.fault("file", f"is {told(str(path))}, which is empty: wanted a text that participants read")
     return text

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from pathlib import Path
 
 from ...errors import InputError
 from ...registry import unknown_name
-from ...tables import KeyFault, LineFinder, Table, told
+from ...tables import Table, parsed, text_of, told
 from ..scales import Scale
 from ._around import breaks_of, consent_of, practice_of, questionnaires_of, sickness_of
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
@@ -18,7 +16,6 @@ from .nouns import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
 SCHEMA = 1
 READY = Path(__file__).resolve().parent.parent / "ready"
 _EXAMPLE = "hmdwarp/study/ready/thesis.toml"
-_MOST_BYTES = 1_000_000  # a plan is written by hand; what is longer is another file taken for one
 
 
 def ready_names() -> list[str]:
@@ -30,18 +27,7 @@ def load_design(name_or_path: str) -> Design:
     """A shipped study by name, or a .toml file by path, checked: every condition's settings are tried as far as they can be without a
     display. Errors: InputError that names the file, the line, what was found and what was wanted."""
     path = _path_of(name_or_path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"study file {path}: {error.strerror}: wanted a .toml file, or one of {', '.join(ready_names())}") from error
-    if len(data) > _MOST_BYTES:
-        raise InputError(f"study file {path}: {len(data)} bytes: wanted a plan, of at most {_MOST_BYTES}")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: wanted a text in UTF-8") from error
-    return design_from_text(text, str(path))
+    return design_from_text(text_of(path, f"a .toml file, or one of {', '.join(ready_names())}"), str(path))
 
 
 def _path_of(name: str) -> Path:
@@ -57,23 +43,7 @@ def _path_of(name: str) -> Path:
 def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
     """The plan in a text. path: where it lies, for messages and for files it names. checked: False leaves out trying the settings, for
     looking at a session of long ago whose scenes may be gone. Errors: as load_design."""
-    text = text.replace("\r\n", "\n")
-    try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(_not_toml(path, str(error))) from error
-    try:
-        return _design(Table(data, example=_EXAMPLE), text, path, checked)
-    except KeyFault as error:
-        raise InputError(f"{path}:{LineFinder(text).line(error.path)}: {error}") from error
-
-
-def _not_toml(path: str, says: str) -> str:
-    """With the line, where tomllib says it."""
-    found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says, re.DOTALL)
-    if found is None:
-        return f"{path}: this is no TOML: {says}"
-    return f"{path}:{found[2]}: this is no TOML: {found[1]} (column {found[3]})"
+    return parsed(text, path, lambda data: _design(data, text, path, checked), _EXAMPLE)
 
 
 def _design(data: Table, text: str, path: str, checked: bool) -> Design:
@@ -87,7 +57,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     before, after = questionnaires_of(data, folder)
     _refuse_twice(trial, scales, sickness)
     parts = parts_of(data, checker)
-    made = Design(
+    return Design(
         name=_name(data),
         title=data.line("title"),
         parts=parts,
@@ -108,8 +78,6 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         text=text,
         path=path,
     )
-    data.refuse_unread()
-    return made
 
 
 def _name(data: Table) -> str:

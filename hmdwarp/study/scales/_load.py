@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
 
-from ...errors import InputError
 from ...registry import unknown_name
-from ...tables import KeyFault, LineFinder, Table
+from ...tables import Table, parsed, text_of
 from ._model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 _FOLDER = Path(__file__).parent
@@ -27,22 +25,8 @@ def load_scale(name: str) -> Scale:
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and name not in scale_names():
         raise unknown_name("scale", name, scale_names())
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"scale file {path}: {error.strerror}: wanted a .toml file, or one of {', '.join(scale_names())}") from error
-    except ValueError as error:
-        raise InputError(f"scale file {path}: {error}: wanted a text in UTF-8") from error
-    return _scale_from_text(text, path)
-
-
-def _scale_from_text(text: str, path: Path) -> Scale:
-    try:
-        return _scale(Table(tomllib.loads(text), example=_EXAMPLE), path.stem)
-    except KeyFault as error:
-        raise InputError(f"scale file {path}:{LineFinder(text).line(error.path)}: {error}") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"scale file {path}: {error}") from error
+    text = text_of(path, f"a .toml file, or one of {', '.join(scale_names())}")
+    return parsed(text, path, lambda data: _scale(data, path.stem), _EXAMPLE)
 
 
 def _scale(data: Table, name: str) -> Scale:
@@ -63,7 +47,6 @@ def _scale(data: Table, name: str) -> Scale:
         source=data.line("source"),
     )
     scores = _scores(data, made)
-    data.refuse_unread()
     return made.with_scores(scores)
 
 

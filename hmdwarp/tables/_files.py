@@ -1,0 +1,54 @@
+"""Whole files: read, parsed, and what is wrong in them told with its line, as compilers do: `study.toml:14: trial.order is ..`."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from ..errors import InputError
+from ._lines import LineFinder
+from ._table import KeyFault, Table
+
+T = TypeVar("T")
+_MOST_BYTES = 1_000_000  # these files are written by hand; what is longer is another file taken for one
+
+
+def text_of(path: Path, wanted: str) -> str:
+    """A text file, line ends as \\n, without a byte order mark. wanted: for messages, such as "a .toml file". Errors: InputError."""
+    try:
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
+        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}: wanted {wanted}") from error
+    if len(data) > _MOST_BYTES:
+        raise InputError(f"{path}: {len(data)} bytes: wanted {wanted}, of at most {_MOST_BYTES} bytes")
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: wanted {wanted}, in UTF-8") from error
+
+
+def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:
+    """What made_of makes of the TOML in `text`; every key must have been asked for then. path: for messages. Errors: InputError."""
+    try:
+        table = Table(tomllib.loads(text), example=example)
+    except (ValueError, RecursionError) as error:
+        raise InputError(_not_toml(path, str(error))) from error
+    try:
+        made = made_of(table)
+        table.refuse_unread()
+    except KeyFault as error:
+        raise InputError(f"{path}:{LineFinder(text).line(error.path)}: {error}") from error
+    return made
+
+
+def _not_toml(path: Path | str, says: str) -> str:
+    """With the line, where tomllib says it."""
+    says = " ".join(says.split())
+    found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)
+    if found is None:
+        return f"{path}: this is no TOML: {says}"
+    return f"{path}:{found[2]}: this is no TOML: {found[1]} (column {found[3]})"

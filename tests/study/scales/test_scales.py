@@ -1,0 +1,192 @@
+"""Scales: the shipped ones are as published, one's own is checked line by line, scores are what the papers say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import hmdwarp.study.scales
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.study.scales import KINDS, QUESTIONNAIRE, Scale, load_scale, most_scored, scale_names, scored
+
+FOLDER = Path(hmdwarp.study.scales.__file__).parent
+SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
+GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
+
+
+def test_what_is_shipped():
+    assert scale_names() == ["acr", "fms", "grade", "misc", "slider", "ssq", "vrsq"]
+
+
+@pytest.mark.parametrize("name", scale_names())
+def test_a_shipped_scale_is_whole(name):
+    scale = load_scale(name)
+    assert scale.name == name and scale.kind in KINDS and len(scale.source) > 20
+    assert scale.least < scale.most and scale.values()[0] == scale.least and scale.values()[-1] == scale.most
+    assert {scale.least, scale.most} <= set(scale.anchors) <= set(scale.values())
+    assert (scale.kind == QUESTIONNAIRE) == (len(scale.items) > 1) == bool(scale.scores)
+    best, worst = (scale.least, scale.most) if scale.low_is_good else (scale.most, scale.least)
+    assert scale.badness(best) == 0 and scale.badness(worst) == scale.most - scale.least
+
+
+def test_directions_and_ranges_as_published():
+    """ACR: ITU-T P.910, 5 is excellent. FMS: Keshavarz 2011, 0 to 20. MISC: Bos 2005, 0 to 10. Grades: 1 is very good."""
+    grade, acr, fms, misc = map(load_scale, ("grade", "acr", "fms", "misc"))
+    assert (grade.least, grade.most, grade.step, grade.low_is_good) == (1, 6, 0.25, True)
+    assert grade.anchors[1] == "very good" and grade.anchors[6] == "insufficient"
+    assert (acr.least, acr.most, acr.step, acr.low_is_good) == (1, 5, 1, False) and acr.anchors[5] == "excellent"
+    assert (fms.least, fms.most, fms.low_is_good, fms.kind) == (0, 20, True, "sickness")
+    assert (misc.least, misc.most, misc.low_is_good, misc.kind) == (0, 10, True, "sickness") and len(misc.anchors) == 11
+
+
+# --- scores ------------------------------------------------------------------------------------------------------------
+
+
+def test_the_most_an_ssq_can_come_to():
+    """Kennedy and others 1993: all 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x 3.74)."""
+    wanted = {"nausea": 200.34, "oculomotor": 159.18, "disorientation": 292.32, "total": 235.62}
+    assert most_scored(load_scale("ssq")) == pytest.approx(wanted)
+
+
+def test_the_most_a_vrsq_can_come_to():
+    """Kim and others 2018: per cent of the most."""
+    assert most_scored(load_scale("vrsq")) == pytest.approx({"oculomotor": 100, "disorientation": 100, "total": 100}, abs=1e-12)
+
+
+# The published table of Kennedy and others, a line for each item: in which of N, O, D it counts.
+SSQ_TABLE = ["NO", "O", "O", "O", "OD", "N", "N", "ND", "NO", "D", "OD", "D", "D", "D", "N", "N"]
+WEIGHTS = {"N": 9.54, "O": 7.58, "D": 13.92}
+NAMES = {"N": "nausea", "O": "oculomotor", "D": "disorientation"}
+
+
+@given(st.lists(st.integers(0, 3), min_size=16, max_size=16))
+def test_an_ssq_against_the_published_table(answers):
+    """By matrix product over the table, not by the lists of numbers the file has."""
+    scale = load_scale("ssq")
+    table = np.array([[letter in row for letter in "NOD"] for row in SSQ_TABLE])
+    sums = np.array(answers) @ table
+    wanted = {NAMES[letter]: sums[k] * WEIGHTS[letter] for k, letter in enumerate("NOD")} | {"total": sums.sum() * 3.74}
+    assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
+
+
+@given(st.lists(st.integers(0, 3), min_size=9, max_size=9))
+def test_a_vrsq_by_hand(answers):
+    scale = load_scale("vrsq")
+    oculomotor, disorientation = sum(answers[:4]) / 12 * 100, sum(answers[4:]) / 15 * 100
+    wanted = {"oculomotor": oculomotor, "disorientation": disorientation, "total": (oculomotor + disorientation) / 2}
+    assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
+
+
+def test_what_is_not_answered_leaves_its_scores_empty_and_no_others():
+    scale = load_scale("ssq")
+    answers: dict[str, float | None] = {item.key: 1 for item in scale.items}
+    answers["sweating"] = None  # in N alone
+    wanted = {"nausea": None, "oculomotor": pytest.approx(53.06), "disorientation": pytest.approx(97.44), "total": None}
+    assert scored(scale, answers) == wanted
+    del answers["sweating"]
+    assert scored(scale, answers)["nausea"] is None
+    assert set(scored(scale, {}).values()) == {None}
+    assert scored(load_scale("grade"), {"grade": 2}) == {}
+
+
+def test_answers_that_cannot_be_are_refused():
+    with pytest.raises(UnknownNameError, match="unknown item of scale 'ssq' 'nausia': did you mean 'nausea'"):
+        scored(load_scale("ssq"), {"nausia": 1})
+    with pytest.raises(InputError, match="scale 'ssq', item 'nausea': 4: wanted an answer from 0 to 3"):
+        scored(load_scale("ssq"), {"nausea": 4})
+
+
+# --- files -------------------------------------------------------------------------------------------------------------
+
+
+def load_text(folder: Path, text: str | bytes) -> Scale:
+    path = folder / "mine.toml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return load_scale(str(path))
+
+
+def test_one_s_own_file(tmp_path):
+    assert load_text(tmp_path, GRADE).name == "mine"
+
+
+def test_unknown_names_and_absent_files(tmp_path):
+    with pytest.raises(UnknownNameError, match="unknown scale 'grades': did you mean 'grade'"):
+        load_scale("grades")
+    with pytest.raises(InputError, match=r"none\.toml: No such file or directory: wanted a \.toml file"):
+        load_scale(str(tmp_path / "none.toml"))
+    (tmp_path / "folder.toml").mkdir()
+    with pytest.raises(InputError, match="Is a directory"):
+        load_scale(str(tmp_path / "folder.toml"))
+
+
+@pytest.mark.parametrize(
+    ("text", "found", "put", "says"),
+    [
+        (GRADE, "least = 1", "least = 6", "answer.most is 6: wanted more than answer.least, 6"),
+        (GRADE, "least = 1", "leest = 1", "the key answer.least is missing"),
+        (GRADE, "step = 0.25", "step = 0.3", "answer.step is 0.3: wanted one that divides 1 to 6 into equal steps"),
+        (GRADE, "step = 0.25", "step = 7", "answer.step is 7: wanted one that divides"),
+        (GRADE, "step = 0.25", "step = 0", "answer.step is 0: wanted a number above 0"),
+        (GRADE, "step = 0.25", "step = 1e-9", "answer.step is 1e-09: wanted one that makes at most 10000 steps"),
+        (GRADE, "most = 6", "most = inf", "answer.most is inf: wanted a finite number"),
+        (GRADE, "low_is_good = true", 'low_is_good = "yes"', "answer.low_is_good is 'yes': wanted true or false"),
+        (GRADE, '6 = "insufficient"', "", "answer.anchors has no word for 6"),
+        (GRADE, '6 = "insufficient"', '7 = "worse"', "answer.anchors.7 is no answer: wanted a number from 1 to 6"),
+        (GRADE, '2 = "good"', 'two = "good"', "answer.anchors.two is no answer"),
+        (GRADE, '2 = "good"', '2 = "good"\n"2.0" = "fine"', "says a second time what this answer means"),
+        (GRADE, '2 = "good"', '2 = ""', "answer.anchors.2 is '': wanted a text"),
+        (GRADE, '2 = "good"', '2 = "a\\nb"', "wanted a text of one line"),
+        (GRADE, 'kind = "rating"', 'kind = "slider"', "kind is 'slider': wanted rating, sickness or questionnaire"),
+        (GRADE, "[[item]]", "[item]", "wanted an array of tables, each beginning with [[item]]"),
+        (GRADE, "[[item]]", "[[items]]", "item comes 0 times: wanted 1 to 500 questions"),
+        (GRADE, 'key = "grade"', 'key = "the grade"', "item.key is 'the grade': wanted a word"),
+        (GRADE, 'title = "School grade"', 'titel = "School grade"', "the key title is missing"),
+        (GRADE, 'title = "School grade"', 'title = "School grade"\nfoo = 1', "unknown key foo: known are"),
+        (GRADE, "step = 0.25", "step = 0.25\nsteps = 1", "unknown key answer.steps: did you mean answer.step?"),
+        (GRADE, "step = 0.25", "step = ", "this is no TOML"),
+        (GRADE, "[[item]]", '[[score]]\nname = "x"\n[[item]]', "score is for questionnaires: a rating is its own score"),
+        (SSQ, 'key = "fatigue"', 'key = "headache"', "item.key is 'headache' a second time"),
+        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1, 17]", "score.items is [1, 17]: wanted numbers of questions, from 1 to 16"),
+        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1, 1]", "score.items is [1, 1]"),
+        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1.5]", "score.items is [1.5]"),
+        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[]", "score.items is []"),
+        (SSQ, 'name = "oculomotor"', 'name = "nausea"', "score.name is 'nausea': wanted a word of letters, digits and _ that no other"),
+        (SSQ, 'of = ["nausea", ', 'of = ["nausia", ', "score.of names 'nausia': wanted scores that stand above this one (nausea, ocu"),
+        (SSQ, 'of = ["nausea", "oculomotor", "disorientation"]', "", "'total': wanted either items, numbers of questions from 1 on, or of"),
+        (SSQ, "weight = 3.74", "weight = 3.74\nof_what = 3", "score.of_what is 3: wanted sums or scores"),
+    ],
+)
+def test_a_bad_value_is_named_with_its_line(tmp_path, text, found, put, says):
+    assert found in text
+    broken = text.replace(found, put, 1)
+    with pytest.raises(InputError) as caught:
+        load_text(tmp_path, broken)
+    assert str(caught.value).startswith(f"{tmp_path / 'mine.toml'}:") and "\n" not in str(caught.value)
+    assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "line"),
+    [("step = 0.25", "step = 0.3", 9), ('6 = "insufficient"', '7 = "worse"', 18), ('key = "grade"', 'key = "the grade"', 21)],
+)
+def test_the_line_is_right(tmp_path, found, put, line):
+    broken = GRADE.replace(found, put)
+    assert broken.splitlines()[line - 1] == put
+    with pytest.raises(InputError, match=rf"mine\.toml:{line}: "):
+        load_text(tmp_path, broken)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.one_of(st.binary(max_size=200), st.tuples(st.integers(0, len(SSQ) - 1), st.text(max_size=6))))
+def test_any_bytes_give_a_scale_or_one_clear_line(tmp_path_factory, change):
+    """Random bytes, and a real file with a few characters overwritten anywhere."""
+    text = change if isinstance(change, bytes) else SSQ[: change[0]] + change[1] + SSQ[change[0] + len(change[1]) :]
+    data = text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass")
+    try:
+        assert isinstance(load_text(tmp_path_factory.getbasetemp(), data), Scale)
+    except InputError as error:
+        assert "mine.toml:" in str(error) and "\n" not in str(error)
