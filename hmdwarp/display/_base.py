@@ -30,7 +30,15 @@ class Lost(MachineError):
 
 
 class Plate(Hashable, Protocol):
-    """Something drawn that lies over the picture where a line of text would: a question with its scale. Equal plates look the same."""
+    """Something drawn that lies over the picture where a line of text would: a question with its scale. Equal plates look the same.
+
+    pointed: whether it wants to be pointed at. While it lies there a window's mouse is free and leads no head, and what it does on the
+    plate comes as commands, its place as (u, v) of the plate, origin bottom left: "point" where it moves, "press" where it is clicked,
+    "up" and "down" as its wheel turns. Nobody walks meanwhile either.
+    """
+
+    @property
+    def pointed(self) -> bool: ...
 
     def ink(self) -> NDArray[np.uint8]:
         """(h, w), top row first: 255 where ink is. Called once for a plate, not at each refresh."""

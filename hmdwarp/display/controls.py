@@ -12,7 +12,8 @@ class Control:
     back: a key of its own for a step back, "" for shift. what: for the help, a few words; "" leaves it out there. of_display: whether the
     display does it by itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel; a "step" goes on
     while its key is held, as a number does. span: the least and most of a number. also: further keys for the same. value: what the command
-    is given, where several keys are one control. buttons: of controllers, by the action's name in display/openxr/bindings.py.
+    is given, where several keys are one control. buttons: of controllers, by their names in display/openxr/bindings.py. written: how the
+    help names its keys, "" for as they are.
     """
 
     name: str
@@ -25,6 +26,7 @@ class Control:
     also: tuple[str, ...] = ()
     value: object = None
     buttons: tuple[str, ...] = ()
+    written: str = ""
 
 
 CONTROLS: tuple[Control, ...] = (

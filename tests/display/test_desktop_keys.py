@@ -7,7 +7,9 @@ import pytest
 glfw = pytest.importorskip("glfw", exc_type=ImportError)
 
 from hmdwarp.display.controls import CONTROLS, MOVING, control  # noqa: E402
-from hmdwarp.display.desktop.keys import FASTER, MOVES, command_of, direction, help_text, token  # noqa: E402
+from hmdwarp.display.desktop.keys import FASTER, MOVES, Keys, direction, token  # noqa: E402
+
+command_of, help_text = Keys(CONTROLS).command_of, Keys(CONTROLS).help_text
 
 
 def test_no_key_does_two_things():

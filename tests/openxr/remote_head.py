@@ -1,4 +1,4 @@
-"""Drives the head of Monado's 'remote' device exactly: poses, fields of view and where the eyes sit, over TCP 4242.
+"""Drives Monado's 'remote' device exactly: the head's poses, fields of view and where the eyes sit, controllers' buttons, over TCP 4242.
 
 Source: Monado 25.0, src/xrt/drivers/remote/r_interface.h, struct r_remote_data, which is sent as it lies in memory.
 """
@@ -42,10 +42,19 @@ class _Head(ctypes.Structure):
     _fields_ = [("views", _View * 2), ("pose", _Pose), ("views_valid", ctypes.c_uint8), ("pad", ctypes.c_uint8 * 3)]
 
 
+AXES = ("trigger_value", "squeeze_value", "squeeze_force", "thumbstick_x", "thumbstick_y", "trackpad_force", "trackpad_x", "trackpad_y")
+BUTTONS = (
+    "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click", "b_touch", "trigger_click",
+    "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch", "pad_0", "pad_1", "pad_2",
+)  # fmt: skip
+
+
 class _Controller(ctypes.Structure):
+    """Monado shows it as a controller of the Valve Index."""
+
     _fields_ = [
         ("pose", _Pose), ("linear_velocity", _Vector), ("angular_velocity", _Vector), ("hand_curl", ctypes.c_float * 5),
-        ("axes", ctypes.c_float * 8), ("buttons", ctypes.c_uint8 * 16),
+        *((name, ctypes.c_float) for name in AXES), *((name, ctypes.c_uint8) for name in BUTTONS),
     ]  # fmt: skip
 
 
@@ -73,6 +82,15 @@ class RemoteHead:
         for view, (head_from_eye, fov) in zip(self._data.head.views, eyes, strict=True):
             view.fov = _Fov(fov.left, fov.right, fov.up, fov.down)
             view.head_from_eye.put(head_from_eye)
+        self._socket.sendall(bytes(self._data))
+
+    def hold(self, hand: str, **states: float) -> None:
+        """From now on "left" or "right" has these, by their names in AXES (-1..1) and BUTTONS (0 or 1); what is not named stays."""
+        controller = getattr(self._data, hand)
+        controller.active = 1
+        for name, state in states.items():
+            assert name in (*AXES, *BUTTONS), name
+            setattr(controller, name, type(getattr(controller, name))(state))
         self._socket.sendall(bytes(self._data))
 
     def _read(self) -> _Data:

@@ -11,7 +11,6 @@ from ...headsets import load_headset
 from ...poses.desktop import Walker
 from ...poses.looped import LoopedSource
 from .. import Closed, Command, DisplayOptions, Label, Tick
-from ..controls import control
 from ..status import Status
 from .opening import start
 from .pacing import Pacer, known_rate
@@ -53,26 +52,31 @@ class DesktopDisplay:
     def _open(self, options: DisplayOptions) -> None:
         from ..present import Presenter
         from .hands import Hands, LedHead
+        from .keys import Keys
         from .overlay import Overlay
 
+        self._controls = options.controls
+        self._own = {one.name for one in options.controls if one.of_display}
+        panel = options.panel and "panel" in self._own
         self._window = Window(
-            self._glfw, TITLE, self._shown.whole, _column() if options.panel else 0, full_screen=options.full_screen, vsync=options.vsync
+            self._glfw, TITLE, self._shown.whole, _column() if panel else 0, full_screen=options.full_screen, vsync=options.vsync
         )
         self._closers.append(self._window.close)
         self.gpu = Gpu(self._window.gl)
         self._closers.append(self.gpu.close)
         self._presenter = Presenter(self.gpu)
         self._closers.append(self._presenter.close)
-        self._overlay = Overlay(self.gpu, self._presenter, self.now_ns)
+        keys = Keys(options.controls)
+        self._overlay = Overlay(self.gpu, self._presenter, self.now_ns, keys.help_text)
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
         self._walker = Walker(self.now_ns())
-        self._hands = Hands(self._window.handle, self._walker, self.now_ns)
+        self._hands = Hands(self._window.handle, self._walker, self.now_ns, keys)
         if options.trace is not None:
             self.source = LoopedSource(options.trace, self.now_ns)
         else:
             self.source = LedHead(self._walker, self._read_inputs)
         self._panel = None
-        if options.panel and not self._make_panel():
+        if panel and not self._make_panel():
             self._overlay.say(f"H shows the keys\n{NO_PANEL}")
         self._closers.append(self._close_panel)
         self._pending: list[Command] = []
@@ -130,6 +134,7 @@ class DesktopDisplay:
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
         size, column = self._window.framebuffer_size, self._panel.column if self._panel is not None else 0
         self._overlay.draw(canvases, self._shown.count, self._shown.aspect, size, column, label)
+        self._hands.point(self._on_plate if not isinstance(label, str) and label.pointed else None)
         if self._panel is not None:
             self._pending += self._panel.draw(self._status, size)
         handed_over_ns = self.now_ns()
@@ -165,6 +170,11 @@ class DesktopDisplay:
         self._hands.lead()
         return self.now_ns()
 
+    def _on_plate(self, x: float, y: float) -> tuple[float, float] | None:
+        """Of a place in the window's own units from the top left, which on some desktops are not pixels."""
+        (w, h), (fw, fh) = self._glfw.get_window_size(self._window.handle), self._window.framebuffer_size
+        return self._overlay.on_plate(x * fw / max(w, 1), fh - y * fh / max(h, 1))
+
     def _refuse_if_over(self) -> None:
         reason = self._window.over()
         if reason:
@@ -199,7 +209,7 @@ class DesktopDisplay:
 
     def _do(self, command: Command) -> bool:
         """Whether it was the window's own."""
-        if not control(command.control).of_display:
+        if command.control not in self._own:
             return False
         getattr(self, f"_do_{command.control}")(command.value)
         return True
@@ -229,7 +239,7 @@ class DesktopDisplay:
 
     def _make_panel(self) -> bool:
         """Whether there is one, made when it is first wanted."""
-        self._panel = self._hands.panel = make_panel(self._window.handle, self._window.gl)
+        self._panel = self._hands.panel = make_panel(self._window.handle, self._window.gl, controls=self._controls)
         return self._panel is not None
 
     def _close_panel(self) -> None:

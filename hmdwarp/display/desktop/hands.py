@@ -10,9 +10,12 @@ import glfw
 
 from ...poses.desktop import Walker
 from .. import Command
-from .keys import FASTER, MOVES, command_of, direction
+from .keys import FASTER, MOVES, Keys, direction
 
 TURN_PER_UNIT = math.radians(0.1)  # of the mouse's way: 900 units (of 0.1 mm or so) for a quarter turn
+
+
+Pointing = Callable[[float, float], tuple[float, float] | None]
 
 
 class Greedy(Protocol):
@@ -25,20 +28,40 @@ class Greedy(Protocol):
 class Hands:
     """Listens to one window and leads `walker`. now_ns: the clock that inputs are timed by, when they are read.
 
-    A click catches the mouse, Escape lets it go; so does another window that comes to the front, which takes the held keys as well.
-    panel: takes its part of the input first. commands: what was asked for, oldest first; whoever obeys empties it.
+    A click catches the mouse, the key of "quit" lets it go; so does another window that comes to the front, which takes the held keys as
+    well. panel: takes its part of the input first. commands: what was asked for, oldest first; whoever obeys empties it.
     """
 
-    def __init__(self, window: object, walker: Walker, now_ns: Callable[[], int]) -> None:
-        self._window, self._walker, self._now_ns = window, walker, now_ns
+    def __init__(self, window: object, walker: Walker, now_ns: Callable[[], int], keys: Keys) -> None:
+        self._window, self._walker, self._now_ns, self._keys = window, walker, now_ns, keys
         self._held: set[int] = set()
         self._at = (0.0, 0.0)
+        self._pointing: Pointing | None = None
+        self._catch_again = False
+        self._turned = 0.0  # of the wheel, as far as it is no whole notch yet
         self.panel: Greedy | None = None
         self.commands: list[Command] = []
         glfw.set_key_callback(window, self._key)
         glfw.set_mouse_button_callback(window, self._click)
         glfw.set_cursor_pos_callback(window, self._moved)
+        glfw.set_scroll_callback(window, self._scrolled)
         glfw.set_window_focus_callback(window, self._focus)
+
+    def point(self, pointing: Pointing | None) -> None:
+        """From now on the mouse points at a plate, and nobody walks; None: it is the head's again, if it was before.
+
+        pointing: where on the plate a place of the window is, in its own units from the top left.
+        """
+        if (pointing is None) == (self._pointing is None):
+            return
+        self._pointing = pointing
+        self._held.clear()
+        if pointing is None and self._catch_again:
+            self.catch()
+        elif pointing is not None:
+            self._catch_again, self._turned = self.caught, 0.0
+            if self.caught:
+                self.let_go()
 
     @property
     def caught(self) -> bool:
@@ -70,21 +93,47 @@ class Hands:
         if self.panel is not None and self.panel.wants_keys:
             return
         if key in MOVES or key in FASTER:
-            if action == glfw.PRESS:
+            if action == glfw.PRESS and self._pointing is None:
                 self._held.add(key)
             return
-        command = command_of(key, action, mods)
+        command = self._keys.command_of(key, action, mods)
         if command is not None and command.control == "quit" and self.caught:
             self.let_go()
         elif command is not None:
             self.commands.append(command)
 
-    def _click(self, _: object, __: int, action: int, ___: int) -> None:
-        if action == glfw.PRESS and not self.caught and not (self.panel is not None and self.panel.wants_mouse):
+    def _click(self, _: object, button: int, action: int, ___: int) -> None:
+        if action != glfw.PRESS or self.caught or self._of_panel:
+            return
+        if self._pointing is None:
             self.catch()
+        elif button == glfw.MOUSE_BUTTON_LEFT:
+            self._note("press", self._pointing(*glfw.get_cursor_pos(self._window)))
+
+    @property
+    def _of_panel(self) -> bool:
+        return self.panel is not None and self.panel.wants_mouse
+
+    def _note(self, what: str, place: tuple[float, float] | None) -> None:
+        """Beside the plate nothing; of places it went by only the last, as there are hundreds in a second."""
+        if place is None:
+            return
+        if what == "point" and self.commands and self.commands[-1].control == what:
+            self.commands.pop()
+        self.commands.append(Command(what, place))
+
+    def _scrolled(self, _: object, __: float, up: float) -> None:
+        if self._pointing is None or self._of_panel:
+            return
+        self._turned += up
+        notches = int(self._turned)  # touchpads turn it in small parts
+        self._turned -= notches
+        self.commands += [Command("up" if notches > 0 else "down")] * abs(notches)
 
     def _moved(self, _: object, x: float, y: float) -> None:
         if not self.caught:
+            if self._pointing is not None and not self._of_panel:
+                self._note("point", self._pointing(x, y))
             return
         across, down = x - self._at[0], y - self._at[1]
         self._at = (x, y)
@@ -93,6 +142,7 @@ class Hands:
     def _focus(self, _: object, focused: int) -> None:
         if not focused:
             self._held.clear()
+            self._catch_again = False
             if self.caught:
                 self.let_go()
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import glfw
 
 from .. import Command
-from ..controls import CONTROLS, MOVING, Control
+from ..controls import MOVING, Control
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control everywhere; the help writes what the user's own
 # keyboard has printed there.
@@ -22,40 +22,47 @@ MOVES = {
     glfw.KEY_Q: (0, -1, 0),
 }
 STEPS_BACK = ("choice", "number")
+HELD = ("number", "step")  # go on while their key is held
 FASTER = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
 _OTHERS = glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER
 
 
 def token(name: str) -> int:
     """glfw's number of a key as controls write it."""
-    return _NAMED[name] if name in _NAMED else getattr(glfw, f"KEY_{name.upper()}")
+    return _NAMED[name] if name in _NAMED else getattr(glfw, f"KEY_{name.upper().replace(' ', '_')}")
 
 
-def _commands() -> dict[int, tuple[Control, bool]]:
-    made: dict[int, tuple[Control, bool]] = {}
-    for control in CONTROLS:
-        made[token(control.key)] = (control, False)
-        if control.back:
-            made[token(control.back)] = (control, True)
-    return made
+class Keys:
+    """What the keys of these controls ask for."""
 
+    def __init__(self, controls: tuple[Control, ...]) -> None:
+        self.controls = controls
+        self._of_key: dict[int, tuple[Control, bool]] = {}
+        for control in controls:
+            self._of_key.update((token(key), (control, False)) for key in (control.key, *control.also))
+            if control.back:
+                self._of_key[token(control.back)] = (control, True)
 
-_COMMANDS = _commands()
+    def command_of(self, key: int, action: int, mods: int) -> Command | None:
+        """What a key event asks for, None for nothing: glfw's key, action and modifiers as its callback gives them.
 
+        Numbers go on while their key is held, and so do steps; everything else once a press. Shift steps back, where that key has no key
+        of its own for it. With Ctrl, Alt or Super a key is somebody else's.
+        """
+        if key not in self._of_key or mods & _OTHERS or action == glfw.RELEASE:
+            return None
+        control, back = self._of_key[key]
+        if action == glfw.REPEAT and control.kind not in HELD:
+            return None
+        shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
+        return Command(control.name, control.value, back=back or shifted)
 
-def command_of(key: int, action: int, mods: int) -> Command | None:
-    """What a key event asks for, None for nothing: glfw's key, action and modifiers as its callback gives them.
-
-    Numbers go on while their key is held; everything else once a press. Shift steps back, where that key has no key of its own for it.
-    With Ctrl, Alt or Super a key is somebody else's.
-    """
-    if key not in _COMMANDS or mods & _OTHERS or action == glfw.RELEASE:
-        return None
-    control, back = _COMMANDS[key]
-    if action == glfw.REPEAT and control.kind != "number":
-        return None
-    shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
-    return Command(control.name, back=back or shifted)
+    def help_text(self, named: Callable[[str], str] | None = None) -> str:
+        """Every control and every way to move, a line each: keys, tab, what they do. named: what the user calls a key."""
+        named = named or label
+        rows = [(_keys_of(control, named), control.what) for control in self.controls if control.what]
+        rows += [(" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING]
+        return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
 def direction(held: set[int]) -> tuple[int, int, int]:
@@ -70,14 +77,9 @@ def label(name: str) -> str:
     return printed.upper() if printed else name
 
 
-def help_text(named: Callable[[str], str] = label) -> str:
-    """Every control and every way to move, a line each: keys, tab, what they do. named: what the user calls a key."""
-    rows = [(_keys_of(control, named), control.what) for control in CONTROLS]
-    rows += [(" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING]
-    return "\n".join(f"{keys}\t{what}" for keys, what in rows)
-
-
 def _keys_of(control: Control, named: Callable[[str], str]) -> str:
+    if control.written:
+        return control.written
     if control.back:
         return f"{named(control.back)} {named(control.key)}"
     return f"{named(control.key)} (shift: back)" if control.kind in STEPS_BACK else named(control.key)

@@ -7,19 +7,20 @@ from collections.abc import Callable, Sequence
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from .. import Label
+from ..notice import Notice
 from ..present import Presenter
-from .keys import help_text
-from .layout import Size, beside, viewports
+from .layout import Rectangle, Size, beside, viewports
 
 SAID_NS = 4_000_000_000  # how long a remark stays
 
 
 class Overlay:
-    """help: whether the keys are explained over the picture, in place of anything else there."""
+    """help: whether the keys are explained over the picture, in place of anything else there. help_text: in which words."""
 
-    def __init__(self, gpu: Gpu, presenter: Presenter, now_ns: Callable[[], int]) -> None:
-        self._screen, self._presenter, self._now_ns = gpu.gl.screen, presenter, now_ns
+    def __init__(self, gpu: Gpu, presenter: Presenter, now_ns: Callable[[], int], help_text: Callable[[], str]) -> None:
+        self._screen, self._presenter, self._now_ns, self._help_text = gpu.gl.screen, presenter, now_ns, help_text
         self.help = False
+        self._plates: list[tuple[Rectangle, Notice]] = []
         self._said, self._until_ns = "", 0
 
     def say(self, text: str) -> None:
@@ -35,7 +36,18 @@ class Overlay:
         said = self._said if self._now_ns() < self._until_ns else ""
         notice = self._presenter.notice("\n".join(filter(None, (label, said))) if isinstance(label, str) else label)
         # The help before the first eye alone: beside it one sees what the keys do.
-        notices = (self._presenter.notice(help_text()) if self.help else notice, notice)
+        notices = (self._presenter.notice(self._help_text()) if self.help else notice, notice)
         pictures = canvases or (None,) * count
-        for picture, over, place in zip(pictures, notices, viewports(beside(size, column), len(pictures), aspect), strict=False):
+        places = viewports(beside(size, column), len(pictures), aspect)
+        for picture, over, place in zip(pictures, notices, places, strict=False):
             self._presenter.show(picture, self._screen, place, hardware_srgb=False, notice=over)
+        self._plates = [(place, over) for place, over in zip(places, notices, strict=False) if over is not None and over is notice]
+
+    def on_plate(self, x: float, y: float) -> tuple[float, float] | None:
+        """What is at that place of the framebuffer, in pixels from the bottom left, of what lies over the pictures now: (u, v) on it,
+        origin bottom left; None beside it."""
+        for (left, low, w, h), notice in self._plates:
+            if 0 <= x - left < w and 0 <= y - low < h:
+                u, v, one = notice.plate_from_place((w, h), None) @ (x - left, y - low, 1.0)
+                return (u / one, v / one) if 0 <= u / one <= 1 and 0 <= v / one <= 1 else None
+        return None

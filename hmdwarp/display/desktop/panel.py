@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import moderngl
 
+from ..controls import CONTROLS, Control
+
 if TYPE_CHECKING:
     from .panel_shown import Panel
 
@@ -22,12 +24,13 @@ def make_panel(
     into: moderngl.Framebuffer | None = None,
     clock: Callable[[], float] | None = None,
     scale: float = 1.0,
+    controls: tuple[Control, ...] = CONTROLS,
 ) -> Panel | None:
     """A panel for a glfw window whose context `gl` is; None where its package is missing, for which HOW_TO_GET_THE_PANEL is the remedy.
 
     Make it after the window has set its callbacks: they are chained, and every one of them is called as before. window: None for a
     panel that nobody can touch, at that content scale. into: where it is shown; the window's own framebuffer by default.
-    clock: seconds, going on; glfw's by default, and without a window a sixtieth more at each call.
+    clock: seconds, going on; glfw's by default, and without a window a sixtieth more at each call. controls: those it shows.
     """
     if not installed():
         return None
@@ -38,7 +41,7 @@ def make_panel(
 
     heard = PanelInput(window) if window is not None else NoInput(scale)
     ticking = glfw.get_time if window is not None else count(1, 1 / 60).__next__
-    return Panel(gl, heard, into or gl.detect_framebuffer(0), clock or ticking)
+    return Panel(gl, heard, into or gl.detect_framebuffer(0), clock or ticking, controls)
 
 
 def installed() -> bool:

@@ -29,10 +29,10 @@ class _Asked:
 
 
 class Controls:
-    """Draws the widgets and turns what is done to them into commands. label: what is printed on a key."""
+    """Draws the widgets and turns what is done to them into commands. label: what is printed on a key. controls: those there are."""
 
-    def __init__(self, label: Callable[[str], str]) -> None:
-        self._label = label
+    def __init__(self, label: Callable[[str], str], controls: tuple[Control, ...] = CONTROLS) -> None:
+        self._label, self._controls = label, controls
         self._asked: dict[str, _Asked] = {}
         self._commands: list[Command] = []
         self._dragged: dict[str, float] = {}
@@ -44,7 +44,7 @@ class Controls:
             imgui.table_setup_column("what", imgui.TableColumnFlags_.width_fixed, LABEL * scale)
             imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch)
             imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, KEY * scale)
-            for control in CONTROLS:
+            for control in self._controls:
                 if not control.of_display and control.name in status.values:
                     self._row(control, status, now_s)
             imgui.end_table()
@@ -124,19 +124,18 @@ class Controls:
                 wanted = state
         return wanted
 
-
-def actions(values: Mapping[str, object], label: Callable[[str], str]) -> list[Command]:
-    """Buttons for what the display does by itself. values: which of its switches are on."""
-    commands, across = [], 2
-    width = (imgui.get_content_region_avail().x - (across - 1) * imgui.get_style().item_spacing.x) / across
-    for number, control in enumerate(one for name in ACTIONS for one in CONTROLS if one.name == name):
-        if number % across:
-            imgui.same_line()
-        at = imgui.get_cursor_screen_pos()
-        if button(f"##{control.name}", width, lit=values.get(control.name) is True and control.name in LIT):
-            commands.append(Command(control.name))
-        _caption(at, width, LABELS[control.name], keys_of(control, label))
-    return commands
+    def actions(self, values: Mapping[str, object]) -> list[Command]:
+        """Buttons for what the display does by itself. values: which of its switches are on."""
+        commands, across = [], 2
+        width = (imgui.get_content_region_avail().x - (across - 1) * imgui.get_style().item_spacing.x) / across
+        for number, control in enumerate(one for name in ACTIONS for one in self._controls if one.name == name):
+            if number % across:
+                imgui.same_line()
+            at = imgui.get_cursor_screen_pos()
+            if button(f"##{control.name}", width, lit=values.get(control.name) is True and control.name in LIT):
+                commands.append(Command(control.name))
+            _caption(at, width, LABELS[control.name], keys_of(control, self._label))
+        return commands
 
 
 def _caption(at: imgui.ImVec2, width: float, text: str, key: str) -> None:

@@ -8,9 +8,10 @@ import moderngl
 from imgui_bundle import imgui, implot
 
 from .._base import Command
+from ..controls import CONTROLS, Control
 from ..status import Status
 from . import panel_style as style
-from .panel_controls import Controls, actions
+from .panel_controls import Controls
 from .panel_input import NoInput, PanelInput
 from .panel_plots import Stages, draw_plots, right_aligned
 from .panel_renderer import PanelRenderer
@@ -37,13 +38,18 @@ class Panel:
     """
 
     def __init__(
-        self, gl: moderngl.Context, heard: PanelInput | NoInput, into: moderngl.Framebuffer, clock: Callable[[], float]
+        self,
+        gl: moderngl.Context,
+        heard: PanelInput | NoInput,
+        into: moderngl.Framebuffer,
+        clock: Callable[[], float],
+        controls: tuple[Control, ...] = CONTROLS,
     ) -> None:
         self._into, self._heard, self._clock = into, heard, clock
         self._context = imgui.create_context()
         self._plots = implot.create_context()
         self._renderer = PanelRenderer(gl)
-        self._controls, self._stages = Controls(heard.label), Stages()
+        self._controls, self._stages = Controls(heard.label, controls), Stages()
         self._size, self._column, self._height, self._scale = (0, 0), 0, 0, 0.0
         self._painted_s, self._lively_until_s = -1.0, 0.0
         self._on, self._closed = True, False
@@ -156,7 +162,7 @@ class Panel:
         imgui.text_disabled("stages, in ms")
         self._stages.draw(status, self._scale)
         imgui.separator()
-        commands += actions(status.values, self._heard.label)
+        commands += self._controls.actions(status.values)
         imgui.end()
         return commands
 

@@ -11,6 +11,8 @@ import xr
 
 from ...errors import InputError, MachineError
 from .. import Closed
+from ..controls import Control
+from .actions import Actions, open_actions
 from .calls import Calls
 from .eyes import COUNT, RuntimeEyes
 from .frames import Frames
@@ -41,6 +43,7 @@ class Connection:
     _largest: tuple[int, int]
     _formats: list[int]
     _cleanup: ExitStack
+    actions: Actions | None = None
     colours: list[Swapchain] = attrs.field(factory=list)
     depths: list[Swapchain] = attrs.field(factory=list)
     projection: Projection | None = None
@@ -96,8 +99,13 @@ def _unready(name: str, running: bool) -> str:
     return f"{name} did not begin a session within {READY_S:g} s: wake the headset, and end other programs that use it"
 
 
-def connect(calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: HeadTracker) -> Connection:
-    """A session with pictures. drawn_with: the graphics for a runtime that is there. Errors: MachineError."""
+def connect(
+    calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
+) -> Connection:
+    """A session with pictures. drawn_with: the graphics for a runtime that is there. controls: those of them with buttons are heard.
+
+    Errors: MachineError.
+    """
     with ExitStack() as stack:
         instance = open_instance(calls, WITH_PICTURES)
         stack.callback(instance.destroy)
@@ -110,6 +118,7 @@ def connect(calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: H
         opaque = xr.EnvironmentBlendMode.OPAQUE.value
         session = Session(calls, instance, graphics.binding)
         stack.callback(session.destroy)
+        actions = open_actions(calls, instance, session.handle, controls)
         spaces = Spaces(calls, instance, session.handle)
         tracker.attach(calls, instance, spaces)
         frames = Frames(calls, session.handle, opaque if opaque in modes else modes[0])
@@ -117,4 +126,4 @@ def connect(calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: H
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
         largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
         has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None
-        return Connection(instance, session, spaces, frames, recommended, has_depth, largest, formats, stack.pop_all())
+        return Connection(instance, session, spaces, frames, recommended, has_depth, largest, formats, stack.pop_all(), actions)

@@ -55,7 +55,7 @@ class OpenXrDisplay:
 
     def _open(self) -> None:
         """Everything, or all but the graphics where they are there already."""
-        self._connection = made = connect(self._calls, self._drawn_with, self.source)
+        self._connection = made = connect(self._calls, self._drawn_with, self.source, self._options.controls)
         self.about = {**made.instance.about, "graphics": self._graphics.name, "space": made.spaces.name}
         self.size = self._options.size or made.recommended
         self.takes_depth = WHO if made.has_depth and self._options.depth_layer else ""
@@ -68,7 +68,7 @@ class OpenXrDisplay:
 
     def _drawn_with(self, instance: Instance) -> Graphics:
         if self._graphics is None:
-            self._graphics = open_graphics(instance)
+            self._graphics = open_graphics(instance, self._options.controls)
             self._presenter = Presenter(self._graphics.gpu)
         return self._graphics
 
@@ -87,6 +87,8 @@ class OpenXrDisplay:
             time.sleep(IDLE_S)
             return None
         made.frames.begin()
+        if made.actions is not None:
+            made.actions.sync(time.monotonic_ns())
         self.source.offset_ns = made.instance.offset_ns()
         self.eyes.locate(self._calls, made.session.handle, made.spaces.head, state.predicted_display_time)
         shown_ns = state.predicted_display_time - self.source.offset_ns
@@ -140,8 +142,10 @@ class OpenXrDisplay:
         """As Display.restart: the head goes on."""
 
     def commands(self) -> Sequence[Command]:
-        """The window's keys; without a window there is nobody to ask."""
-        return self._graphics.mirror.commands() if self._graphics.mirror is not None else ()
+        """The window's keys, where there is a window, and the controllers' buttons, where a control has one."""
+        made, mirror = self._connection, self._graphics.mirror
+        by_hand = made.actions.commands() if made is not None and made.actions is not None else ()
+        return [*(mirror.commands() if mirror is not None else ()), *by_hand]
 
     def tell(self, status: object) -> None:
         """In the window's title, four times a second."""

@@ -12,6 +12,7 @@ import xr
 
 from ...errors import InputError, MachineError
 from ...gpu.context import WANTED, Gpu
+from ..controls import CONTROLS, Control
 from .calls import Calls
 from .instance import Instance
 from .trouble import EGL_EXTENSION, GLX_EXTENSION
@@ -62,12 +63,12 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
     raise MachineError(f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X server")
 
 
-def open_graphics(instance: Instance) -> Graphics:
-    """The first of `kinds` that works. Errors: MachineError that says why none does."""
+def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) -> Graphics:
+    """The first of `kinds` that works. controls: of the window, where there is one. Errors: MachineError that says why none does."""
     said = []
     for kind in kinds(instance.extensions, os.environ):
         try:
-            return _windowed() if kind == GLX else _windowless()
+            return _windowed(controls) if kind == GLX else _windowless()
         except MachineError as error:
             said.append(str(error))
     raise MachineError("; ".join(said))
@@ -84,11 +85,11 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
         raise MachineError(f"{calls.name} wants OpenGL {least.major}.{least.minor}, found {found / 100:.1f}: update the GPU's driver")
 
 
-def _windowed() -> Graphics:
+def _windowed(controls: tuple[Control, ...]) -> Graphics:
     os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")  # GLX is X11's; read when glfw is first imported, which is now
     from .mirror import Mirror
 
-    mirror = Mirror()
+    mirror = Mirror(controls)
     try:
         gpu = Gpu(mirror.gl)
         return Graphics(gpu, "GLX", _glx_binding(), mirror)

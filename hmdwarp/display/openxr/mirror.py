@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .. import Closed, Command, Label
-from ..controls import CONTROLS, control
-from ..desktop.keys import command_of, label
+from ..controls import CONTROLS, Control
+from ..desktop.keys import Keys, label
 from ..desktop.opening import start
 from ..desktop.window import Window
 from ..present import fitted
@@ -26,9 +26,13 @@ ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
-    """gl: its context, which the headset's pictures are drawn with. Errors: MachineError where there is no window."""
+    """gl: its context, which the headset's pictures are drawn with. controls: what its keys ask for.
 
-    def __init__(self) -> None:
+    Errors: MachineError where there is no window.
+    """
+
+    def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
+        self._keys = Keys(tuple(one for one in controls if one.name not in ELSEWHERE))
         self._glfw = start()
         self._window = Window(self._glfw, "hmdwarp", SIZE, vsync=False)
         self.gl = self._window.gl
@@ -39,8 +43,8 @@ class Mirror:
         self._glfw.set_key_callback(self._window.handle, self._key)
 
     def _key(self, _: object, key: int, __: int, action: int, mods: int) -> None:
-        command = command_of(key, action, mods)
-        if command is None or command.control in ELSEWHERE:
+        command = self._keys.command_of(key, action, mods)
+        if command is None:
             return
         if command.control in ITS_OWN:
             self._own(command.control)
@@ -81,7 +85,7 @@ class Mirror:
         self._screen.viewport = place
         self._screen.use()
         self._screen.clear()
-        text = presenter.notice(help_text() if self._help else label)
+        text = presenter.notice(help_text(self._keys.controls) if self._help else label)
         presenter.show(panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text)
         self._glfw.swap_buffers(self._window.handle)
 
@@ -90,8 +94,11 @@ class Mirror:
         self._window.close()
 
 
-def help_text() -> str:
+def help_text(controls: tuple[Control, ...]) -> str:
     """Every control that works here, a line each."""
-    here = [one for one in CONTROLS if one.name not in ELSEWHERE]
-    rows = [(f"{label(one.back)} {label(one.key)}" if one.back else label(one.key), one.what) for one in here if one.name != QUIT]
-    return "\n".join(f"{keys}\t{what}" for keys, what in [*rows, (label(control(QUIT).key), "end")])
+    shown = [(one, "end" if one.name == QUIT else one.what) for one in controls if one.what]
+    return "\n".join(f"{_keys_of(one)}\t{what}" for one, what in shown)
+
+
+def _keys_of(one: Control) -> str:
+    return one.written or (f"{label(one.back)} {label(one.key)}" if one.back else label(one.key))

@@ -6,6 +6,7 @@ from ...display.controls import Control, control
 
 _KEYPAD = {str(digit): (f"KP {digit}",) for digit in range(10)}
 _DIGITS = tuple(Control("digit", key, "", "action", also=also, value=key) for key, also in _KEYPAD.items())
+_POINT = Control("digit", ".", "a number", "action", also=(",", "KP Decimal"), value=".", written="0 to 9 .")
 
 # W A S D Q E walk. Escape opens the menu, where one can stop: nobody is to end a session by a slip, nor to look for the way out.
 CONTROLS: tuple[Control, ...] = (
@@ -13,8 +14,8 @@ CONTROLS: tuple[Control, ...] = (
     Control("right", "Right", "more, or the next one", "step", buttons=("right",)),
     Control("up", "Up", "", "step", buttons=("up",)),
     Control("down", "Down", "", "step", buttons=("down",)),
+    _POINT,
     *_DIGITS,
-    Control("digit", ".", "", "action", also=(",", "KP Decimal"), value="."),
     Control("erase", "Backspace", "erase what was chosen", "step", also=("Delete",)),
     Control("confirm", "Enter", "confirm", "action", also=("KP Enter", "Space"), buttons=("confirm",)),
     Control("skip", "X", "cannot say", "action"),

@@ -1,0 +1,89 @@
+"""Controllers by OpenXR's actions: one set, offered for every kind of controller, asked once a refresh."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from typing import Any
+
+import xr
+
+from ...errors import MachineError
+from .. import Command
+from ..controls import Control
+from .bindings import AXES, BUTTONS, PROFILES
+from .calls import Calls
+from .instance import Instance
+from .pressing import Pressing
+
+_SYNCED = xr.Result.SUCCESS.value  # else the session has not the user's attention (XR_SESSION_NOT_FOCUSED), and no button counts
+_WORDS = {"across": "stick, across", "along": "stick, along", "pad": "pad pressed", "pad_across": "pad, across", "pad_along": "pad, along"}
+
+
+class Actions:
+    """Made for one session, before it begins; it goes with the instance. controls: the first of them with a button is what it asks for."""
+
+    def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
+        self._calls, self._session = calls, session
+        self._controls = {button: control for control in reversed(controls) for button in control.buttons}
+        self._pressing, self._commands = Pressing(), list[Command]()
+        handle = calls.ask(xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0))
+        actions = {name: self._made(handle, name, xr.ActionType.BOOLEAN_INPUT) for name in BUTTONS}
+        actions |= {name: self._made(handle, name, xr.ActionType.FLOAT_INPUT) for name in AXES}
+        self._suggest(instance, actions)
+        calls.ask(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
+        self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))  # kept: the next line but points at it
+        self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
+        self._buttons = {name: _Asking(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
+        self._axes = {name: _Asking(actions[name], xr.ActionStateFloat()) for name in AXES}
+
+    def _made(self, handle: xr.ActionSet, name: str, kind: xr.ActionType) -> xr.Action:
+        return self._calls.ask(xr.create_action, handle, xr.ActionCreateInfo(name, kind, localized_action_name=_WORDS.get(name, name)))
+
+    def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
+        """A runtime may know fewer kinds of controllers, and refuses the others."""
+        for profile, pairs in PROFILES.items():
+            paths = [(actions[name], self._path(instance, path)) for name, path in pairs]
+            suggested = [xr.ActionSuggestedBinding(action, path) for action, path in paths]
+            info = xr.InteractionProfileSuggestedBinding(self._path(instance, profile), len(suggested), suggested)
+            try:
+                self._calls.ask(xr.suggest_interaction_profile_bindings, instance.handle, info)
+            except MachineError:
+                continue
+
+    def _path(self, instance: Instance, text: str) -> int:
+        return self._calls.ask(xr.string_to_path, instance.handle, text)
+
+    def sync(self, now_ns: int) -> None:
+        """How the buttons are now; once a refresh. now_ns: on any clock that goes on. Errors: Lost."""
+        if self._calls("xrSyncActions", self._session, ctypes.byref(self._sync)) != _SYNCED:
+            self._pressing.forget()
+            return
+        buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
+        axes = {name: float(self._state("xrGetActionStateFloat", one)) for name, one in self._axes.items()}
+        for button in self._pressing.step(buttons, axes, now_ns):
+            control = self._controls.get(button)
+            if control is not None:
+                self._commands.append(Command(control.name, control.value))
+
+    def _state(self, call: str, one: _Asking) -> Any:
+        self._calls(call, self._session, one.info_pointer, one.state_pointer)
+        return one.state.current_state if one.state.is_active else 0
+
+    def commands(self) -> list[Command]:
+        """What was asked for since the last time."""
+        asked, self._commands = self._commands, []
+        return asked
+
+
+class _Asking:
+    """One action: what to ask for, and where the answer goes."""
+
+    def __init__(self, action: xr.Action, state: ctypes.Structure) -> None:
+        self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=xr.NULL_PATH), state
+        self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
+
+
+def open_actions(calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> Actions | None:
+    """None where no control has a button: then nothing is asked, at any refresh. Errors: MachineError."""
+    return Actions(calls, instance, session, controls) if any(control.buttons for control in controls) else None
