@@ -68,8 +68,9 @@ def _erase_traces(traces: Path, sub: str) -> None:
     """Overwritten, then unlinked: the name alone going would leave the poses on the disk until something else takes the place."""
     try:
         for path in sorted(traces.iterdir()) if traces.is_dir() else ():
-            if sub in path.name and path.is_file() and not path.is_symlink():  # a copy or a half-written one beside it has it too
-                _overwrite(path)
+            if sub in path.name:  # a copy or a half-written one beside it has it too
+                if path.is_file() and not path.is_symlink():
+                    _overwrite(path)
                 path.unlink()
         if traces.is_dir():
             sync_folder(traces)

@@ -141,15 +141,18 @@ def open_to_read(folder: Path) -> sqlite3.Connection | None:
     with told(path):
         try:
             return _reader(path, "mode=ro")
-        except sqlite3.OperationalError:
-            if os.access(folder, os.W_OK):
+        except sqlite3.OperationalError as error:
+            if not os.access(folder, os.W_OK):
+                return _reader(path, _frozen(path))
+            if not error.sqlite_errorname.startswith("SQLITE_READONLY"):
                 raise
-        return _reader(path, _frozen(path))
+        return _reader(path, "mode=rw")  # a program that died while it made the file left a journal: who reads must roll it back
 
 
 def _reader(path: Path, how: str) -> sqlite3.Connection | None:
     db = _connect(path, how)
     try:
+        db.execute("PRAGMA query_only = ON")
         if _is_empty(db):
             db.close()
             return None
@@ -171,8 +174,8 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 
 def _frozen(path: Path) -> str:
     """How to read where nothing may be written: without the files that readers share. What is still in the WAL would be missed."""
-    wal = path.with_name(path.name + "-wal")
-    if wal.is_file() and wal.stat().st_size:
+    beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
+    if any(one.is_file() and one.stat().st_size for one in beside):
         raise MachineError(f"{path.parent}: its last session was cut off, and nothing may be written there: copy the folder, read the copy")
     return "immutable=1"
 

@@ -1,0 +1,224 @@
+"""Who withdraws is gone: from what is read, from the bytes of every file, and after a kill in the middle; the code alone stays."""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import signal
+import struct
+import time
+
+import pytest
+
+from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.study.store import COMPLETE, Store, erasing
+from hmdwarp.study.withdraw import holdings, withdraw
+
+from .killing import Killing
+from .sessions import asks, begun, child, design, go_through, whole
+
+REMARK = "Zwölf Xylophone quietschen: {}"
+RATING = 3.0625 + 2.0**-30  # a double whose eight bytes are nowhere else by chance
+POSE = "0.7342918{}"
+
+
+def told_of(number: int) -> list[bytes]:
+    """What only participant P<number> left: the remark (in the row, in the event and as JSON), the rating as SQLite has it, the pose."""
+    return [REMARK.format(number).encode(), struct.pack(">d", RATING + number), POSE.format(number).encode()]
+
+
+def filled(store: Store, numbers: range) -> list[str]:
+    """Whole sessions with all that; the subs. A question is asked again, a session is interrupted and gone on with."""
+    subs = []
+    for number in numbers:
+        session = begun(store, f"P{number}", facts={"headset": f"of {REMARK.format(number)}"})
+        go_through(store, session, RATING + number, POSE.format(number) * 500)
+        store.answer(session, asks(session)[0], 1.0, 1.0, "participant")
+        for _ in range(12):
+            store.record(session, "remark", text=REMARK.format(number))
+        store.end(session, "interrupted", REMARK.format(number))
+        store.end(store.resume(f"P{number}"), COMPLETE)
+        subs.append(session.sub)
+    return subs
+
+
+def everything(folder) -> bytes:
+    """The bytes of all files, and their names."""
+    return b"\n".join(path.name.encode() + b":" + (path.read_bytes() if path.is_file() else b"") for path in sorted(folder.rglob("*")))
+
+
+def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        subs = filled(store, range(5))
+        before = store.contents()
+        data = everything(tmp_path / "data")
+        for number, sub in enumerate(subs):
+            assert sub.encode() in data and all(mark in data for mark in told_of(number)), "the test looks for what is there"
+        erased = withdraw(store, "P2")
+        assert "1 session, " in erased.words() and "5 head traces" in erased.words()
+        for when in ("while it is open", "closed"):
+            data = everything(tmp_path / "data")
+            assert subs[2].encode() not in data and not [mark for mark in told_of(2) if mark in data], when
+            store.close()
+        assert not [mark for number in (0, 1, 3, 4) for mark in (*told_of(number), subs[number].encode()) if mark not in data]
+    with Store(tmp_path / "data") as store:
+        after = store.contents()
+        gone = next(one.id for one in before.sessions if one.code == "P2")
+        assert after.withdrawn == 1
+        assert after.sessions == tuple(one for one in before.sessions if one.id != gone)
+        for name in ("answers", "showings", "events"):
+            assert getattr(after, name) == tuple(one for one in getattr(before, name) if one.session != gone)
+        assert len(list(store.traces.iterdir())) == len(after.showings)
+
+
+def test_the_tombstone_is_the_code_alone(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        filled(store, range(1))
+        withdraw(store, "p0")
+        assert store._opened.db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
+        for table in ("participant", "session", "answer", "showing", "event", "plan"):
+            assert store._opened.db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
+        for again in (lambda: withdraw(store, "P0"), lambda: holdings(store, "P0")):
+            with pytest.raises(InputError, match="has withdrawn already"):
+                again()
+        with pytest.raises(InputError, match="a code is not used again"):
+            begun(store, "P0")
+        with pytest.raises(InputError, match="nothing to go on with"):
+            store.resume("P0")
+        with pytest.raises(InputError, match="P9 is not known here"):
+            withdraw(store, "P9")
+
+
+def test_the_order_is_free_again_and_no_id_comes_twice(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        first = [whole(store, f"P{k}") for k in range(4)]
+        withdraw(store, "P3")
+        again = begun(store, "P9")
+        assert again.row == first[3].row and again.id > first[3].id and again.sub not in [one.sub for one in first]
+
+
+def test_all_sessions_of_a_participant_go(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        whole(store, "P1")
+        store.end(begun(store, "P1", "two", new_session=True), "stopped")
+        assert holdings(store, "P1").sessions == 2
+        withdraw(store, "P1")
+        assert store.contents().sessions == ()
+
+
+def test_half_written_and_copied_traces_go_as_well_and_nobody_else_s(tmp_path):
+    with Store(tmp_path / "data", create=True) as store:
+        subs = filled(store, range(2))
+        (store.traces / f".{subs[0]}_ses-1_trial-9_1.csv.a1b2.part").write_text(POSE)
+        (tmp_path / "elsewhere").write_text("mine")
+        (store.traces / f"{subs[0]}_link").symlink_to(tmp_path / "elsewhere")
+        withdraw(store, "P0")
+        assert (tmp_path / "elsewhere").read_text() == "mine", "a link is not followed"
+        assert not [path.name for path in store.traces.iterdir() if subs[0] in path.name]
+        assert len([path for path in store.traces.iterdir() if subs[1] in path.name]) == 5
+
+
+def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_path, monkeypatch):
+    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.1)
+    with Store(tmp_path / "data", create=True) as store:
+        subs = filled(store, range(2))
+        with Store(tmp_path / "data") as reader:
+            reader._opened.db.execute("BEGIN")
+            reader._opened.db.execute("SELECT count(*) FROM answer").fetchone()
+            with pytest.raises(MachineError, match="another program reads"):
+                withdraw(store, "P0")
+            assert [one.code for one in store.contents().sessions] == ["P1"], "nobody reads them any more in any case"
+            reader._opened.db.execute("ROLLBACK")
+    said: list[str] = []
+    with Store(tmp_path / "data", say=said.append) as store:
+        assert withdraw(store, "P0") is None
+        assert "had been cut off" in said[0]
+        assert subs[0].encode() not in everything(tmp_path / "data")
+
+
+def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
+    with Store(tmp_path / "data", create=True) as store:
+        subs = filled(store, range(1))
+        (tmp_path / "data" / "traces" / "notes").write_text(f"{subs[0]} was tired")
+        with pytest.raises(HmdwarpError, match="notes: still holds"):
+            withdraw(store, "P0")
+
+
+# --- killed in the middle --------------------------------------------------------------------------------------------------
+
+KILLED = """
+import importlib
+erasing = importlib.import_module("hmdwarp.study.store.erasing")
+name, count = sys.argv[2], int(sys.argv[3])
+real = getattr(erasing, name)
+def die(*words):
+    global count
+    count -= 1
+    if count < 0: os.kill(os.getpid(), 9)
+    return real(*words)
+setattr(erasing, name, die)
+from hmdwarp.study.withdraw import withdraw
+with Store(Path(sys.argv[1])) as store: withdraw(store, "P1")
+"""
+
+
+def check_finished(folder, subs) -> None:
+    """The next one who writes finishes it; a reader before that sees nothing of it, or all where nothing had been begun."""
+    with Store(folder) as store:
+        seen = {one.code for one in store.contents().sessions}
+        assert {"P0", "P2"} <= seen
+        with contextlib.suppress(InputError):
+            withdraw(store, "P1")
+        assert [one.code for one in store.contents().sessions] == ["P0", "P2"] and store.contents().withdrawn == 1
+        assert begun(store, "P7").row in range(4)
+    data = everything(folder)
+    assert subs[1].encode() not in data and not [mark for mark in told_of(1) if mark in data]
+    assert not [mark for number in (0, 2) for mark in told_of(number) if mark not in data]
+
+
+@pytest.mark.parametrize(
+    ("step", "count"),
+    [("_erase_traces", 0), ("_overwrite", 0), ("_overwrite", 2), ("_erase_rows", 0), ("_clean", 0), ("_empty_log", 0), ("_empty_log", 1),
+     ("_check_bytes", 0)],
+)  # fmt: skip
+def test_killed_before_each_step(tmp_path, step, count):
+    with Store(tmp_path / "data", create=True) as store:
+        subs = filled(store, range(3))
+    process = child(KILLED, tmp_path / "data", step, count)
+    process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGKILL
+    with Store(tmp_path / "data") as reader:
+        assert [one.code for one in reader.contents().sessions] == ["P0", "P2"], "marked first: nobody reads them from then on"
+    check_finished(tmp_path / "data", subs)
+
+
+WITHDRAWS = """
+from hmdwarp.study.withdraw import withdraw
+def job(folder):
+    with Store(folder) as store: withdraw(store, "P1")
+    told("over")
+"""
+
+
+def test_killed_at_any_moment(tmp_path):
+    """As long as an unhindered withdrawal takes, cut off at six instants."""
+    chance = random.Random(11)
+    hindered = 0
+    with Killing(WITHDRAWS) as killing:
+        for round_ in range(7):
+            folder = tmp_path / str(round_)
+            with Store(folder, create=True) as store:
+                subs = filled(store, range(3))
+            began = time.monotonic()
+            if round_ == 0:
+                assert killing.job(folder, None) == ["over"]
+                took = time.monotonic() - began
+            else:
+                hindered += killing.job(folder, chance.uniform(0, took)) == []
+            check_finished(folder, subs)
+    assert hindered, "most of them, unless the machine became ten times as fast"
+
+
+def test_the_steps_killed_at_are_those_there_are():
+    assert all(hasattr(erasing, name) for name in ("_erase_traces", "_overwrite", "_erase_rows", "_clean", "_empty_log", "_check_bytes"))
+    assert design().name == "late"
