@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import typer
 
-from . import plan
+from . import export, plan, run
 
 app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
 app.command("plan")(plan.plan)
+app.command("run")(run.run)
+app.command("export")(export.export)

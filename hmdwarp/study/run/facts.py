@@ -1,0 +1,43 @@
+"""What a session ran on: kept with it, once for each run of the program."""
+
+from __future__ import annotations
+
+import os
+import platform
+from importlib import metadata
+from typing import Any
+
+from ...display import Display
+from ...version import __version__
+from ..design import Design
+
+PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "prompt-toolkit")
+
+
+def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
+    """versions, machine, gpu, display, seed. No name of a host or a user: what is kept of a session may be passed on."""
+    gpu = display.gpu
+    return {
+        "hmdwarp": __version__,
+        "python": platform.python_version(),
+        "packages": {name: version for name in PACKAGES if (version := _version(name))},
+        "machine": _machine(),
+        "gpu": {"renderer": gpu.renderer, "version": gpu.version, "clock": gpu.timer.clock},
+        "display": dict(display.about),
+        "source": display.name,
+        "headset": display.headset.name if display.headset is not None else display.about.get("headset", ""),
+        "rate_hz": display.rate_hz,
+        "seed": design.seed,
+        "trace": trace,
+    }
+
+
+def _machine() -> dict[str, Any]:
+    return {"system": platform.system(), "release": platform.release(), "cpu": platform.machine(), "cpu_count": os.cpu_count() or 1}
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return ""

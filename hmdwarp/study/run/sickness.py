@@ -1,0 +1,38 @@
+"""When a session has to end because somebody feels sick."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ..design import Sickness
+from ..store import Answer
+
+
+def counting(answers: Iterable[Answer]) -> dict[str, Answer]:
+    """The answers that count, by the key of their question, in the order the questions were first answered: each one's newest revision."""
+    newest: dict[str, Answer] = {}
+    for answer in answers:
+        known = newest.get(answer.key)
+        if known is None or answer.revision > known.revision:
+            newest[answer.key] = answer
+    return newest
+
+
+def why_sick(rule: Sickness | None, answers: Iterable[Answer]) -> str:
+    """What the stop rule says of a session's answers, in words; "" as long as it may go on.
+
+    The newest answer of the rule's scale decides, so that one corrected at once does not end the session; "cannot say" decides nothing.
+    A rise is counted from the first answer of the session.
+    """
+    if rule is None:
+        return ""
+    given = [one.value for one in counting(answers).values() if one.scale == rule.scale.name and one.value is not None]
+    if not given:
+        return ""
+    first, last = given[0], given[-1]
+    title = rule.scale.title
+    if rule.stop_at is not None and rule.scale.badness(last) >= rule.scale.badness(rule.stop_at):
+        return f"{title}: {last:g}, and the session ends at {rule.stop_at:g}"
+    if rule.rise is not None and rule.scale.badness(last) - rule.scale.badness(first) >= rule.rise:
+        return f"{title}: {last:g} after {first:g} at first, and the session ends at a rise of {rule.rise:g}"
+    return ""
