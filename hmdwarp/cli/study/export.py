@@ -1,0 +1,44 @@
+"""hmdwarp study export: tables and a BIDS tree, to be passed on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def export(
+    study: Annotated[str, typer.Argument(help="The study's .toml file, or the name of one that comes along.")],
+    out: Annotated[Path, typer.Option("--out", help="A new folder for the tables and the BIDS tree.")],
+    store: Annotated[Path | None, typer.Option("--store", help="The data; by default beside the file.", show_default=False)] = None,
+    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of participants.")] = False,
+    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of those of participants.")] = False,
+    remarks: Annotated[bool, typer.Option("--remarks", help="What was typed freely too: it may name somebody.")] = False,
+    all_revisions: Annotated[bool, typer.Option("--all-revisions", help="Also every answer that was corrected later.")] = False,
+    parquet: Annotated[
+        bool | None, typer.Option("--parquet/--no-parquet", help="By default where pyarrow is installed.", show_default=False)
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Write the ratings as CSV, TSV and Parquet, and all of the study as a BIDS data set with the motion of the heads."""
+    from ...errors import InputError
+    from ...study.design.read import load_design
+    from ...study.export import ExportOptions
+    from ...study.export import export as run
+    from ...study.store import PERSON, PILOT, SIMULATED, Store, store_folder
+    from .._show import steps
+
+    if pilot and simulated:
+        raise InputError("--pilot and --simulated: they never stand in one table; export one after the other")
+    origin = PILOT if pilot else SIMULATED if simulated else PERSON
+    design = load_design(study)
+    with Store(store_folder(design, store), study=design.name) as data:
+        contents = data.contents(pilot=pilot)
+    options = ExportOptions(origin=origin, remarks=remarks, revisions=all_revisions, parquet=parquet)
+    with steps("recordings", quiet=quiet) as (progress, _):
+        made = run(contents, design, out, options, progress)
+    if not quiet:
+        for line in made.told:
+            typer.echo(line)
+        typer.echo(f"written: {made.folder}")

@@ -1,0 +1,48 @@
+"""What stands beside the tables, for who opens the folder in ten years."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...version import __version__
+from ..design import Design
+from ..scales import Scale
+from ..store import PERSON, PILOT, Contents
+from .rows import Row
+
+_WHOSE = {PERSON: "people", PILOT: "pilots, who tried the study out", "simulated": "programs that answered instead of people"}
+
+
+def counts_told(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
+    """How many there are of everything."""
+    people = len({one.sub for one in contents.sessions})
+    given = sum(row["value"] is not None for row in ratings)
+    missing = f", {len(ratings) - given} more are missing" if len(ratings) > given else ""
+    return f"{people} participants ({_WHOSE[origin]}) in {len(contents.sessions)} sessions, {given} ratings{missing}"
+
+
+def readme(design: Design, contents: Contents, ratings: Sequence[Row], origin: str) -> str:
+    """For the root of the folder and of the BIDS tree."""
+    scales = ", ".join(_asked(scale) for scale in design.scales)
+    conditions = "\n".join(f"  {part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts)
+    return f"""{design.title}
+
+Study "{design.name}", exported by hmdwarp {__version__}: {counts_told(contents, ratings, origin)}.
+Asked after each trial: {scales}.
+Conditions, by part of the study:
+{conditions}
+
+ratings.csv, ratings.tsv, ratings.parquet: one row for each rating, missing ones among them, with what was shown. The same three times.
+sickness.tsv: how sick people felt between the trials. questionnaires.tsv: answers and scores before and after.
+columns.json: what each column is, its units and its values. bids/: the same as a BIDS data set, with the motion of the heads.
+Missing is n/a, in Parquet null. Numbers have decimal points. Of answers that were corrected the last one counts.
+
+Privacy: participants are random words, which nothing here leads back from. No date and no time of day is in here: instants count from
+the beginning of a session, which BIDS writes as 1925-01-01. Head motion is personal data all the same: it can tell a person from
+hundreds of others within minutes. Give the folder bids/ only to whom the participants agreed to. Who withdraws later must be erased
+here too, by hand: delete this folder and export again.
+"""
+
+
+def _asked(scale: Scale) -> str:
+    return f"{scale.name} ({scale.least:g} to {scale.most:g}, {'low' if scale.low_is_good else 'high'} is good)"

@@ -1,0 +1,118 @@
+"""A small study with a real store: two people, a third who withdraws, and a pilot."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hmdwarp.poses import PoseTrack
+from hmdwarp.poses.formats.native import write_native
+from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.store import PERSON, PILOT, Store
+
+TEXT = """
+schema = 1
+name = "late-or-warped"
+title = "Does a warp help?"
+seed = 3
+[common]
+scene = "planes"
+[trial]
+seconds = 1
+scales = ["grade"]
+[practice]
+seconds = 1
+[sickness]
+scale = "fms"
+[questionnaires]
+before = ["vrsq"]
+after = ["vrsq"]
+[[condition]]
+name = "late"
+latency = 400
+warp = "none"
+fill = "none"
+[[condition]]
+name = "warped"
+latency = 400
+warp = "forward"
+guard = 1.5
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+"""
+NASTY = 'says "ouch"\tand;\nthen, näïve – \u2028 =1+1 🙂 Maria Withdrawn'
+
+
+class Day:
+    """A clock on a day that must be nowhere in an export; two seconds pass with every look."""
+
+    def __init__(self) -> None:
+        self._now, self._mono = datetime(2031, 7, 23, 16, 41, 7, tzinfo=UTC), 0
+
+    def utc(self) -> datetime:
+        self._now += timedelta(seconds=2)
+        return self._now
+
+    def mono_ns(self) -> int:
+        self._mono += 2_000_000_000
+        return self._mono
+
+
+def write_trace(path: Path, seed: int, samples: int = 40) -> PoseTrack:
+    """A head that turns and walks, at about 90 Hz, with a clock that begins anywhere."""
+    rng = np.random.default_rng(seed)
+    times = 10**15 * (seed + 1) + np.cumsum(rng.integers(10_500_000, 11_700_000, samples))
+    turn = np.linspace(0, 0.5, samples)
+    quaternions = np.stack([0 * turn, np.sin(turn / 2), 0 * turn, np.cos(turn / 2)], axis=1)
+    position = rng.normal(0, 0.01, (samples, 3)) + (0, 1.6, 0)
+    track = PoseTrack(times, position, quaternions, origin=f"Recorder of {path.stem}", notes=("2031-07-23",))
+    with path.open("w", encoding="utf-8") as stream:
+        write_native(track, stream)
+    return track
+
+
+def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, until: int | None = None):
+    """A session: every answer is told by the seed. until: trials before it is stopped."""
+    session = store.begin(design, None, code, origin, facts={"hmdwarp": "0.0", "headset": "test-hmd", "trace": f"secret-of-{code}"})
+    rng = np.random.default_rng(seed)
+    showing = None
+    for step in steps_of(design, session.order, session.part):
+        if until is not None and getattr(step, "trial", 0) > until:
+            break
+        if isinstance(step, Show):
+            showing = store.begin_showing(session, step, dict(step.condition.settings))
+            write_trace(store.traces / showing.trace, 100 * seed + step.trial)
+            actual = {"latency_ms_median": 401.5 + step.trial, "pictures": 90, "hole_share_mean": None, "warp": "forward", "size": "96x120"}
+            showing = store.end_showing(session, showing, actual, complete=True)
+        elif isinstance(step, Ask):
+            values = step.scale.values()
+            value = None if step.trial == 2 and seed == 1 and step.scale.kind == "rating" else values[rng.integers(len(values))]
+            store.answer(session, step, value, 1.25, "participant", showing if step.about else None)
+            if step.trial == 1 and step.scale.kind == "rating":
+                store.answer(session, step, step.scale.least, 0.5, "participant", showing)
+    store.record(session, "remark", "trial/1", by="experimenter", text=f"{NASTY} {code}")
+    complete = until is None
+    return store.end(session, "complete" if complete else "stopped", why="" if complete else "asked for by the participant")
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_from_text(TEXT, "late.toml")
+
+
+@pytest.fixture
+def store(tmp_path, design):
+    with Store(tmp_path / "data", create=True, clock=Day()) as made:
+        sit(made, design, "Alpha-1", seed=1)
+        sit(made, design, "Beta-2", seed=2, until=2)
+        sit(made, design, "Gamma-3", seed=3)
+        sit(made, design, "Pilot-4", PILOT, seed=4)
+        yield made

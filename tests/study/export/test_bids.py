@@ -1,0 +1,142 @@
+"""The BIDS tree: names and contents by the rules of the specification, poses as they were recorded, no date anywhere."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+from hmdwarp.poses import load_trace
+from hmdwarp.study.export import export
+from hmdwarp.study.export.motion import CHANNELS, Rates, motion_text
+
+from .conftest import write_trace
+
+SUB, SES = r"sub-(?P<sub>[0-9a-zA-Z]+)", r"ses-(?P<ses>[0-9a-zA-Z]+)"
+TASK = r"task-[0-9a-zA-Z]+"
+# Written down from the tables of file names of the specification (1.9), for what a study has.
+NAMES = [
+    r"(README|dataset_description\.json|participants\.(tsv|json))",
+    rf"{SUB}/{SES}/sub-(?P=sub)_ses-(?P=ses)_scans\.(tsv|json)",
+    rf"{SUB}/{SES}/beh/sub-(?P=sub)_ses-(?P=ses)_{TASK}_beh\.(tsv|json)",
+    rf"{SUB}/{SES}/motion/sub-(?P=sub)_ses-(?P=ses)_{TASK}_tracksys-[0-9a-zA-Z]+_run-[0-9]+_(motion|channels)\.(tsv|json)",
+]
+
+
+@pytest.fixture
+def tree(store, design, tmp_path):
+    return export(store.contents(), design, tmp_path / "out").folder / "bids"
+
+
+def files(tree):
+    return sorted(path for path in tree.rglob("*") if path.is_file())
+
+
+def table(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file, delimiter="\t"))
+
+
+def loaded(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_every_name_is_one_of_the_specifications(tree):
+    for path in files(tree):
+        name = path.relative_to(tree).as_posix()
+        assert any(re.fullmatch(pattern, name) for pattern in NAMES), name
+
+
+def test_a_validator_of_others_takes_every_name(tree):
+    validator = pytest.importorskip("bids_validator", reason="bids_validator is not installed (pip install bids_validator)").BIDSValidator()
+    for path in files(tree):
+        assert validator.is_bids(f"/{path.relative_to(tree).as_posix()}"), path
+
+
+def test_what_must_be_there_is(tree):
+    about = loaded(tree / "dataset_description.json")
+    assert {"Name", "BIDSVersion", "DatasetType", "GeneratedBy"} <= set(about) and about["GeneratedBy"][0]["Name"] == "hmdwarp"
+    people = table(tree / "participants.tsv")
+    assert list(people[0])[0] == "participant_id"
+    assert {row["participant_id"] for row in people} == {path.name for path in tree.glob("sub-*")}
+    assert sorted(row["status"] for row in people) == ["complete", "complete", "stopped"]
+    for path in tree.rglob("*_motion.json"):
+        side = loaded(path)
+        assert {"TaskName", "SamplingFrequency", "TrackingSystemName"} <= set(side)
+        assert re.sub("[^A-Za-z0-9]", "", side["TaskName"]) == re.search("task-([A-Za-z0-9]+)_", path.name)[1]
+        assert side["MotionChannelCount"] == sum(side[f"{kind}ChannelCount"] for kind in ("LATENCY", "POS", "ORNT"))
+
+
+def test_every_column_of_every_table_is_in_its_sidecar(tree):
+    for path in tree.rglob("*.tsv"):
+        if path.name.endswith(("_motion.tsv", "_channels.tsv")):
+            continue
+        with path.open(encoding="utf-8") as file:
+            columns = file.readline().rstrip("\n").split("\t")
+        side = loaded(path.with_suffix(".json"))
+        assert [name for name in columns if name != "participant_id" and "Description" not in side.get(name, {})] == []
+        lines = path.read_text(encoding="utf-8").splitlines()
+        assert all(line.count("\t") == len(columns) - 1 and "\t\t" not in line for line in lines)
+
+
+def test_poses_are_as_they_were_recorded(tree, store):
+    """Read by NumPy, against what the trace reader reads."""
+    count = 0
+    for session in store.contents().sessions:
+        folder = tree / f"sub-{session.sub}" / "ses-01"
+        scans = {row["filename"]: row for row in table(folder / f"sub-{session.sub}_ses-01_scans.tsv")}
+        shown = {(one.trial, one.presentation): one for one in store.contents().showings if one.session == session.id}
+        for path in sorted(folder.glob("motion/*_motion.tsv")):
+            row = scans[f"motion/{path.name}"]
+            showing = shown[int(row["trial"]), int(row["presentation"])]
+            assert row["condition"] == showing.condition
+            track = load_trace(store.traces / showing.trace).track
+            data = np.loadtxt(path, delimiter="\t")
+            assert (data[:, 1:4] == track.position_m).all() and (data[:, 4:] == track.orientation_xyzw).all()
+            # Instants are rounded to the microsecond, as the specification writes them.
+            assert np.abs(data[:, 0] * 1e9 - (track.time_ns - track.start_ns)).max() <= 500.1 and data[0, 0] == 0
+            channels = table(path.with_name(path.name.replace("_motion", "_channels")))
+            assert len(channels) == data.shape[1] == len(CHANNELS)
+            assert [one["type"] for one in channels] == ["LATENCY", *["POS"] * 3, *["ORNT"] * 4]
+            assert [one["component"] for one in channels] == ["n/a", "x", "y", "z", "quat_x", "quat_y", "quat_z", "quat_w"]
+            count += 1
+    assert count == 4 + 3 + 4
+
+
+def test_rates_tell_how_uneven_samples_are(tmp_path):
+    track = write_trace(tmp_path / "a.csv", 1, samples=400)
+    steps = np.diff(track.time_ns)
+    rates = Rates.of(track)
+    assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps)) and rates.effective_hz == pytest.approx(399e9 / steps.sum())
+    # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from its middle, half of it on either side.
+    assert 0.02 < rates.uneven < 0.15
+    even = track.evolve(time_ns=np.arange(400) * 11_111_111, max_gap_ns=10**9)
+    assert Rates.of(even).uneven == 0 and "0.0%" in Rates.of(even).told()
+    assert motion_text(even).splitlines()[1].startswith("0.011111\t")
+
+
+def test_instants_count_from_the_beginning_of_a_session(tree):
+    for path in tree.rglob("*_scans.tsv"):
+        rows = table(path)
+        assert rows[0]["acq_time"] == "1925-01-01T00:00:00.000"
+        times = [row["acq_time"] for row in rows]
+        assert times == sorted(times) and all(re.fullmatch(r"1925-01-01T00:\d\d:\d\d\.\d{3}", one) for one in times)
+
+
+def test_no_date_and_no_code_is_in_any_byte(tree):
+    """The tests' clock says 2031-07-23, 16:41; so do the traces' headers."""
+    for path in tree.parent.rglob("*"):
+        data = path.read_bytes() if path.is_file() else b""
+        for word in (b"2031-0", b"16:41", b"16:42", b"Alpha-1", b"Beta-2", b"Gamma-3", b"Pilot-4", b"secret-of", b"Recorder of"):
+            assert word not in data and word.decode() not in path.name, (path.name, word, data[max(0, data.find(word) - 40):][:80])
+
+
+def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design, tmp_path):
+    contents = store.contents()
+    showings = [one for one in contents.showings if one.trial == 1]
+    (store.traces / showings[0].trace).write_text("no trace at all\n", encoding="utf-8")
+    (store.traces / showings[1].trace).unlink()
+    made = export(contents, design, tmp_path / "out")
+    assert len([text for text in made.told if text.startswith("left out: ")]) == 2
+    assert len(list(made.folder.rglob("*_motion.tsv"))) == 11 - 2

@@ -1,0 +1,191 @@
+"""The tables: what they hold, that they read back as they were, and that no nasty value breaks them."""
+
+import csv
+import io
+import json
+import locale
+
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.export import COLUMNS, LONG_COLUMNS, ExportOptions, columns_for, export, long_rows
+from hmdwarp.study.export.columns import FLAG, NUMBER, WHOLE
+from hmdwarp.study.export.text import csv_text, field_text, read_table, tsv_text
+from hmdwarp.study.store import PILOT, SIMULATED
+
+from .conftest import NASTY, TEXT
+
+VALUES = {
+    NUMBER: st.floats(allow_nan=False, allow_infinity=False),
+    WHOLE: st.integers(-(2**53), 2**53),
+    FLAG: st.booleans(),
+}
+TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1).filter(lambda text: text != "n/a")
+ROW = st.fixed_dictionaries({c.name: st.none() | VALUES.get(c.type, TEXTS) for c in COLUMNS})
+
+
+@given(st.lists(ROW, max_size=4))
+def test_a_table_as_csv_reads_back_as_it_was(rows):
+    assert read_table(csv_text(rows, COLUMNS), COLUMNS) == rows
+
+
+@given(st.lists(ROW, max_size=4))
+def test_a_table_as_tsv_has_a_line_for_each_row_and_reads_back_but_for_white_space(rows):
+    text = tsv_text(rows, COLUMNS)
+    assert text.count("\n") == len(rows) + 1
+    flat = [{k: (" ".join(v.split()) or None) if isinstance(v, str) else v for k, v in row.items()} for row in rows]
+    kept = [row for row in flat if "n/a" not in row.values()]  # white space around n/a makes it n/a
+    assert [row for row, was in zip(read_table(text, COLUMNS, "\t"), flat, strict=True) if "n/a" not in was.values()] == kept
+
+
+def test_points_are_points_whatever_the_locale():
+    before = locale.setlocale(locale.LC_ALL)
+    try:
+        for name in ("de_DE.UTF-8", "de_DE", "C"):
+            try:
+                locale.setlocale(locale.LC_ALL, name)
+            except locale.Error:
+                continue
+            assert [field_text(value) for value in (1.25, 2.0, -0.5, 1e-9)] == ["1.25", "2", "-0.5", "1e-09"]
+            assert [field_text(value) for value in (None, "", True, False)] == ["n/a", "n/a", "true", "false"]
+    finally:
+        locale.setlocale(locale.LC_ALL, before)
+
+
+def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
+    store.withdraw("Gamma-3")
+    contents = store.contents()
+    rows = long_rows(contents, design)
+    subs = {one.code: one.sub for one in contents.sessions}
+    assert len(rows) == 2 * 3 and all(row["kind"] == "rating" for row in rows)
+    of = {(row["participant"], row["trial"]): row for row in rows}
+    revised = of[subs["Alpha-1"], 1]
+    assert (revised["value"], revised["revision"], revised["seconds_to_answer"], revised["why_missing"]) == (1.0, 2, 0.5, None)
+    assert revised["actual_latency_ms_median"] == 402.5 and revised["presentation"] == 1
+    silent, stopped = of[subs["Alpha-1"], 2], of[subs["Beta-2"], 3]
+    assert (silent["value"], silent["why_missing"]) == (None, "cannot say")
+    assert (stopped["value"], stopped["why_missing"], stopped["status"]) == (None, "session stopped", "stopped")
+
+
+def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
+    for session in store.contents().sessions:
+        rows = [row for row in long_rows(store.contents(), design) if row["participant"] == session.sub]
+        names = [row["condition"] for row in rows]
+        assert names == list(session.order[0]) and [row["previous"] for row in rows] == [None, *names[:-1]]
+        for row in rows:
+            late = row["condition"] != "reference"
+            assert row["latency_ms"] == (400 if late else 0) and row["reference"] == (not late)
+            assert row.get("guard") == (1.5 if row["condition"] == "warped" else None)
+            assert row["fill"] == ("interpolate" if row["condition"] == "warped" else "none")  # the default of a live run
+    assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:18], "guard", *LONG_COLUMNS[18:]]
+
+
+def test_a_files_folder_is_not_told(tmp_path):
+    (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
+    text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
+    from hmdwarp.study.export.rows import settings_row
+
+    row = settings_row(design_from_text(text, str(tmp_path / "s.toml"), checked=False).parts[0].conditions[0].settings)
+    assert row["delay_trace"] == "delays.csv"
+
+
+def read(path, delimiter):
+    return list(csv.DictReader(io.StringIO(path.read_bytes().decode(), newline=""), delimiter=delimiter))
+
+
+def test_the_three_tables_say_the_same(store, design, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install 'hmdwarp[study]')")
+    out = export(store.contents(), design, tmp_path / "out").folder
+    comma, tab = read(out / "ratings.csv", ","), read(out / "ratings.tsv", "\t")
+    assert comma == tab
+    table = parquet.read_table(out / "ratings.parquet")
+    assert [[field_text(v) for v in row.values()] for row in table.to_pylist()] == [list(row.values()) for row in comma]
+    assert table.schema.field("value").type == "double" and table.schema.field("trial").type == "int64"
+    assert table.schema.field("latency_ms").metadata[b"units"] == b"ms" and table.schema.metadata[b"title"] == b"Does a warp help?"
+
+
+def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design, tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    made = export(store.contents(), design, tmp_path / "out")
+    assert not (made.folder / "ratings.parquet").exists() and (made.folder / "ratings.csv").exists()
+    assert any("pip install 'hmdwarp[study]'" in text for text in made.told)
+    with pytest.raises(MachineError, match="pyarrow"):
+        export(store.contents(), design, tmp_path / "other", ExportOptions(parquet=True))
+    assert not (tmp_path / "other").exists()
+
+
+def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store, design, tmp_path):
+    out = export(store.contents(), design, tmp_path / "out").folder
+    rows = read(out / "questionnaires.tsv", "\t")
+    vrsq = design.before[0]
+    for session in store.contents().sessions:
+        for phase in ("before", "after"):
+            mine = [row for row in rows if row["participant"] == session.sub and row["phase"] == phase]
+            values = {row["item"]: row["value"] for row in mine if row["kind"] == "questionnaire"}
+            scores = {row["item"]: row["value"] for row in mine if row["kind"] == "score"}
+            assert list(values) == [item.key for item in vrsq.items] and list(scores) == [one.name for one in vrsq.scores]
+            if session.status == "stopped" and phase == "after":
+                assert set(values.values()) | set(scores.values()) == {"n/a"}
+                continue
+            # VRSQ by its paper: items 1 to 4 are oculomotor (of 12), 5 to 9 disorientation (of 15), both in percent; total: their mean.
+            given = [float(value) for value in values.values()]
+            wanted = 100 * sum(given[:4]) / 12, 100 * sum(given[4:]) / 15
+            assert [float(scores[one.name]) for one in vrsq.scores] == pytest.approx([*wanted, sum(wanted) / 2])
+
+
+def test_every_column_is_described(store, design, tmp_path):
+    out = export(store.contents(), design, tmp_path / "out").folder
+    told = json.loads((out / "columns.json").read_text(encoding="utf-8"))
+    for name in ("ratings.csv", "sickness.tsv", "questionnaires.tsv"):
+        for column in read(out / name, "," if name.endswith("csv") else "\t")[0]:
+            assert told[column]["Description"]
+    for row in read(out / "sickness.tsv", "\t"):
+        assert row["scale"] in told["scale"]["Levels"] and row["item"] in told["item"]["Levels"]
+        assert row["status"] in told["status"]["Levels"] and row["phase"] in told["phase"]["Levels"]
+
+
+def test_remarks_stay_at_home_unless_asked_for_and_read_back_as_typed(store, design, tmp_path):
+    plain = export(store.contents(), design, tmp_path / "plain").folder
+    assert all(b"Maria" not in path.read_bytes() for path in plain.rglob("*") if path.is_file())
+    told = export(store.contents(), design, tmp_path / "told", ExportOptions(remarks=True)).folder
+    assert {row["text"] for row in read(told / "remarks.csv", ",")} == {f"{NASTY} {code}" for code in ("Alpha-1", "Beta-2", "Gamma-3")}
+
+
+def test_revisions_are_a_table_of_their_own(store, design, tmp_path):
+    out = export(store.contents(), design, tmp_path / "out", ExportOptions(revisions=True)).folder
+    counted = [row for row in read(out / "ratings.csv", ",") if row["value"] != "n/a"]
+    rows = [row for row in read(out / "revisions.tsv", "\t") if row["kind"] == "rating"]
+    assert len(rows) == len(counted) + 3 + 1  # each of three revised the first, and one "cannot say" is an answer too
+    assert [row["revision"] for row in rows if row["trial"] == "1"] == ["1", "2"] * 3
+
+
+def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_path):
+    pilots = export(store.contents(pilot=True), design, tmp_path / "pilots", ExportOptions(origin=PILOT)).folder
+    assert {row["origin"] for row in read(pilots / "ratings.csv", ",")} == {"pilot"}
+    people = export(store.contents(), design, tmp_path / "people").folder
+    assert {row["origin"] for row in read(people / "ratings.csv", ",")} == {"person"}
+    mixed = attrs.evolve(store.contents(), sessions=(*store.contents().sessions, *store.contents(pilot=True).sessions))
+    export(mixed, design, tmp_path / "mixed")
+    assert (tmp_path / "mixed/ratings.csv").read_bytes() == (people / "ratings.csv").read_bytes()
+    with pytest.raises(InputError, match="--person"):
+        export(store.contents(), design, tmp_path / "none", ExportOptions(origin=SIMULATED))
+
+
+def test_an_older_export_is_not_written_over(store, design, tmp_path):
+    out = export(store.contents(), design, tmp_path / "out").folder
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    with pytest.raises(InputError, match="withdrawn since"):
+        export(store.contents(), design, out)
+    assert before == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+
+
+def test_another_plan_is_refused(store, design, tmp_path):
+    other = design_from_text(TEXT.replace('name = "warped"', 'name = "renamed"'), "late.toml")
+    with pytest.raises(InputError, match="this plan has not"):
+        export(store.contents(), other, tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,56 @@
+"""After a withdrawal the export holds nothing of that person, whichever way it is looked at."""
+
+import numpy as np
+import pytest
+
+from hmdwarp.poses import load_trace
+from hmdwarp.study.export import ExportOptions, export
+from hmdwarp.study.export.text import field_text
+
+
+def bytes_of(folder):
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_nothing_of_them_is_in_any_byte(store, design, tmp_path):
+    everything = ExportOptions(remarks=True, revisions=True)
+    contents = store.contents()
+    session = next(one for one in contents.sessions if one.code == "Gamma-3")
+    traces = [load_trace(store.traces / one.trace).track for one in contents.showings if one.session == session.id]
+    numbers = {field_text(float(value)).encode() for track in traces for value in track.position_m.ravel()}
+    assert len(numbers) == 4 * 40 * 3
+    marks = {b"Gamma-3", session.sub.encode(), *numbers}
+    before = b"".join(bytes_of(export(contents, design, tmp_path / "before", everything).folder).values())
+    assert all(mark in before for mark in marks)  # the code by the remark, which the test put it in
+
+    store.withdraw("Gamma-3")
+    after = bytes_of(export(store.contents(), design, tmp_path / "after", everything).folder)
+    for name, data in after.items():
+        assert session.sub not in name
+        assert [mark for mark in marks if mark in data] == [], name
+    assert b'"Count": 1' in after["bids/participants.json"]
+
+
+def test_what_is_left_is_as_without_them(store, design, tmp_path):
+    """But for the count, nothing tells that there was anybody."""
+    contents = store.contents()
+    gone = next(one for one in contents.sessions if one.code == "Gamma-3")
+    before = bytes_of(export(contents, design, tmp_path / "before").folder)
+    store.withdraw("Gamma-3")
+    after = bytes_of(export(store.contents(), design, tmp_path / "after").folder)
+    assert set(after) == {name for name in before if gone.sub not in name}
+    changed = {name for name in after if after[name] != before[name]}
+    assert changed <= {"README", "bids/README", "bids/participants.json", "bids/participants.tsv", "ratings.csv", "ratings.tsv",
+                       "ratings.parquet", "sickness.tsv", "questionnaires.tsv"}  # fmt: skip
+    for name in ("ratings.csv", "ratings.tsv", "sickness.tsv", "questionnaires.tsv", "bids/participants.tsv"):
+        assert after[name].splitlines() == [line for line in before[name].splitlines() if gone.sub.encode() not in line]
+
+
+def test_parquet_holds_nothing_that_a_search_for_bytes_does_not_see(store, design, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install 'hmdwarp[study]')")
+    out = export(store.contents(), design, tmp_path / "out").folder
+    about = parquet.ParquetFile(out / "ratings.parquet").metadata
+    groups = [about.row_group(0).column(k) for k in range(about.num_columns)]
+    assert {one.compression for one in groups} == {"UNCOMPRESSED"}
+    subs = {one.sub.encode() for one in store.contents().sessions}
+    assert np.all([sub in (out / "ratings.parquet").read_bytes() for sub in subs])
