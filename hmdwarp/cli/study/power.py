@@ -1,0 +1,144 @@
+"""hmdwarp study power: how many people a planned effect needs."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .plan import Study
+
+if TYPE_CHECKING:
+    from ...study.design import Design
+    from ...study.power import Power
+    from ...study.respondents.model import Model
+    from ...study.scales import Scale
+
+OWNED = ("power.csv", "power.png")
+
+
+def power(
+    study: Study,
+    out: Annotated[Path, typer.Option("--out", help="Folder for the table, the plot and power.json.")],
+    effect: Annotated[float | None, typer.Option("--effect", help="So much better is b than a, in each planned comparison.")] = None,
+    sd: Annotated[float | None, typer.Option("--sd", help="Standard deviation of one person's difference, with --effect alone.")] = None,
+    model: Annotated[str | None, typer.Option("--model", help="How people answer: a .toml file, or a shipped one's name.")] = None,
+    scale: Annotated[str | None, typer.Option("--scale", help="Which of the study's scales, if not the first.")] = None,
+    n: Annotated[str, typer.Option("--n", help="People who begin: 6..40 tries what balances the orders; or a list, 10,12,15.")] = "6..40",
+    studies: Annotated[int, typer.Option("--studies", min=10, max=1_000_000, help="How many studies are simulated.")] = 1000,
+    wanted: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="The power that is wanted.")] = 0.8,
+    alpha: Annotated[float, typer.Option("--alpha", min=1e-6, max=0.5, help="Significance level, after Holm.")] = 0.05,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the simulation.")] = 1,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar.")] = False,
+) -> None:
+    """Simulate the whole study many times, people who leave and cannot answer included, and analyse each as `study analyse` does."""
+    from ...report.files import OutputFolder
+    from ...study.design.read import load_design
+    from ...study.power import power_of
+    from .._show import steps
+
+    design = load_design(study)
+    chosen = _scale(design, scale)
+    people = _model(design, chosen, effect, sd, model)
+    counts = _counts(n, design)
+    with OutputFolder(out, owned=OWNED, last="power.json") as folder:
+        with steps("Simulating", quiet=quiet) as (progress, _):
+            found = power_of(people, design, chosen, counts, studies, alpha, seed, progress)
+        _write(folder, found, wanted)
+    _tell(found, people, wanted, out)
+
+
+def _scale(design: Design, name: str | None) -> Scale:
+    from ...errors import InputError
+
+    known = {one.name: one for one in design.scales}
+    if name is not None and name not in known:
+        raise InputError(f"--scale {name}: {design.path} asks {', '.join(known)} after each trial")
+    return known[name] if name is not None else design.scales[0]
+
+
+def _model(design: Design, scale: Scale, effect: float | None, sd: float | None, name: str | None) -> Model:
+    """Who answers. Errors: InputError for too little, and for too much."""
+    import math
+
+    from ...errors import InputError
+    from ...study.power.effects import planned_model, with_effect
+    from ...study.respondents.read_model import load_model, model_names
+
+    if effect is not None and not math.isfinite(effect):
+        raise InputError(f"--effect {effect:g}: wanted a number, in units of '{scale.name}'")
+    if sd is not None and not 0 < sd < math.inf:
+        raise InputError(f"--sd {sd:g}: wanted a number above 0, in units of '{scale.name}'")
+    if name is not None and sd is not None:
+        raise InputError("--sd and --model both say how much people differ: leave one out")
+    if name is None and sd is None and design.name in model_names():
+        name = design.name
+    if name is not None:
+        found = load_model(name)
+        return found if effect is None else with_effect(found, design, scale, effect)
+    if effect is None or sd is None:
+        wanted = "--sd (of one person's difference between two showings)" if effect is not None else "--effect and --sd"
+        raise InputError(f"how people answer is not known: wanted {wanted}, or --model FILE.toml")
+    return planned_model(design, scale, effect, sd)
+
+
+def _counts(text: str, design: Design) -> list[int]:
+    """Of people. Errors: InputError."""
+    from math import lcm
+
+    from ...errors import InputError
+    from ...study.orders import rows_for
+
+    many = 2000
+    listed = re.fullmatch(r"\d+(,\d+)*", text)
+    if listed:
+        counts = sorted({int(one) for one in text.split(",")})
+    elif found := re.fullmatch(r"(\d+)\.\.(\d+)", text):
+        least, most = int(found[1]), min(int(found[2]), many + 1)
+        step = lcm(*(len(rows_for(design, part.name)) for part in design.parts))
+        balanced = [count for count in range(step, most + 1, step) if count >= least]
+        counts = balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
+    else:
+        raise InputError(f"--n {text}: wanted a range like 6..40, or a list like 10,12,15")
+    if not counts or counts[0] < 1 or counts[-1] > many:
+        raise InputError(f"--n {text}: wanted numbers of people, from 1 to {many}")
+    return counts
+
+
+def _write(folder, found: Power, wanted: float) -> None:
+    from ...report.power_chart import PowerLine, power_chart
+    from ...study.power.told import COLUMNS, as_json, name_of, rows_of
+
+    rows = rows_of(found)
+    folder.write_csv("power.csv", rows, COLUMNS)
+    lines = []
+    for one in found.true_effect:
+        own = [row for row in rows if (row["part"], row["a"], row["b"]) == (one.part, one.a, one.b)]
+        values = ([row[key] for row in own] for key in ("power", "power_low", "power_high", "power_unlimited"))
+        lines.append(PowerLine(name_of(one, found), *values))
+    power_chart(folder.path("power.png"), [one.n for one in found.strengths], lines, wanted, found.design.title)
+    folder.write_json("power.json", as_json(found, wanted))
+
+
+def _tell(found: Power, people: Model, wanted: float, out: Path) -> None:
+    from rich.table import Table
+
+    from ...study.power.told import name_of, sentences
+    from .._show import console, paragraph
+
+    paragraph(f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} after Holm:")
+    table = Table(box=None, pad_edge=False)
+    table.add_column("people who begin")
+    for strength in found.strengths:
+        table.add_column(str(strength.n), justify="right")
+    for one in found.true_effect:
+        table.add_row(name_of(one, found), *(f"{strength.found[one].value:.0%}" for strength in found.strengths))
+    if len(found.true_effect) > 1:
+        table.add_row("all of them", *(f"{strength.all_found.value:.0%}" for strength in found.strengths))
+    table.add_row("come to the end", *(f"{strength.complete:.1f}" for strength in found.strengths))
+    console().print(table)
+    for sentence in sentences(found, wanted):
+        paragraph(sentence)
+    paragraph(f"Table and plot: {out}")
