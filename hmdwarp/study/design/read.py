@@ -19,8 +19,8 @@ _EXAMPLE = "hmdwarp/study/ready/thesis.toml"
 
 
 def ready_names() -> list[str]:
-    """Names of the shipped studies, sorted. (NAME_model.toml beside one says how simulated participants answer in it.)"""
-    return sorted(p.stem for p in READY.glob("*.toml") if not p.stem.endswith("_model"))
+    """Names of the shipped studies, sorted. Files called NAME_more.toml belong to one of them and are none themselves."""
+    return sorted(p.stem for p in READY.glob("*.toml") if "_" not in p.stem)
 
 
 def load_design(name_or_path: str) -> Design:

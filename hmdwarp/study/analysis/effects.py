@@ -1,0 +1,75 @@
+"""Whether it mattered when a condition was shown, and what was shown before it: linear models with everybody's own level."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..extra import needed
+from .ratings import Rating
+
+_LEAST_REST = 5  # degrees of freedom that must be left for the noise
+_FIRST = "(nothing)"
+
+
+def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
+    """Of the place of a trial (a slope per trial) and of the condition before it, beside participants and conditions (type II F tests by
+    ordinary least squares). rows: of one part on one scale.
+
+    An effect that the ratings cannot tell is {"why_not": sentence}: the order is not recorded, or it is the same for everybody.
+    """
+    rated = [row for row in rows if row.value is not None]
+    if not any(row.place for row in rated):
+        why = {"why_not": "the order in which the conditions were shown is not recorded"}
+        return {"place": why, "previous": why}
+    if not all(row.place for row in rated):
+        why = {"why_not": "the place of some trials is not recorded"}
+        return {"place": why, "previous": why}
+    blocks = {
+        "base": np.hstack([_dummies([row.participant for row in rated]), _dummies([row.condition for row in rated])[:, 1:]]),
+        "place": np.array([[row.place] for row in rated], float),
+        "previous": _dummies([row.previous or _FIRST for row in rated])[:, 1:],
+    }
+    values = np.array([row.value for row in rated], float)
+    return {"place": _effect(values, blocks, "place", "previous"), "previous": _effect(values, blocks, "previous", "place")}
+
+
+def _dummies(names: Sequence[str]) -> NDArray[np.float64]:
+    levels = list(dict.fromkeys(names))
+    return np.array([[float(name == level) for level in levels] for name in names])
+
+
+def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) -> dict[str, Any]:
+    """One effect beside all others; the other one is left out of the model where it cannot be told from what is in it."""
+    effect = blocks[name]
+    rest = blocks["base"] if not _adds(blocks["base"], blocks[other]) else np.hstack([blocks["base"], blocks[other]])
+    whole = np.hstack([rest, effect])
+    df = _rank(whole) - _rank(rest)
+    if df == 0:
+        if _rank(np.hstack([blocks["base"], effect])) > _rank(blocks["base"]):
+            return _effect(values, {**blocks, other: np.zeros((len(values), 0))}, name, other)
+        return {"why_not": "it cannot be told from the conditions: everybody saw them in the same order"}
+    if len(values) - _rank(whole) < _LEAST_REST:
+        return {"why_not": f"{len(values)} ratings are too few for it"}
+    api = needed("statsmodels.api", "statsmodels")
+    full, reduced = api.OLS(values, whole).fit(), api.OLS(values, rest).fit()
+    noise = float(full.ssr)
+    if noise <= 1e-20 * max(float((values**2).sum()), 1e-300):
+        return {"why_not": "the ratings leave no noise to compare it with"}
+    f, p, _ = full.compare_f_test(reduced)
+    found: dict[str, Any] = {"f": float(f), "df": df, "df_rest": int(full.df_resid), "p": float(p)}
+    if effect.shape[1] == 1:
+        low, high = full.conf_int()[-1]
+        found |= {"slope": float(full.params[-1]), "low": float(low), "high": float(high)}
+    return found
+
+
+def _adds(base: NDArray, block: NDArray) -> bool:
+    return block.shape[1] > 0 and _rank(np.hstack([base, block])) > _rank(base)
+
+
+def _rank(matrix: NDArray) -> int:
+    return int(np.linalg.matrix_rank(matrix)) if matrix.shape[1] else 0

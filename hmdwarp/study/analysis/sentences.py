@@ -1,0 +1,135 @@
+"""One honest sentence for each result: what the ratings show, how sure that is, and what they leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .ratings import Measure
+from .words import ALPHA, counted, listed, p_is, plain, signed
+
+Row = Mapping[str, Any]
+
+
+def of_comparison(row: Row, measure: Measure) -> str:
+    """What a comparison says. row: as comparisons.compared."""
+    where = f"{row['part']}: " if row["part"] else ""
+    if not row["n"]:
+        return f"{where}nobody rated both '{row['a']}' and '{row['b']}', so nothing can be said of them."
+    told = f"{where}{_votes(row)}; {_size(row, measure)}"
+    return f"{told} {_verdict(row, measure)}"
+
+
+def _votes(row: Row) -> str:
+    parts = [f"{row['better']} of {row['n']} rated '{row['b']}' better than '{row['a']}'", f"{row['worse']} worse"]
+    if row["equal"]:
+        parts.append(f"{row['equal']} the same")
+    return ", ".join(parts)
+
+
+def _size(row: Row, measure: Measure) -> str:
+    mean = f"mean difference {signed(row['mean'])} {measure.unit}"
+    if row["interval_is_a_point"]:
+        why = "there is only one" if row["n"] == 1 else "all differences are the same"
+        return f"{mean} (no interval: {why})."
+    return f"{mean} (95 % {signed(row['low'])} to {signed(row['high'])})."
+
+
+def _verdict(row: Row, measure: Measure) -> str:
+    after = f"After Holm over {counted(row['holm_of'], 'planned comparison')}" if row["holm_of"] > 1 else "By the exact test"
+    if row["holm"] <= ALPHA:
+        way = "better" if row["shift"] > 0 else "worse"
+        return f"{after} {p_is(row['holm'])}: '{row['b']}' was rated {way}."
+    if row["smallest_p"] > ALPHA:
+        least = p_is(row["smallest_p"])
+        return f"{_pairs(row)} can give no smaller p than {least[4:]}, so this comparison shows nothing either way, whatever the ratings."
+    alone = f", by itself {p_is(row['p'])}" if row["p"] <= ALPHA < row["holm"] else ""
+    return f"{after} {p_is(row['holm'])}{alone}: no difference is shown, and none is ruled out{_left_open(row, measure)}"
+
+
+def _pairs(row: Row) -> str:
+    unequal = row["better"] + row["worse"]
+    return f"{counted(unequal, 'unequal pair')}"
+
+
+def _left_open(row: Row, measure: Measure) -> str:
+    """What size the ratings exclude, which is what a test that is not significant can still tell."""
+    low, high, level = row["shift_low"], row["shift_high"], f"{100 * row['shift_level']:.0f} %"
+    if low > 0 or high < 0:
+        return f" by so many comparisons; alone, differences outside {signed(low)} to {signed(high)} {measure.unit} do not fit ({level})."
+    return (
+        f" but large ones: a gain of over {plain(high)} or a loss of over {plain(-low)} {measure.unit} would not fit these "
+        f"ratings ({level})."
+    )
+
+
+def of_friedman(row: Row | None, part: str) -> str:
+    """Whether any condition differs at all."""
+    where = f"{part}: " if part else ""
+    if row is None:
+        return f"{where}Friedman's test needs three conditions and two participants who rated all of them."
+    verdict = "the conditions were not all rated alike" if row["p"] <= ALPHA else "no difference among the conditions is shown"
+    return (
+        f"{where}Friedman over {row['conditions']} conditions, {counted(row['n'], 'participant')} who rated all: chi2({row['df']}) = "
+        f"{row['chi2']:.1f}, {p_is(row['p'])}, Kendall's W = {row['w']:.2f}: {verdict}."
+    )
+
+
+def of_order(name: str, row: Row, measure: Measure) -> str:
+    """Of the effect of a trial's place, or of what was shown before it."""
+    what = {"place": "The place of a trial", "previous": "The condition shown before"}[name]
+    if "why_not" in row:
+        return f"{what}: its effect cannot be estimated, {row['why_not']}."
+    test = f"F({row['df']}, {row['df_rest']}) = {row['f']:.2f}, {p_is(row['p'])}"
+    verdict = "it changed the ratings" if row["p"] <= ALPHA else "no effect is shown"
+    slope = ""
+    if "slope" in row:
+        slope = f"; {signed(row['slope'], 3)} {measure.unit} per trial (95 % {signed(row['low'], 3)} to {signed(row['high'], 3)})"
+    return f"{what}: {test}{slope}: {verdict}."
+
+
+def of_copied(row: Row) -> str:
+    """Rows that two parts share."""
+    first, second = row["parts"]
+    doubles = listed([f"{one['second']} = {one['first']}" for one in row["rows"]])
+    chance = (
+        f"Drawn independently that many would come about in {100 * row['by_chance']:.2g} % of studies; within the parts "
+        f"{row['within']} of {row['within_of']} pairs of people are alike."
+    )
+    return (
+        f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} conditions that both parts have "
+        f"equal those of somebody in {first} ({second} = {first}: {doubles}). {chance} Such rows were most likely copied, or are of the same "
+        "people: the parts are not independent, and are not pooled here."
+    )
+
+
+def of_claim(row: Row, title: str, measure: Measure) -> str:
+    """A published figure against the data."""
+    told = f"{title}" + (f" ({row['where']})" if row["where"] else "")
+    if "why_not" in row:
+        said = f"{row['latency_ms']:g} ms" if row["difference"] is None else signed(row["difference"], 3)
+        return f"{row['part']}: {told} says {said}; {row['why_not']}."
+    at = f"{row['part']}, {row['latency_ms']:g} ms" if row["latency_ms"] is not None else f"{row['part']}, {row['a']} against {row['b']}"
+    if row["difference"] is None:
+        return f"{at}: {told} names it, and it was rated."
+    says = f"{at}: {told} says {_figure(row['difference'])}, its data give {signed(row['data'], 3)}"
+    if row["follows"]:
+        return f"{says}: follows."
+    rest = f"; near it is only the {listed(row['explained_by'], 'or the')}, which is another thing" if row["explained_by"] else ""
+    return f"{says}: does not follow{rest}."
+
+
+def _figure(value: float) -> str:
+    return f"{value:+.3f}".rstrip("0").rstrip(".")
+
+
+def of_reference(row: Row | None) -> str:
+    """Whether people found the hidden reference good."""
+    if row is None:
+        return "There was no hidden reference, so nobody can tell from the ratings who judged with care."
+    if not row["missed"]:
+        return f"All {row['rated']} who rated the hidden reference put it in the better half of their ratings."
+    return (
+        f"{len(row['missed'])} of {row['rated']} rated the hidden reference worse than the middle one of their other ratings "
+        f"({listed(row['missed'])}). They are kept; what the comparisons are without them stands beside."
+    )
