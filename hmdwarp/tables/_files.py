@@ -41,7 +41,8 @@ def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: 
         made = made_of(table)
         table.refuse_unread()
     except KeyFault as error:
-        raise InputError(f"{path}:{LineFinder(text).line(error.path)}: {error}") from error
+        said = " ".join(str(error).split())  # names and texts of a file may hold line ends
+        raise InputError(f"{path}:{LineFinder(text).line(error.path)}: {said}") from error
     return made
 
 

@@ -54,7 +54,7 @@ class Checker:
             raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
 
     def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
-        """At the key that the message speaks of first, or whose value it shows; else at the condition."""
+        """At the key that the message speaks of first, or whose value it quotes; else at the condition."""
         keys = [(table, key, value) for key, value in own.items()]
         keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
         spoken = [named.replace("-", "_")] if named else [word.replace("-", "_") for word in re.findall(r"[\w-]+", says)]
@@ -62,7 +62,8 @@ class Checker:
         if found:
             _, inside, key = min(found, key=lambda one: one[0])
         else:
-            inside, key = next(((inside, key) for inside, key, value in keys if f"'{value}'" in says), (table, None))
+            quoted = re.findall(r"'([^']+)'", says)
+            inside, key = next(((inside, key) for inside, key, value in keys if any(one in str(value) for one in quoted)), (table, None))
         return KeyFault(f"{who}: {says}", inside.path if key is None else (*inside.path, key))
 
 

@@ -1,0 +1,273 @@
+"""Study files: what is right comes out as it was written, what is wrong is told with its line."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.study.design import BOTH, WILLIAMS, Breaks, Comparison, Design
+from hmdwarp.study.design.read import design_from_text, load_design, ready_names
+from hmdwarp.study.orders import rows_for
+from hmdwarp.study.steps import steps_of
+
+from .plans import WHOLE, line_of
+
+
+def read(text: str, path: str = "study.toml") -> Design:
+    return design_from_text(text, path)
+
+
+def test_everything_comes_out_as_it_was_written():
+    design = read(WHOLE)
+    assert (design.name, design.title, design.seed, design.blind, design.order) == ("whole", "Everything at once", 7, BOTH, WILLIAMS)
+    assert (design.seconds, design.repeats, design.practice_seconds) == (20, 2, 60)
+    assert [scale.name for scale in design.scales] == ["grade", "acr"]
+    assert [scale.name for scale in design.before] == ["ssq"] and [scale.name for scale in design.after] == ["ssq", "vrsq"]
+    assert design.breaks == Breaks(6, 30)
+    sickness = design.sickness
+    assert sickness is not None
+    assert (sickness.scale.name, sickness.every, sickness.stop_at, sickness.rise) == ("fms", 1, 15, 8)
+    assert design.consent is not None and design.consent.text == "You may stop at any moment."
+    assert [part.name for part in design.parts] == ["run-1", "run-2"]
+    late, warped, reference = design.part("run-1").conditions
+    assert late.settings == {"scene": "planes", "size": "96x120", "latency": 200, "warp": "none", "fill": "none"} and not late.reference
+    assert warped.settings == {"scene": "planes", "size": "96x120", "latency": 200, "warp": "mesh", "guard": 1.2}
+    assert reference.reference
+    assert design.practice is not None
+    assert design.practice.settings == {"scene": "planes", "size": "96x120", "latency": 10, "warp": "none", "fill": "none"}
+    assert [family.comparisons for family in design.families] == [
+        (Comparison("run-1", "late-200", "warped-200"), Comparison("run-1", "late-200", "reference"))
+    ]
+    assert design.text == WHOLE and design.path == "study.toml"
+
+
+def test_a_small_plan_has_the_usual_for_all_it_leaves_out():
+    conditions = '[[condition]]\nname = "a"\n[[condition]]\nname = "b"\nlatency = 0\n'
+    design = read(f'schema = 1\nname = "s"\ntitle = "S"\n[trial]\nscales = ["acr"]\n{conditions}')
+    (part,) = design.parts
+    assert part.name == "main" and [one.settings for one in part.conditions] == [{}, {"latency": 0}]
+    assert design.practice is None and design.sickness is None and design.consent is None and design.families == ()
+    assert (design.seconds, design.repeats, design.order, design.blind, design.seed) == (20, 1, WILLIAMS, BOTH, 0)
+
+
+def test_the_practice_takes_over_how_it_looks_and_not_how_late_it_is():
+    text = WHOLE.replace('[common]\n', '[common]\nlatency = 300\njitter = "uniform:50"\nwarp = "mesh"\nguard = 1.5\nlens = "none"\n')
+    practice = read(text.replace("\nlatency = 10\n", "\n").replace("latency = 0\n", "latency = 60\n")).practice
+    assert practice is not None
+    assert practice.settings == {"lens": "none", "scene": "planes", "size": "96x120", "latency": 0, "warp": "none", "fill": "none"}
+
+
+@pytest.mark.parametrize("name", ready_names())
+def test_the_shipped_ones_are_sound(name):
+    design = load_design(name)
+    assert design.name == name
+    for part in design.parts:
+        for order in rows_for(design, part.name):
+            steps = steps_of(design, order, part.name)
+            assert len({step.key for step in steps}) == len(steps)
+
+
+def test_the_thesis_is_the_thesis():
+    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades; a family of three comparisons for each run."""
+    design = load_design("thesis")
+    assert [scale.name for scale in design.scales] == ["grade"]
+    assert [part.name for part in design.parts] == ["run-1", "run-2"]
+    for part, fill in zip(design.parts, ("interpolate", "relight"), strict=True):
+        told = [(one.settings["latency"], one.settings["warp"], one.settings["fill"]) for one in part.conditions]
+        assert told == [(ms, "none", "none") for ms in (200, 400, 800)] + [(ms, "forward", fill) for ms in (200, 400, 800)]
+    for family, part in zip(design.families, design.parts, strict=True):
+        assert family.comparisons == tuple(Comparison(part.name, f"late-{ms}", f"warped-{ms}") for ms in (200, 400, 800))
+
+
+def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
+    folder = tmp_path / "studies"
+    folder.mkdir()
+    (folder / "consent.txt").write_text("Read me.\n", encoding="utf-8")
+    scale = 'title = "Mine"\nkind = "rating"\nsource = "mine"\n[answer]\nleast = 0\nmost = 1\nstep = 1\nlow_is_good = true\n'
+    scale += '[answer.anchors]\n0 = "a"\n1 = "b"\n[[item]]\nkey = "mine"\ntext = "Well?"\n'
+    (folder / "mine.toml").write_text(scale, encoding="utf-8")
+    (folder / "delays.csv").write_text("delay_ms\n20\n30\n", encoding="utf-8")
+    text = WHOLE.replace('text = "You may stop at any moment."', 'file = "consent.txt"').replace('"acr"]', '"mine.toml"]')
+    text = text.replace("jitter = 'uniform:20'", 'delay_trace = "delays.csv"')
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    design = load_design("studies/study.toml")
+    assert design.consent is not None and design.consent.text == "Read me.\n"
+    assert design.scales[1].name == "mine"
+    assert design.part("run-2").condition("b").settings["delay_trace"] == "studies/delays.csv"
+
+
+def test_what_windows_writes_is_read(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + WHOLE.replace("\n", "\r\n").encode())
+    assert load_design(str(path)).text == WHOLE
+
+
+# --- what is wrong -----------------------------------------------------------------------------------------------------
+
+BROKEN = [
+    # found, put, what is said, the line: of `put`, or of the text given
+    ("schema = 1", "schema = 2", "schema is 2: wanted 1", None),
+    ("schema = 1\n", "", "the key schema is missing; hmdwarp/study/ready/thesis.toml has them all", 1),
+    ('name = "whole"', 'name = "a whole"', "name is 'a whole': wanted a name of letters, digits", None),
+    ('name = "whole"', 'name = "../whole"', "name is '../whole': wanted a name", None),
+    ("title = ", "titel = ", "the key title is missing", 1),
+    ("seed = 7", "seed = -1", "seed is -1: wanted a whole number of at least 0", None),
+    ('blind = "both"', 'blind = "me"', "blind is 'me': wanted both, participant or nobody", None),
+    ("seed = 7", "seed = 7\nsede = 8", "unknown key sede: did you mean seed?", "sede"),
+    ("[breaks]", "[braeks]", "unknown key braeks: did you mean breaks?", None),
+    ("[trial]", "[[trial]]", "trial is [{", None),
+    ("seconds = 20", "seconds = 0", "trial.seconds is 0: wanted a number above 0 and at most 3600", None),
+    ("seconds = 20", 'seconds = "20"', "trial.seconds is '20': wanted a finite number", None),
+    ("repeats = 2", "repeats = 0", "trial.repeats is 0: wanted a whole number", None),
+    ("repeats = 2", "repeats = 400", "trial.repeats makes 3 x 400 trials: wanted 1000 at most", None),
+    ('order = "williams"', 'order = "latin"', "trial.order is 'latin': wanted williams, random or fixed", None),
+    ('scales = ["grade", "acr"]', 'scales = ["grade", "grades"]', "unknown scale 'grades': did you mean 'grade'?", None),
+    ('scales = ["grade", "acr"]', 'scales = ["grade", "grade"]', "trial.scales has 'grade' twice", None),
+    ('scales = ["grade", "acr"]', "scales = []", "trial.scales is empty: wanted one scale at least", None),
+    ('scales = ["grade", "acr"]', 'scales = ["ssq"]', "trial.scales has 'ssq', a questionnaire of 16 items", None),
+    ('scales = ["grade", "acr"]', 'scales = ["grade", "fms"]', "trial.scales has 'fms', which [sickness] asks as well", None),
+    ('scales = ["grade", "acr"]', 'scales = ["none.toml"]', "none.toml: No such file or directory", None),
+    ("every = 6", "every = -1", "breaks.every is -1: wanted a whole number of at least 0", None),
+    ("seconds = 30", "seconds = -30", "breaks.seconds is -30: wanted a number of at least 0", None),
+    ("seconds = 60\nlatency = 10", "seconds = 60\nlatency = -10", "practice: latency -10 ms: wanted a number", "latency = -10"),
+    ("stop_at = 15", "stop_at = 21", "sickness.stop_at is 21: wanted a number of at least 0 and at most 20", None),
+    ("stop_at = 15", "stop_at = 0", "sickness.stop_at is 0, the best answer of 'fms'", None),
+    ("rise = 8", "rise = 0", "sickness.rise is 0: wanted a number above 0", None),
+    ('scale = "fms"', 'scale = "ssq"', "sickness.scale has 'ssq', a questionnaire", None),
+    ("every = 1", "every = 0", "sickness.every is 0: wanted a whole number of at least 1", None),
+    ('before = ["ssq"]', 'before = "ssq"', "questionnaires.before is 'ssq': wanted a list of texts", None),
+    ('before = ["ssq"]', 'before = ["sqs"]', "questionnaires.before has 'sqs': unknown scale 'sqs': did you mean 'ssq'?", None),
+    ('version = "1"', "version = 1", "consent.version is 1: wanted a text", None),
+    ('text = "You may stop at any moment."', 'file = "absent.txt"', "absent.txt: No such file", None),
+    ('text = "You may stop at any moment."', "", "consent wanted either text, or file", "[consent]"),
+    ('name = "run-2"', 'name = "Run-1"', "part.name is 'Run-1' a second time", None),
+    ('name = "run-2"', 'nmae = "run-2"', "the key part.name is missing", "[[part]]\nnmae"),
+    ('name = "warped-200"', 'name = "late-200"', "name is 'late-200' a second time", 'name = "late-200"\nlatency = 200\nwarp = "mesh"'),
+    ("latency = 200\nwarp", "latncy = 200\nwarp", "condition 'late-200': unknown setting 'latncy': did you mean latency?", "latncy"),
+    ("latency = 200\nwarp", 'latency = "200"\nwarp', "condition 'late-200': latency is '200': wanted a number", 'latency = "200"'),
+    ('warp = "mesh"', 'warp = "msh"', "condition 'warped-200': unknown warp 'msh': did you mean 'mesh'?", None),
+    ('warp = "mesh"', 'warp = "mesh:cut=maybe"', "condition 'warped-200': warp 'mesh:cut=maybe': cut is 'maybe'", None),
+    ('warp = "mesh"', 'effects = "foo"', "condition 'warped-200': unknown effect 'foo'", None),
+    ('warp = "mesh"', 'warp = "auto"', "condition 'warped-200': warp 'auto' chooses what fits into a budget", None),
+    ('warp = "mesh"', "fused = 1", "condition 'warped-200': fused is 1: wanted true or false", None),
+    ('warp = "mesh"', 'size = "96x96"', "part.condition.size is the same for all conditions", None),
+    ('warp = "mesh"', 'full-screen = true', "part.condition.full-screen is the same for all conditions", None),
+    ('warp = "mesh"', "seconds = 3", "condition 'warped-200': seconds is no setting of a condition: how long", "seconds = 3\nguard"),
+    ('warp = "mesh"', 'link-seed = 1\nlink_seed = 1', "link_seed is given twice, with - and with _", "link_seed"),
+    ("guard = 1.2", "guard = 1000", "condition 'warped-200': guard 1000", None),
+    ("guard = 1.2", 'guard = "auto"', "condition 'warped-200': guard auto looks at the whole trace first", None),
+    ("guard = 1.2", "guard = 1.2\nreference = true", "reference is true a second time in this part", "reference = true\n\n[[part]]"),
+    ("loss = 0.02", "loss = 2", "condition 'a': loss '2': wanted a share of the frames", None),
+    ("jitter = 'uniform:20'", "jitter = 'gauss:20'", "condition 'b': unknown delay model 'gauss", None),
+    ("jitter = 'uniform:20'", "jitter = 'uniform:2000'", "condition 'b': ", None),
+    ("jitter = 'uniform:20'", "codec = 'av2'", "condition 'b': unknown codec 'av2'", None),
+    ("jitter = 'uniform:20'", "crf = 70\ncodec = 'h264'", "condition 'b': crf 70: wanted 0 (best) to 51", "crf = 70"),
+    ("jitter = 'uniform:20'", "mirrors = 'glass'", "condition 'b': mirrors 'glass': wanted geometry or screen", None),
+    ('scene = "planes"', 'scene = "plains"', "unknown scene 'plains': did you mean 'planes'?", None),
+    ('scene = "planes"', 'scene = "absent.glb"', "absent.glb: no such scene file", None),
+    ('size = "96x120"', 'size = "96"', "size '96': wanted WIDTHxHEIGHT", None),
+    ('size = "96x120"', 'headset = "rift"', "unknown headset 'rift'", None),
+    ('size = "96x120"', 'lens = "radial"\nheadset = "flat-90"', "headset 'flat-90' has no lens", "headset ="),
+    ("[common]", "[common]\nlate = 1", "common: unknown setting 'late'", "late = 1"),
+    ('part = "run-1"\npairs', 'part = "run-3"\npairs', "family.part is 'run-3': wanted run-1 or run-2", "run-3"),
+    ('part = "run-1"\npairs', "pairs", "the key family.part is missing", "[[family]]"),
+    ('["late-200", "warped-200"],', '["late-200", "warped-20"],', "family.pairs has an unknown condition 'warped-20': did you mean", None),
+    ('["late-200", "warped-200"],', '["late-200"],', "family.pairs has ['late-200']: wanted pairs of names", None),
+    ('["late-200", "reference"],', '["late-200", "late-200"],', "a condition beside itself", None),
+    ('["late-200", "reference"],', '["warped-200", "late-200"],', "the same pair a second time", None),
+    ('[[part.condition]]\nname = "late', '[part.condition]\nname = "late', "this is no TOML", '[[part.condition]]\nname = "warped'),
+    ("[[family]]", "[[condition]]\nname = 'x'\n[[family]]", "condition beside [[part]]: wanted it within one", None),
+    ("seed = 7", "seed = ", "this is no TOML: Invalid value (column 8)", None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("found", "put", "says", "where"), BROKEN, ids=lambda value: str(value)[:40])
+def test_what_is_wrong_is_told_with_its_line(found, put, says, where):
+    assert found in WHOLE
+    text = WHOLE.replace(found, put, 1)
+    line = where if isinstance(where, int) else line_of(text, where or put.splitlines()[0])
+    with pytest.raises(InputError) as caught:
+        read(text)
+    assert says in str(caught.value) and "\n" not in str(caught.value)
+    assert str(caught.value).startswith(f"study.toml:{line}: ")
+
+
+def test_one_condition_has_no_order():
+    text = WHOLE.replace("[[part.condition]]\nname = \"b\"\njitter = 'uniform:20'\n", "")
+    with pytest.raises(InputError, match=r"study\.toml:14: trial\.order is williams .* one condition has no order"):
+        read(text)
+    assert read(text.replace('"williams"', '"fixed"')).order == "fixed"
+    with pytest.raises(InputError, match=r"part\.condition comes 0 times: wanted 1 to 100, each beginning with \[\[part\.condition\]\]"):
+        read(text[: text.index("[[part.condition]]")])
+
+
+def test_files_that_are_none(tmp_path):
+    with pytest.raises(UnknownNameError, match="unknown study 'thsis': did you mean 'thesis'"):
+        load_design("thsis")
+    with pytest.raises(InputError, match=r"absent\.toml: No such file or directory: wanted a \.toml file, or one of quick, thesis"):
+        load_design(str(tmp_path / "absent.toml"))
+    (tmp_path / "folder.toml").mkdir()
+    with pytest.raises(InputError, match="Is a directory"):
+        load_design(str(tmp_path / "folder.toml"))
+    (tmp_path / "study.txt").write_text("x", encoding="utf-8")
+    with pytest.raises(InputError, match=r"wanted one whose name ends in \.toml"):
+        load_design(str(tmp_path / "study.txt"))
+    (tmp_path / "latin.toml").write_bytes(b"# a\n# \xe4\n")
+    with pytest.raises(InputError, match=r"latin\.toml:2: byte 0xe4: wanted a \.toml file, .* in UTF-8"):
+        load_design(str(tmp_path / "latin.toml"))
+    (tmp_path / "huge.toml").write_bytes(b"#" * 1_000_001)
+    with pytest.raises(InputError, match=r"huge\.toml: 1000001 bytes: wanted"):
+        load_design(str(tmp_path / "huge.toml"))
+    with pytest.raises(InputError):
+        load_design("a\0b.toml")
+
+
+# --- whatever there is -------------------------------------------------------------------------------------------------
+
+
+def is_read_or_refused(text: str) -> None:
+    try:
+        assert isinstance(read(text), Design)
+    except InputError as error:
+        assert str(error).startswith("study.toml:") and "\n" not in str(error)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, len(WHOLE) - 1), st.text(max_size=6))
+def test_a_few_characters_overwritten_anywhere(at, put):
+    is_read_or_refused(WHOLE[:at] + put + WHOLE[at + len(put) :])
+
+
+LINES = WHOLE.splitlines()
+NUMBERS = ["-1", "0", "1.5", "nan", "1e400", "0x" + "f" * 5000, "9" * 30]
+OTHERS = ['""', '"x"', '"a\\nb"', '"auto"', "true", "[]", "[[]]", '["x"]', "{}", "2001-01-01"]
+VALUES = st.sampled_from(NUMBERS + OTHERS)
+
+
+@settings(max_examples=250, deadline=None)
+@given(st.integers(0, len(LINES) - 1), VALUES)
+def test_any_value_of_any_kind_for_any_key(number, value):
+    key, equals, _ = LINES[number].partition(" = ")
+    lines = [*LINES[:number], f"{key} = {value}" if equals else value, *LINES[number + 1 :]]
+    is_read_or_refused("\n".join(lines))
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.sampled_from(LINES), max_size=60))
+def test_lines_in_any_order(lines):
+    is_read_or_refused("\n".join(lines))
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.sets(st.integers(0, len(LINES) - 1).filter(lambda number: not LINES[number].startswith("scene")), max_size=4))
+def test_lines_left_out(gone):
+    """But for the scene: the usual one takes a second to load."""
+    is_read_or_refused("\n".join(line for number, line in enumerate(LINES) if number not in gone))
+
+
+def test_nesting_without_end_is_refused():
+    is_read_or_refused(f"a = {'[' * 5000}")
+    is_read_or_refused(WHOLE + "x = " + "[" * 300 + "]" * 300)
