@@ -1,0 +1,108 @@
+"""What a plan comes to: time, balance, and what to think of."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from hmdwarp.study.design.as_json import design_as_json
+from hmdwarp.study.design.outline import balance, least_p, least_participants, notes, stretches
+from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.orders import rows_for
+from hmdwarp.study.steps import Ask, Pause, Show, steps_of
+
+from .plans import WHOLE
+
+
+def design(*changes: tuple[str, str]):
+    text = WHOLE
+    for found, put in changes:
+        assert found in text
+        text = text.replace(found, put)
+    return design_from_text(text, "study.toml")
+
+
+def test_a_session_is_all_its_steps_and_their_time():
+    plan = design()
+    steps = steps_of(plan, rows_for(plan, "run-1")[0], "run-1")
+    told = stretches(plan, "run-1")
+    assert [one.name for one in told] == ["consent", "before", "practice", "trials", "after"]  # 6 trials: no break after the last
+    assert sum(one.steps for one in told) == len(steps)
+    shown = sum(step.seconds for step in steps if isinstance(step, Show | Pause))
+    assert shown == 60 + 6 * 20
+    asked = sum(isinstance(step, Ask) for step in steps)
+    total = sum(one.seconds for one in told)
+    assert shown + 4 * asked <= total <= shown + 6 * asked + 10  # each answer takes 4 to 6 s, the text at least 10
+
+
+def test_breaks_come_between_trials():
+    told = {one.name: one for one in stretches(design(("every = 6", "every = 2")), "run-1")}
+    assert (told["breaks"].steps, told["breaks"].seconds) == (2, 60)
+
+
+def test_balance_is_counted():
+    plan = design()
+    found = balance(rows_for(plan, "run-1"), plan.part("run-1"))
+    assert (found.orders, found.places, found.pairs, found.repeated) == (6, (4, 4), (4, 4), 0)  # 3 conditions, 6 orders of 2 repeats
+    assert found.seams == (1, 1)
+    fixed = design(('order = "williams"', 'order = "fixed"'))
+    found = balance(rows_for(fixed, "run-1"), fixed.part("run-1"))
+    assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))
+
+
+def smallest_p(n: int) -> float:
+    """By going through all 2^n ways n differences can turn out: how many are as extreme as all in one direction."""
+    sums = [sum(rank for rank, sign in enumerate(signs, 1) if sign) for signs in product((0, 1), repeat=n)]
+    most = n * (n + 1) // 2
+    return sum(abs(one - most / 2) >= most / 2 for one in sums) / len(sums)
+
+
+@pytest.mark.parametrize("n", range(1, 9))
+def test_the_smallest_p_of_n_pairs(n):
+    assert least_p(n) == smallest_p(n)
+
+
+@pytest.mark.parametrize("comparisons", [1, 3, 6, 20])
+def test_with_fewer_people_nothing_can_be_found(comparisons):
+    need = least_participants(comparisons)
+    assert comparisons * least_p(need) <= 0.05 < comparisons * least_p(need - 1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ([('order = "williams"', 'order = "fixed"')], "the order is the same for everybody"),
+        ([('order = "williams"', 'order = "random"')], "random orders are balanced only on average"),
+        ([], "part run-1: 3 conditions, an odd number, need 6 orders; 4 would need 4"),
+        ([], "part run-2: no condition is a hidden reference"),
+        ([("latency = 0\nreference", "latency = 20\nreference")], "the reference 'reference' has a latency of its own"),
+        ([("loss = 0.02\n", ""), ("jitter = 'uniform:20'\n", "")], "part run-2: 'b' has the settings of 'a'"),
+        ([("seconds = 20", "seconds = 0.5")], "'late-200' is 0.2 s late, shown for 0.5 s"),
+        ([], "part run-2: no [[family]] says what will be compared"),
+        ([("stop_at = 15\nrise = 8\n", "")], "sickness has no stop rule"),
+        ([("[sickness]\nscale = \"fms\"\nevery = 1\nstop_at = 15\nrise = 8\n", "")], "nobody is asked about sickness"),
+        ([("[practice]\nseconds = 60\nlatency = 10\n", "")], "there is no [practice]"),
+        ([('[consent]\nversion = "1"\ntext = "You may stop at any moment."\n', "")], "there is no [consent]"),
+        ([("repeats = 2", "repeats = 40")], "minutes are long in a headset"),
+    ],
+)
+def test_what_to_think_of(changes, says):
+    assert any(says in note for note in notes(design(*changes)))
+
+
+def test_a_sound_plan_leaves_little_to_think_of():
+    assert len(notes(design())) == 3  # run-1 has an odd number; run-2 has no reference, and nothing is compared there
+
+
+def test_as_json_it_has_every_order_and_every_setting():
+    plan = design()
+    told = design_as_json(plan)
+    assert told["parts"][0]["orders"] == rows_for(plan, "run-1")
+    assert told["parts"][0]["conditions"][0] == {
+        "name": "late-200",
+        "settings": {"scene": "planes", "size": "96x120", "latency": 200, "warp": "none", "fill": "none"},
+        "reference": False,
+    }
+    assert [scale["name"] for scale in told["scales"]] == ["grade", "acr", "fms", "ssq", "vrsq"]
+    assert told["families"][0]["comparisons"][0] == {"part": "run-1", "a": "late-200", "b": "warped-200"}

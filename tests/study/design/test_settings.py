@@ -1,0 +1,134 @@
+"""The settings of a condition are the options of `hmdwarp live`, no more, no less."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+
+import attrs
+import pytest
+
+from hmdwarp.cli import live as live_command
+from hmdwarp.errors import InputError
+from hmdwarp.live import LiveOptions
+from hmdwarp.study.design.settings import _NOT_SETTINGS, DISPLAY, KINDS, PICTURE, SettingFault, at, check_settings, live_options
+
+
+def test_every_option_of_live_is_a_setting_or_says_why_not():
+    options = set(inspect.signature(live_command.live).parameters)
+    assert options == set(KINDS) | set(_NOT_SETTINGS) and not set(KINDS) & set(_NOT_SETTINGS)
+    assert set(DISPLAY) < set(PICTURE) < set(KINDS)
+
+
+def by_command_line(monkeypatch, *arguments: str) -> LiveOptions:
+    """What `hmdwarp live` would run."""
+    from hmdwarp.cli import main
+
+    caught: list[LiveOptions] = []
+    monkeypatch.setattr(live_command, "run", lambda options, quiet: caught.append(options))
+    monkeypatch.setattr("hmdwarp.cli.end_cleanly", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["hmdwarp", "live", *arguments])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 0
+    return caught[0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "arguments"),
+    [
+        ({}, ""),
+        ({"latency": 400, "warp": "mesh:cut=slope", "fill": "none"}, "--latency=400 --warp=mesh:cut=slope --fill=none"),
+        ({"jitter": "normal:5", "lens": "none"}, "--jitter=normal:5 --lens=none"),
+        ({"warp": "mesh", "wide": True}, "--warp=mesh --wide"),
+        ({"warp": "backward", "fused": True}, "--warp=backward --fused"),
+        ({"full-screen": True, "vsync": False}, "--full-screen --no-vsync"),
+        ({"full_screen": True, "gc_between": False}, "--full-screen --gc-anywhere"),
+        ({"size": "96x120", "rate": 75, "view": "flat"}, "--size=96x120 --rate=75 --view=flat"),
+        ({"guard": 1.5}, "--guard=1.5"),
+        ({"guard": "1.5", "loss": "p=0.02,r=0.3"}, "--guard=1.5 --loss=p=0.02,r=0.3"),
+        ({"loss": 0.02, "bandwidth": 50, "link_seed": 3}, "--loss=0.02 --bandwidth=50 --link-seed=3"),
+        ({"codec": "h264", "crf": 30}, "--codec=h264 --crf=30"),
+        ({"codec": "h264", "bitrate": 3}, "--codec=h264 --bitrate=3"),
+        ({"predict": "constant_velocity", "horizon": 50}, "--predict=constant_velocity --horizon=50"),
+        ({"reconnect": 5, "hang": 2, "depth_layer": False}, "--reconnect=5 --hang=2 --no-depth-layer"),
+        ({"scene": "spheres", "effects": "none"}, "--scene=spheres --effects=none"),
+        ({"mirrors": "screen", "headset": "flat-90"}, "--mirrors=screen --headset=flat-90"),
+        ({"warp": "auto", "budget": 4, "bench": "b.json"}, "--warp=auto --budget=4 --bench=b.json"),
+    ],
+    ids=str,
+)
+def test_a_setting_means_what_the_option_means(monkeypatch, settings, arguments):
+    assert live_options(settings) == attrs.evolve(by_command_line(monkeypatch, *arguments.split()), panel=False, command="")
+
+
+def test_what_the_run_says_comes_beside(tmp_path):
+    options = live_options({"latency": 100}, source="offscreen", trace="walk", record=tmp_path / "x.csv", seconds=3)
+    assert (options.source, options.trace, options.record, options.seconds) == ("offscreen", "walk", tmp_path / "x.csv", 3)
+
+
+@pytest.mark.parametrize(
+    ("settings", "key", "says"),
+    [
+        ({"latncy": 1}, "latncy", "unknown setting 'latncy': did you mean latency?"),
+        ({"a\nb": 1}, "a\nb", r"unknown setting 'a\nb'"),
+        ({"record": "x"}, "record", "record is no setting of a condition: the head's trace of every trial is recorded anyway"),
+        ({"images-every": 3}, "images-every", "images-every is no setting of a condition"),
+        ({"latency": True}, "latency", "latency is True: wanted a number"),
+        ({"latency": [1]}, "latency", "latency is [1]: wanted a number"),
+        ({"latency": float("nan")}, "latency", "latency is nan: wanted a number"),
+        ({"latency": 1 << 70}, "latency", "wanted a number"),
+        ({"crf": 2.5}, "crf", "crf is 2.5: wanted a whole number"),
+        ({"vsync": 1}, "vsync", "vsync is 1: wanted true or false"),
+        ({"warp": 3}, "warp", "warp is 3: wanted a text"),
+        ({"guard": True}, "guard", "guard is True: wanted a number or a text"),
+        ({"link-seed": 1, "link_seed": 1}, "link_seed", "link_seed is given twice"),
+    ],
+)
+def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
+    with pytest.raises(SettingFault) as caught:
+        live_options(settings)
+    assert caught.value.key == key and says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        ({"warp": "auto", "budget": 4}, "warp auto in a live run needs a benchmark"),
+        ({"warp": "auto", "budget": 4, "bench": "absent.json"}, "absent.json"),
+        ({"warp": "mesh", "fused": True}, "mesh"),
+        ({"guard": 40}, "guard 40 makes frames of"),
+        ({"delay_trace": "absent.csv"}, "absent.csv: the delay trace cannot be read"),
+        ({"latency": 5, "jitter": "uniform:20"}, "jitter uniform:20 around a latency of 5 ms"),
+        ({"lens": "radial", "headset": "flat-90"}, "has no lens"),
+        ({"headset": "absent.toml"}, "headset file absent.toml is not there"),
+        ({"predict": "guess"}, "unknown predictor 'guess'"),
+        ({"mirrors": "glass"}, "mirrors 'glass': wanted geometry or screen"),
+    ],
+    ids=str,
+)
+def test_what_would_fail_in_a_session_fails_before_it(settings, says):
+    with pytest.raises(InputError) as caught:
+        check_settings({"scene": "planes", **settings}, {})
+    assert says in str(caught.value)
+
+
+def test_a_scene_is_loaded_once():
+    scenes: dict = {}
+    check_settings({"scene": "planes", "latency": 0}, scenes)
+    first = scenes["planes"]
+    check_settings({"scene": "planes", "latency": 100}, scenes)
+    assert scenes == {"planes": first}
+
+
+def test_files_are_found_from_the_study_file(tmp_path):
+    settings = {"scene": "mine.glb", "headset": "mine.toml", "delay-trace": "d.csv", "bench": "/b.json", "warp": "mesh"}
+    folder = tmp_path / "studies"
+    assert at(folder, settings) == {
+        "scene": str(folder / "mine.glb"),
+        "headset": str(folder / "mine.toml"),
+        "delay_trace": str(folder / "d.csv"),
+        "bench": "/b.json",
+        "warp": "mesh",
+    }
+    assert at(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}
