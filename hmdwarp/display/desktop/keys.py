@@ -11,7 +11,7 @@ from ..controls import MOVING, Control
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control everywhere; the help writes what the user's own
 # keyboard has printed there.
-_NAMED = {"[": glfw.KEY_LEFT_BRACKET, "]": glfw.KEY_RIGHT_BRACKET, "Escape": glfw.KEY_ESCAPE}
+_NAMED = {"[": glfw.KEY_LEFT_BRACKET, "]": glfw.KEY_RIGHT_BRACKET, ".": glfw.KEY_PERIOD, ",": glfw.KEY_COMMA}
 # Right, up, forward.
 MOVES = {
     glfw.KEY_W: (0, 0, 1),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from .paper import DIM, LARGE, PAD, SMALL, WIDTH, Paper, height_of, width_of, wrapped
+from .paper import DIM, FULL, LARGE, PAD, SMALL, WIDTH, Paper, height_of, width_of, wrapped
 
 BUTTON_HIGH = round(1.5 * LARGE)
 GAP = 12
@@ -58,11 +58,11 @@ class Button:
         """Whether that place is on it."""
         return self.left <= x <= self.right and self.top <= y <= self.bottom
 
-    def draw(self, paper: Paper, marked: bool, ink: int = 255) -> None:
-        """marked: filled, so that it is seen which one is meant."""
-        paper.box(self.left, self.top, self.right, self.bottom, full=marked, ink=ink)
+    def draw(self, paper: Paper, marked: bool, dim: bool = False) -> None:
+        """marked: whether it is the one that is meant. dim: whether it is there for the mouse alone."""
+        paper.box(self.left, self.top, self.right, self.bottom, marked=marked)
         middle = ((self.left + self.right) / 2, (self.top + self.bottom) / 2)
-        paper.text(*middle, self.text, _px(self.text, self.right - self.left), 0 if marked else ink, "mm")
+        paper.text(*middle, self.text, _px(self.text, self.right - self.left), DIM if dim else FULL, "mm")
 
 
 def _px(text: str, width: float) -> int:
@@ -83,7 +83,7 @@ def column_of(choices: tuple[tuple[str, str], ...], top: float) -> tuple[Button,
 
 def told(paper: Paper, y: float, note: str, hint: str) -> float:
     """At the foot of a plate: the note, in full ink, in place of the hint."""
-    paper.rows(y, wrapped(note or hint, SMALL, WIDTH - 2 * PAD), SMALL, 255 if note else DIM)
+    paper.rows(y, wrapped(note or hint, SMALL, WIDTH - 2 * PAD), SMALL, FULL if note else DIM)
     return y + told_height(hint)
 
 

@@ -1,4 +1,8 @@
-"""What plates are drawn on: black paper, white ink, y down; what is grey there is dim over the picture."""
+"""What plates are drawn on: black paper, white ink, y down; what is grey there is dim over the picture.
+
+Ink is mixed in linear light (shaders/display/picture.frag), where grey looks brighter than in a file, and dark letters on white get thin:
+what is marked is framed, on a ground that is a little brighter, and never dark on white.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ if TYPE_CHECKING:
 # 680 pixels are 1 m in a headset (display/notice.py): at 300 pixels a metre, the coarsest headset here, 28 of them are 12.
 WIDTH, PAD = 680, 22
 SMALL, TEXT, LARGE, HUGE = 24, 28, 32, 44  # letters, in pixels
-FULL, DIM = 255, 165
+FULL, DIM, GROUND = 255, 120, 36  # as bright on a screen as 255, 182 and 104 of sRGB
 LINE = 1.3  # rows of letters apart, in letters
 
 
@@ -82,10 +86,10 @@ class Paper:
             self.text(x, y + height_of(number, px), row, px, ink, anchor)
         return y + height_of(len(rows), px)
 
-    def box(self, left: float, top: float, right: float, bottom: float, *, full: bool, ink: int = FULL) -> None:
-        """With round corners; full: of ink, else its border alone."""
+    def box(self, left: float, top: float, right: float, bottom: float, *, marked: bool) -> None:
+        """With round corners."""
         at = (left, top, right, bottom)
-        self._draw.rounded_rectangle(at, 8, fill=ink if full else None, outline=ink, width=2)
+        self._draw.rounded_rectangle(at, 8, fill=GROUND if marked else None, outline=FULL if marked else DIM, width=4 if marked else 2)
 
     def line(self, x: float, y: float, to_x: float, to_y: float, ink: int = FULL, width: int = 2) -> None:
         """Straight."""

@@ -76,7 +76,7 @@ class QuestionPlate:
         self.layout.draw(paper, self._scale_top(), self.value, self.typed)
         buttons = self._buttons()
         for button in buttons:
-            button.draw(paper, marked=button.name == YES, ink=DIM if button.name == SKIP else 255)
+            button.draw(paper, marked=button.name == YES, dim=button.name == SKIP)
         told(paper, buttons[0].bottom + GAP if buttons else self._foot(), self.note, self._hint())
         return paper.ink()
 

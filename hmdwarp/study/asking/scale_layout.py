@@ -185,8 +185,8 @@ class Listed:
         for number, one in enumerate(self._form.values()):
             y, marked = top + number * ROW, one == value
             if marked:
-                paper.box(PAD / 2, y, WIDTH - PAD / 2, y + ROW - 2, full=True)
-            ink = 0 if marked else FULL
+                paper.box(PAD / 2, y, WIDTH - PAD / 2, y + ROW - 2, marked=True)
+            ink = FULL if marked or value is None else DIM
             paper.text(PAD + 44, y + ROW / 2, written(one), TEXT, ink, "rm")
             paper.text(PAD + 64, y + ROW / 2, self._fitting(one), TEXT, ink, "lm")
 

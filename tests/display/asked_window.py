@@ -1,0 +1,79 @@
+"""A window that shows nothing and asks one question, on a virtual screen: python -m display.asked_window.
+
+Reads "ask" (a new question), "show" (none) and "end" from stdin, a line each. Prints a line of JSON for each command that came by hand,
+with what the question made of it, and after each line from stdin and each change of where the head is or who has the mouse.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+
+from hmdwarp.display import Closed, DisplayOptions
+from hmdwarp.display.desktop import DesktopDisplay
+from hmdwarp.study.asking import CONTROLS, Asked
+from hmdwarp.study.scales import load_scale
+from hmdwarp.study.steps import Ask
+
+
+class AskedWindow:
+    """display, and what is asked in it just now."""
+
+    def __init__(self) -> None:
+        self._display = DesktopDisplay(DisplayOptions(size=(300, 400), panel=False, controls=CONTROLS))
+        self._lines: list[str] = []
+        self._asked: Asked | None = None
+        self._last: dict[str, object] = {}
+
+    def _listen(self) -> None:
+        for line in sys.stdin:
+            self._lines.append(line.strip())
+
+    def run(self) -> None:
+        """Until "end"."""
+        threading.Thread(target=self._listen, daemon=True).start()
+        try:
+            while self._once():
+                pass
+        except Closed as closed:
+            print(json.dumps({"closed": str(closed)}), flush=True)
+
+    def _once(self) -> bool:
+        while self._lines:
+            line = self._lines.pop(0)
+            if line == "end":
+                return False
+            scale = load_scale("grade")
+            ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
+            self._asked = Asked(ask, lambda: self._display.now_ns() * 1e-9) if line == "ask" else None
+            self._tell(line=line)
+        if self._display.wait() is not None:
+            self._display.show(None, self._asked.label() if self._asked is not None else "")
+        for command in self._display.commands():
+            if self._asked is not None:
+                self._asked.obey([command])
+            self._tell(command=command.control, given=command.value)
+        self._tell()
+        return True
+
+    def _tell(self, **more: object) -> None:
+        head = self._display.source.head_at(self._display.now_ns()).pose
+        state: dict[str, object] = {
+            "caught": self._display._hands.caught,
+            "turned": [round(part, 4) for part in head.orientation_xyzw.tolist()],
+            "stands": [round(part, 2) for part in head.position_m.tolist()],
+            "value": self._asked.value if self._asked is not None else None,
+            "confirmed": self._asked is not None and self._asked.confirmed,
+        }
+        if more or state != self._last:
+            self._last = state
+            print(json.dumps({**state, **more}), flush=True)
+
+
+if __name__ == "__main__":
+    window = AskedWindow()
+    window.run()
+    sys.stdout.flush()
+    os._exit(0)  # the thread is left waiting for a line that does not come
