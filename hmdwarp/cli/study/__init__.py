@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import typer
 
-from . import export, plan, power, run
+from . import export, plan, power, run, withdraw
 
 app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
 app.command("plan")(plan.plan)
 app.command("run")(run.run)
 app.command("export")(export.export)
 app.command("power")(power.power)
+app.command("withdraw")(withdraw.withdraw)
