@@ -13,13 +13,14 @@ if TYPE_CHECKING:
     from .client.warps import Warp
     from .headsets import Headset
     from .poses import PoseTrack
+    from .study.design import Design
     from .study.scales import Scale
 
 
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales.
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies.
     """
     return _MAKERS[kind]()
 
@@ -144,6 +145,23 @@ def _scale_row(scale: Scale) -> dict[str, str]:
     }
 
 
+def _studies() -> list[dict[str, str]]:
+    from .study.design.read import load_design, ready_names
+
+    return [_study_row(load_design(name, checked=False)) for name in ready_names()]
+
+
+def _study_row(design: Design) -> dict[str, str]:
+    parts = [f"{part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts]
+    return {
+        "name": design.name,
+        "summary": design.title,
+        "scales": ", ".join(scale.name for scale in design.scales),
+        "conditions": "; ".join(parts),
+        "order": design.order,
+    }
+
+
 _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "warps": _warps,
     "fills": _fills,
@@ -154,4 +172,5 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "formats": _formats,
     "recordings": _recordings,
     "scales": _scales,
+    "studies": _studies,
 }

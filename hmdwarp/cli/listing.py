@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-KINDS = ("warps", "fills", "effects", "lenses", "scenes", "headsets", "formats", "recordings", "scales")
+KINDS = ("warps", "fills", "effects", "lenses", "scenes", "headsets", "formats", "recordings", "scales", "studies")
 
 
 def list_(
@@ -15,7 +15,7 @@ def list_(
     json: Annotated[bool, typer.Option("--json", help="Everything, as a JSON array of objects.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Everything, as a Markdown table.")] = False,
 ) -> None:
-    """List the warps, fills, effects, lenses, scenes, headsets, trace formats, recordings or rating scales there are."""
+    """List the warps, fills, effects, lenses, scenes, headsets, trace formats, recordings, rating scales or ready studies there are."""
     from ..errors import InputError
     from ..registry import unknown_name
 
@@ -45,7 +45,7 @@ def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
         return rows
     chosen = [row for row in rows if row["name"] == name]
     if not chosen:
-        raise unknown_name(kind.removesuffix("es") if kind == "lenses" else kind.removesuffix("s"), name, [row["name"] for row in rows])
+        raise unknown_name({"lenses": "lens", "studies": "study"}.get(kind, kind.removesuffix("s")), name, [row["name"] for row in rows])
     return chosen
 
 

@@ -60,6 +60,7 @@ def test_wheel_holds_all_that_is_not_python(wheel):
     assert shaders and any(name.endswith("look-around.csv") for name in recordings)
     missing = {f"hmdwarp/_data/{name}" for name in shaders | recordings} - names
     inside = expected("hmdwarp/headsets", ".toml") | expected("hmdwarp/report", ".html", ".css", ".js", ".j2")
+    inside |= expected("hmdwarp/study", ".toml", ".csv")
     assert any(name.endswith("rift-dk1.toml") for name in inside)
     assert not (missing | (inside - names)), "files that the program reads did not get into the wheel"
 
@@ -76,7 +77,7 @@ def test_installed_copy_is_the_one_that_runs(installed, tmp_path):
     assert Path(where.stdout.strip()).is_relative_to(installed.parent), where.stdout + where.stderr
 
 
-@pytest.mark.parametrize("kind", ["warps", "fills", "scenes", "headsets", "formats"])
+@pytest.mark.parametrize("kind", ["warps", "fills", "scenes", "headsets", "formats", "scales", "studies"])
 def test_lists_from_another_folder(installed, tmp_path, kind):
     done = run(installed / "hmdwarp", "list", kind, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

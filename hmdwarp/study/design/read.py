@@ -23,11 +23,11 @@ def ready_names() -> list[str]:
     return sorted(p.stem for p in READY.glob("*.toml") if "_" not in p.stem)
 
 
-def load_design(name_or_path: str) -> Design:
-    """A shipped study by name, or a .toml file by path, checked: every condition's settings are tried as far as they can be without a
-    display. Errors: InputError that names the file, the line, what was found and what was wanted."""
+def load_design(name_or_path: str, *, checked: bool = True) -> Design:
+    """A shipped study by name, or a .toml file by path. checked: every condition's settings are tried as far as they can be without a
+    display, which takes a second for a large scene. Errors: InputError that names file and line, what was found and what was wanted."""
     path = _path_of(name_or_path)
-    return design_from_text(text_of(path, f"a .toml file, or one of {', '.join(ready_names())}"), str(path))
+    return design_from_text(text_of(path, f"a .toml file, or one of {', '.join(ready_names())}"), str(path), checked=checked)
 
 
 def _path_of(name: str) -> Path:
