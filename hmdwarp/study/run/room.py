@@ -81,7 +81,8 @@ class Room:
         self.say("a break comes after this trial")
 
     def entitle(self, step: Step) -> None:
-        """What the window's title says from now on."""
+        """What the window's title says from now on; the desk hears of it at the next refresh."""
+        self._told_ns = None
         self.status.heading = f"study {self.design.name} - {told(step, self.steps)}"
         self.display.tell(self.status)
 

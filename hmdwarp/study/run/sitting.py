@@ -21,7 +21,7 @@ from .questions import Break, Consent, MenuWatch, Question, Standing, Waiting
 from .room import Room
 from .showing import Shower
 from .sickness import why_sick
-from .telling import ASKED_BREAK, END, MENU, READY, SICK
+from .telling import ASKED_BREAK, END, MENU, READY, SICK, told
 from .voices import PAUSE
 from .watch import LOST, StepWatch
 
@@ -114,7 +114,7 @@ class Sitting:
                 break
             if watch.intent != LOST:
                 self._between(watch.intent, step)
-            room.say(f"{step.key}: shown again, from its start")
+            room.say(f"{told(step, room.steps)}: shown again, from its start")
         room.done.add(step.key)
         self.seen[step.key] = showing
 
@@ -133,7 +133,8 @@ class Sitting:
         room.done.add(step.key)
         self.answered = step
         said = "left unanswered" if answer.value is None else f"{answer.value:g}"
-        room.say(f"{step.key}: {said}" + (f" (answered again, {answer.revision})" if answer.revision > 1 else ""))
+        about = f"{told(step, room.steps)}, {step.scale.title}" if step.about else told(step, room.steps)
+        room.say(f"{about}: {said}" + (" (answered again)" if answer.revision > 1 else ""))
         rule = room.design.sickness
         if rule is not None and step.scale.name == rule.scale.name:
             self._end_if_sick()

@@ -28,8 +28,8 @@ def trials(steps: Sequence[Step]) -> int:
 
 
 def _of_questionnaire(ask: Ask, steps: Sequence[Step]) -> str:
-    number = ask.scale.items.index(ask.item) + 1
-    return f"{ask.scale.title}, question {number} of {len(ask.scale.items)}"
+    items = ask.scale.items
+    return ask.scale.title if len(items) == 1 else f"{ask.scale.title}, question {items.index(ask.item) + 1} of {len(items)}"
 
 
 def turned_deg(pose: Pose) -> tuple[float, float, float]:

@@ -1,0 +1,213 @@
+"""Sessions on the display without a screen, with people who look at what is shown, as people do, and answer with their hands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import attrs
+from live.offscreen import OffscreenDisplay
+
+from hmdwarp.display import Closed, Command, Lost
+from hmdwarp.study.asking import Card, QuestionPlate
+from hmdwarp.study.desk import DeskState
+from hmdwarp.study.run import session as program
+from hmdwarp.study.run.options import RunSession
+from hmdwarp.study.store import Contents, Session, Store
+
+NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)
+TEXT = """
+schema = 1
+name = "small"
+title = "Is it better?"
+seed = 5
+{more}
+[common]
+scene = "planes"
+size = "96x120"
+reconnect = 0.05
+[trial]
+seconds = 0.1
+scales = ["grade"]
+[[condition]]
+name = "plainly-late"
+latency = 130
+warp = "none"
+fill = "none"
+[[condition]]
+name = "spun-about"
+latency = 170
+warp = "rotation"
+fill = "none"
+"""
+WHOLE = """
+blind = "{blind}"
+[consent]
+version = "1"
+text = "You will see pictures."
+[practice]
+seconds = 0.1
+[breaks]
+every = 1
+seconds = 0.2
+[sickness]
+scale = "fms"
+stop_at = 15
+[questionnaires]
+before = ["fms"]
+after = ["acr"]
+"""
+
+
+def study(folder: Path, more: str = "", text: str = TEXT) -> Path:
+    """A study's file."""
+    path = folder / "small.toml"
+    path.write_text(text.format(more=more), encoding="utf-8")
+    return path
+
+
+def whole(folder: Path, blind: str = "both") -> Path:
+    """One with everything in it that may come between trials."""
+    return study(folder, WHOLE.format(blind=blind).replace("[questionnaires]\nbefore = [\"fms\"]\n", "[questionnaires]\n"))
+
+
+def press(plate: Card, name: str) -> Command:
+    """A click onto a button of a plate."""
+    for v in range(1, 100):
+        for u in range(1, 20):
+            if plate.button_at(u / 20, v / 100) == name:
+                return Command("press", (u / 20, v / 100))
+    raise AssertionError(f"no button {name!r} on {plate}")
+
+
+class Person:
+    """Reads the plates and goes through the session as it is asked to. grade: of every trial. own: what is done instead, tried first with
+    the plate and how many times that very plate has been seen before; None for nothing of one's own."""
+
+    def __init__(self, own: Callable[[Card | QuestionPlate | str], Sequence[Command] | None] = lambda plate: None, grade: str = "2") -> None:
+        self._own, self._grade = own, grade
+        self._last: object = None
+
+    def looks(self, plate: Card | QuestionPlate | str) -> Sequence[Command]:
+        """What hands do at a plate. A plate is reacted to once, when it comes."""
+        if plate == self._last:
+            return ()
+        self._last = plate
+        own = self._own(plate)
+        return self._usual(plate) if own is None else own
+
+    def _usual(self, plate: Card | QuestionPlate | str) -> Sequence[Command]:
+        if isinstance(plate, QuestionPlate) and plate.value is None and not plate.skipping and not plate.typed:
+            return (*(Command("digit", digit) for digit in self._grade), Command("confirm"))
+        if isinstance(plate, Card) and plate.title == "Before we begin":
+            return (press(plate, "agree"),)
+        if isinstance(plate, Card) and plate.title == "Menu":
+            return (press(plate, "continue"),)
+        if isinstance(plate, Card) and (plate.title in ("Ready?", "We stop here") or "whenever you like" in " ".join(plate.lines)):
+            return (Command("confirm"),)
+        return ()
+
+
+class Seat(OffscreenDisplay):
+    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's; at: by the n-th picture shown (counted
+    from 1), what happens right before the next: an exception is raised, anything else called."""
+
+    def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
+        super().__init__(gpu=gpu, **more)
+        self.person, self._at, self.shown = person, dict(at or {}), 0
+        self.titles: list[str] = []
+
+    def wait(self):
+        due = self._at.pop(self.shown, None)
+        if isinstance(due, BaseException):
+            self.lost += isinstance(due, Lost)
+            raise due
+        if due is not None:
+            due()
+        return super().wait()
+
+    def show(self, refresh, label="") -> int:
+        self.shown += refresh is not None
+        return super().show(refresh, label)
+
+    def commands(self) -> Sequence[Command]:
+        return self.person.looks(self.labels[-1]) if self.labels else ()
+
+    def tell(self, status) -> None:
+        self.titles.append(status.title())
+
+    @property
+    def plates(self) -> list[Card | QuestionPlate | str]:
+        """Those seen, one after the other."""
+        return [plate for before, plate in zip([None, *self.labels], self.labels, strict=False) if plate != before]
+
+
+class Table:
+    """A desk. asks: what the experimenter asks for, given the state when it is new."""
+
+    def __init__(self, asks: Callable[[DeskState], Sequence[Command]] = lambda state: ()) -> None:
+        self.states: list[DeskState] = []
+        self.said: list[str] = []
+        self.open = 0
+        self._asks, self._pending = asks, []
+
+    def __enter__(self):
+        self.open += 1
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.open -= 1
+
+    def tell(self, state: DeskState) -> None:
+        self.states.append(state)
+        self._pending += self._asks(state)
+
+    def say(self, text: str) -> None:
+        self.said.append(text)
+
+    def commands(self) -> Sequence[Command]:
+        pending, self._pending = self._pending, []
+        return pending
+
+
+@attrs.define
+class Ran:
+    """What came of a run of the program. error: that ended it, None for none."""
+
+    display: Seat
+    desk: Table
+    said: list[str]
+    session: Session | None = None
+    error: BaseException | None = None
+
+
+def run(monkeypatch, gpu, path: Path, person: Person | None = None, desk: Table | None = None, respondent=None, at=None, **options) -> Ran:
+    """One run of the program. options: of RunSession, participant P1 and a desktop where nothing else is said; back_after: of the display."""
+    back_after = options.pop("back_after", 0)
+    ran = Ran(Seat(gpu, person or Person(), at, back_after=back_after), desk or Table(), [])
+    monkeypatch.setattr(program, "open_display", lambda *_: ran.display)
+    options = {"participant": "P1", "source": "desktop", **options}
+    try:
+        ran.session = program.run_session(RunSession(study=str(path), **options), ran.said.append, desk=ran.desk, respondent=respondent)
+    except BaseException as error:
+        ran.error = error
+    finally:
+        ran.display.close()
+    assert ran.desk.open == 0
+    return ran
+
+
+def contents(path: Path, pilot: bool = False) -> Contents:
+    """What the store holds."""
+    with Store(path.with_name("small-data")) as store:
+        return store.contents(pilot)
+
+
+def closing() -> Closed:
+    """Somebody closes the window."""
+    return Closed("the window was closed")
+
+
+def losing() -> Lost:
+    """The headset goes."""
+    return Lost("the headset went away")
