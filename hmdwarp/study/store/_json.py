@@ -22,17 +22,22 @@ def from_json(text: str) -> Any:
     return json.loads(text)
 
 
+def clean(text: str) -> str:
+    """What a terminal's broken bytes became (lone surrogates) is "?": no database takes them, and a remark must not end a session."""
+    return text.encode(errors="replace").decode()
+
+
 def _plain(value: Any) -> Any:
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
+    if hasattr(value, "tolist"):  # NumPy's
+        value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(key): _plain(one) for key, one in value.items()}
+        return {clean(str(key)): _plain(one) for key, one in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
         return [_plain(one) for one in value]
-    if isinstance(value, Path):
-        return str(value)
-    if hasattr(value, "tolist"):  # NumPy's
-        return _plain(value.tolist())
+    if isinstance(value, str | Path):
+        return clean(str(value))
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int):
+        return value
     raise TypeError(f"{type(value).__name__} cannot be stored: {value!r}")

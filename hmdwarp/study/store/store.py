@@ -20,7 +20,7 @@ from typing import Any
 from ..design import Design
 from ..steps import Ask, Show
 from . import beginning, reading
-from ._json import to_json
+from ._json import clean, to_json
 from .clock import Clock, MachineClock
 from .codes import NEW, check_code
 from .erasing import erase, known
@@ -138,7 +138,7 @@ class Store:
         with self._opened.going_on(session) as db:
             self._opened.event(session, "end", data={"status": status, "why": why})
             now = self._opened.now()
-            db.execute("UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?", (status, now, why, session.id))
+            db.execute("UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?", (status, now, clean(why), session.id))
             return reading.session(db, session.id)
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:

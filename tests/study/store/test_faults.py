@@ -141,7 +141,7 @@ with Store(Path(sys.argv[1]) / "data", create=True) as store:
 @pytest.fixture
 def made(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
-        for k in range(30):
+        for k in range(10):
             whole(store, f"P{k}")
     return tmp_path / "data"
 

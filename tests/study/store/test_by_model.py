@@ -1,0 +1,174 @@
+"""Whatever is done to a store, in whatever order, it holds what a dictionary would: checked by hypothesis, reopened at any time."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+import attrs
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initialize, invariant, precondition, rule
+
+from hmdwarp.errors import InputError
+from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, Store
+from hmdwarp.study.withdraw import holdings, withdraw
+
+from .sessions import asks, begun, shows
+
+CODES = [f"P{k}" for k in range(6)]
+
+
+@attrs.define
+class Told:
+    """What a session was told."""
+
+    code: str
+    origin: str
+    part: str
+    row: int
+    status: str = "running"
+    answers: dict = attrs.field(factory=dict)  # (key, revision) to value
+    showings: dict = attrs.field(factory=dict)  # (key, presentation) to complete
+    remarks: list = attrs.field(factory=list)
+
+
+class StoreByModel(RuleBasedStateMachine):
+    """Sessions of six people and pilots; the store is closed and opened, or its program dies, in between."""
+
+    running = Bundle("running")
+
+    @initialize()
+    def make(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="store-"))
+        self.store = Store(self.folder / "data", create=True)
+        self.told: dict[int, Told] = {}
+        self.withdrawn: set[str] = set()
+
+    def teardown(self):
+        self.store.close()
+        shutil.rmtree(self.folder)
+
+    def of(self, code):
+        return [one for one in self.told.values() if one.code == code]
+
+    @rule(
+        target=running,
+        code=st.sampled_from(CODES),
+        origin=st.sampled_from([PERSON, PERSON, PILOT]),
+        part=st.sampled_from(["one", "two"]),
+        again=st.booleans(),
+    )
+    def begin(self, code, origin, part, again):
+        known = self.of(code)
+        refused = code in self.withdrawn or bool(known) != again or any(one.origin != origin for one in known)
+        try:
+            session = begun(self.store, code, part, origin, new_session=again)
+        except InputError:
+            assert refused
+            return None
+        assert not refused and session.number == len(known) + 1 and session.id not in self.told
+        held = [one.row for one in self.told.values() if (one.origin, one.part) == (origin, part) and one.status not in (STOPPED, SICK)]
+        rows = {"one": 4, "two": 2}[part]
+        assert held.count(session.row) == min(held.count(row) for row in range(rows)), "the least filled order"
+        self.told[session.id] = Told(code, origin, part, session.row)
+        return session
+
+    def is_on(self, session):
+        return session is not None and session.id in self.told and self.told[session.id].status == "running"
+
+    @rule(session=running, number=st.integers(0, 8), value=st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)))
+    def answer(self, session, number, value):
+        if self.is_on(session):
+            ask = asks(session)[number % len(asks(session))]
+            told = self.told[session.id].answers
+            revision = 1 + sum(key == ask.key for key, _ in told)
+            assert self.store.answer(session, ask, value, 1.0, "participant").revision == revision
+            told[ask.key, revision] = value
+
+    @rule(session=running, number=st.integers(0, 4), ends=st.sampled_from([None, False, True]), traced=st.booleans())
+    def show(self, session, number, ends, traced):
+        if self.is_on(session):
+            step = shows(session)[number % len(shows(session))]
+            told = self.told[session.id].showings
+            presentation = 1 + sum(key == step.key for key, _ in told)
+            showing = self.store.begin_showing(session, step, step.condition.settings, recorded=traced)
+            if traced:
+                with (self.store.traces / showing.trace).open("x") as file:  # never there before
+                    file.write("time_ns\n")
+            if ends is not None:
+                self.store.end_showing(session, showing, {}, complete=ends)
+            told[step.key, presentation] = bool(ends)
+
+    @rule(session=running, text=st.text(max_size=20))
+    def remark(self, session, text):
+        if self.is_on(session):
+            self.store.record(session, "remark", text=text)
+            self.told[session.id].remarks.append(text)
+
+    @rule(session=consumes(running), status=st.sampled_from([COMPLETE, STOPPED, SICK, INTERRUPTED]))
+    def end(self, session, status):
+        if self.is_on(session):
+            self.store.end(session, status)
+            self.told[session.id].status = status
+
+    @rule(target=running, code=st.sampled_from(CODES))
+    def resume(self, code):
+        parts = {one.part for one in self.of(code) if one.status == INTERRUPTED}
+        try:
+            session = self.store.resume(code)
+        except InputError:
+            assert len(parts) != 1
+            return None
+        assert self.told[session.id].code == code and self.told[session.id].status == INTERRUPTED
+        self.told[session.id].status = "running"
+        return session
+
+    @rule()
+    def reopen(self):
+        """As a program that died: nothing was ended. The next that writes finds what still runs interrupted."""
+        self.store.close()
+        self.store = Store(self.folder / "data", create=True)
+        if self.store.name:
+            self.store.lock()
+        for one in self.told.values():
+            one.status = INTERRUPTED if one.status == "running" else one.status
+
+    @precondition(lambda self: self.store.name)
+    @rule(code=st.sampled_from(CODES))
+    def withdraw(self, code):
+        try:
+            held = holdings(self.store, code)
+        except InputError:
+            assert code in self.withdrawn or not self.of(code)
+            return
+        mine = self.of(code)
+        assert (held.sessions, held.ratings) == (len(mine), sum(len(one.answers) for one in mine))
+        assert withdraw(self.store, code) == held
+        self.withdrawn.add(code)
+        self.told = {id_: one for id_, one in self.told.items() if one.code != code}
+
+    @invariant()
+    def is_as_told(self):
+        if not self.store.name:
+            assert not self.told
+            return
+        for pilot in (False, True):
+            found = self.store.contents(pilot=pilot)
+            told = {id_: one for id_, one in self.told.items() if (one.origin == PILOT) == pilot}
+            assert {one.id: (one.code, one.origin, one.part, one.row, one.status) for one in found.sessions} == {
+                id_: (one.code, one.origin, one.part, one.row, one.status) for id_, one in told.items()
+            }
+            answers = [((one.session, one.key, one.revision), one.value) for one in found.answers]
+            assert len(dict(answers)) == len(answers)
+            assert dict(answers) == {(id_, *key): value for id_, one in told.items() for key, value in one.answers.items()}
+            showings = {(one.session, one.key, one.presentation): one.complete for one in found.showings}
+            assert showings == {(id_, *key): value for id_, one in told.items() for key, value in one.showings.items()}
+            remarks = [(one.session, one.data["text"]) for one in found.events if one.kind == "remark"]
+            assert sorted(remarks) == sorted((id_, text) for id_, one in told.items() for text in one.remarks)
+            assert found.withdrawn == len(self.withdrawn)
+
+
+TestStoreByModel = StoreByModel.TestCase
+TestStoreByModel.settings = settings(max_examples=40, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck))

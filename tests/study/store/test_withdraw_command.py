@@ -1,0 +1,82 @@
+"""hmdwarp study withdraw, as typed: it tells what there is, asks, erases, and says what it cannot reach."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from hmdwarp.study.store import Store
+
+from .sessions import TEXT, begun, whole
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study's file with two participants' data beside it."""
+    (tmp_path / "late.toml").write_text(TEXT, encoding="utf-8")
+    with Store(tmp_path / "late-data", create=True) as store:
+        whole(store, "P01")
+        whole(store, "P02")
+    return tmp_path / "late.toml"
+
+
+def ran(*words: object) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "hmdwarp", "study", "withdraw", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, stdin=subprocess.DEVNULL)
+
+
+def codes(study) -> list[str]:
+    with Store(study.with_name("late-data")) as store:
+        return [one.code for one in store.contents().sessions]
+
+
+def test_it_erases_and_says_what_it_cannot_reach(study):
+    done = ran(study, "P01", "--yes")
+    assert done.returncode == 0 and done.stderr == ""
+    assert done.stdout.startswith("Participant P01 has withdrawn; erased: 1 session, ")
+    assert "their order is free" in done.stdout and "Exports, reports, copies and backups" in done.stdout
+    assert codes(study) == ["P02"]
+    again = ran(study, "P01", "--yes")
+    assert again.returncode == 2 and "has withdrawn already" in again.stderr and again.stderr.count("\n") == 1
+
+
+@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")  # of pexpect's fork, where a test left threads
+@pytest.mark.parametrize(("answer", "left", "told"), [("y", ["P02"], "has withdrawn; erased"), ("n", ["P01", "P02"], "Nothing was")])
+def test_it_asks_on_a_terminal(study, answer, left, told):
+    pexpect = pytest.importorskip("pexpect")
+    words = ["-m", "hmdwarp", "study", "withdraw", str(study), "p01"]
+    screen = pexpect.spawn(sys.executable, words, encoding="utf-8", timeout=120, dimensions=(24, 200))
+    screen.expect("holds of participant p01: 1 session, .*Erase it for good.*: ")
+    screen.sendline(answer)
+    screen.expect(told)
+    screen.expect(pexpect.EOF)
+    screen.close()
+    assert screen.exitstatus == 0 and codes(study) == left
+
+
+def test_without_a_terminal_it_wants_to_be_told(study):
+    done = ran(study, "P01")
+    assert done.returncode == 2 and "--yes" in done.stderr and codes(study) == ["P01", "P02"]
+
+
+def test_not_while_a_session_runs(study):
+    with Store(study.with_name("late-data")) as store:
+        begun(store, "P03")
+        done = ran(study, "P01", "--yes")
+    assert done.returncode == 3 and "running already" in done.stderr and done.stderr.count("\n") == 1
+    assert codes(study) == ["P01", "P02", "P03"]
+
+
+def test_a_file_that_became_wrong_keeps_nobody_from_withdrawing(study):
+    study.write_text("title = ", encoding="utf-8")
+    assert ran(study, "P01", "--yes").returncode == 2
+    done = ran(study, "P01", "--yes", "--store", study.with_name("late-data"))
+    assert done.returncode == 0 and codes(study) == ["P02"]
+
+
+def test_no_data_and_no_such_participant(study, tmp_path):
+    for words, told in (((study, "P99"), "P99 is not known here"), ((study, "P01", "--store", tmp_path / "x"), "no data of a study there")):
+        done = ran(*words, "--yes")
+        assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
