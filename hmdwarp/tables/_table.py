@@ -173,8 +173,15 @@ class Table:
             return self._data[key]
         if default is not _NEEDED:
             return default
+        raise self.missing(key)
+
+    def missing(self, key: str) -> KeyFault:
+        """The error for a key that is not there; where one is there that it may have been meant to be, at that one."""
+        named = _named((*self._path, key))
+        for near in difflib.get_close_matches(key, set(self._data) - set(self._known), n=1, cutoff=0.7):
+            return KeyFault(f"the key {named} is missing: is {_named((near,))} meant to be {key}?", (*self._path, near))
         hint = f"; {self._example} has them all" if self._example else ""
-        raise KeyFault(f"the key {_named((*self._path, key))} is missing{hint}", self._path)
+        return KeyFault(f"the key {named} is missing{hint}", self._path)
 
 
 def _named(path: Path) -> str:

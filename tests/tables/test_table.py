@@ -76,6 +76,12 @@ def test_a_key_nobody_asked_for_is_refused_with_the_nearest_known_one():
         table.refuse_unread()
 
 
+def test_a_missing_key_points_at_the_one_that_was_meant():
+    with pytest.raises(KeyFault, match="the key a.seconds is missing: is secnods meant to be seconds") as caught:
+        Table({"a": {"secnods": 1}}).table("a").number("seconds")
+    assert caught.value.path == ("a", "secnods")
+
+
 def test_keys_with_odd_characters_stay_on_the_line():
     with pytest.raises(KeyFault) as caught:
         Table({"a\nb": 1}).refuse_unread()

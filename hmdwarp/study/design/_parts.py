@@ -100,6 +100,8 @@ def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
 def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition, ...]:
     tables = within.tables("condition")
     heading = "[[part.condition]]" if within is not data else "[[condition]]"
+    if "condition" not in within:
+        raise within.missing("condition")
     if not 1 <= len(tables) <= _MOST_CONDITIONS:
         raise within.fault("condition", f"comes {len(tables)} times: wanted 1 to {_MOST_CONDITIONS}, each beginning with {heading}")
     made: list[Condition] = []

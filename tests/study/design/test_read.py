@@ -113,7 +113,7 @@ BROKEN = [
     ("schema = 1\n", "", "the key schema is missing; hmdwarp/study/ready/thesis.toml has them all", 1),
     ('name = "whole"', 'name = "a whole"', "name is 'a whole': wanted a name of letters, digits", None),
     ('name = "whole"', 'name = "../whole"', "name is '../whole': wanted a name", None),
-    ("title = ", "titel = ", "the key title is missing", 1),
+    ("title = ", "titel = ", "the key title is missing: is titel meant to be title?", None),
     ("seed = 7", "seed = -1", "seed is -1: wanted a whole number of at least 0", None),
     ('blind = "both"', 'blind = "me"', "blind is 'me': wanted both, participant or nobody", None),
     ("seed = 7", "seed = 7\nsede = 8", "unknown key sede: did you mean seed?", "sede"),
@@ -144,7 +144,7 @@ BROKEN = [
     ('text = "You may stop at any moment."', 'file = "absent.txt"', "absent.txt: No such file", None),
     ('text = "You may stop at any moment."', "", "consent wanted either text, or file", "[consent]"),
     ('name = "run-2"', 'name = "Run-1"', "part.name is 'Run-1' a second time", None),
-    ('name = "run-2"', 'nmae = "run-2"', "the key part.name is missing", "[[part]]\nnmae"),
+    ('name = "run-2"', 'nmae = "run-2"', "the key part.name is missing: is nmae meant to be name?", None),
     ('name = "warped-200"', 'name = "late-200"', "name is 'late-200' a second time", 'name = "late-200"\nlatency = 200\nwarp = "mesh"'),
     ("latency = 200\nwarp", "latncy = 200\nwarp", "condition 'late-200': unknown setting 'latncy': did you mean latency?", "latncy"),
     ("latency = 200\nwarp", 'latency = "200"\nwarp', "condition 'late-200': latency is '200': wanted a number", 'latency = "200"'),
@@ -200,7 +200,9 @@ def test_one_condition_has_no_order():
     with pytest.raises(InputError, match=r"study\.toml:14: trial\.order is williams .* one condition has no order"):
         read(text)
     assert read(text.replace('"williams"', '"fixed"')).order == "fixed"
-    with pytest.raises(InputError, match=r"part\.condition comes 0 times: wanted 1 to 100, each beginning with \[\[part\.condition\]\]"):
+    with pytest.raises(InputError, match=r"the key part\.condition is missing: is conditions meant to be condition\?"):
+        read(text.replace("[[part.condition]]", "[[part.conditions]]"))
+    with pytest.raises(InputError, match=r"the key part\.condition is missing"):
         read(text[: text.index("[[part.condition]]")])
 
 
