@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from . import export, plan, power, run, withdraw
+from . import analyse, export, plan, power, run, withdraw
 
 app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
 app.command("plan")(plan.plan)
@@ -12,3 +12,4 @@ app.command("run")(run.run)
 app.command("export")(export.export)
 app.command("power")(power.power)
 app.command("withdraw")(withdraw.withdraw)
+app.command("analyse")(analyse.analyse)

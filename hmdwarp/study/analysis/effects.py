@@ -23,11 +23,9 @@ def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
     """
     rated = [row for row in rows if row.value is not None]
     if not any(row.place for row in rated):
-        why = {"why_not": "the order in which the conditions were shown is not recorded"}
-        return {"place": why, "previous": why}
+        return {name: {"why_not": "the order in which the conditions were shown is not recorded"} for name in ("place", "previous")}
     if not all(row.place for row in rated):
-        why = {"why_not": "the place of some trials is not recorded"}
-        return {"place": why, "previous": why}
+        return {name: {"why_not": "the place of some trials is not recorded"} for name in ("place", "previous")}
     blocks = {
         "base": np.hstack([_dummies([row.participant for row in rated]), _dummies([row.condition for row in rated])[:, 1:]]),
         "place": np.array([[row.place] for row in rated], float),

@@ -159,7 +159,7 @@ def _why(line: Line) -> str:
 
 
 def _part(text: str, column: str) -> str:
-    """"run 1" where the column says just 1."""
+    """As "run 1" where the column says just 1."""
     return f"{column} {text}" if re.fullmatch(r"\d+", text) else text
 
 

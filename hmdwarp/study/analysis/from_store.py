@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ...errors import InputError
-from ..design import Design, design_from_text
+from ..design import Design
+from ..design.read import design_from_text
 from ..export.rows import long_rows, of_origin
 from ..scales import RATING
 from ..steps import Ask, Show, steps_of
@@ -68,7 +69,7 @@ def _origin_of(contents: Contents) -> str:
 
 def _nobody(contents: Contents, origin: str) -> str:
     others = ", ".join(sorted({session.origin for session in contents.sessions})) or "nobody"
-    return f"{contents.folder}: no sessions of origin '{origin}' (there are: {others}): run some, or say --origin"
+    return f"{contents.folder}: no sessions of origin '{origin}' (there are: {others}): run some, or say --pilot or --simulated"
 
 
 def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ...report.study_words import ALPHA, counted, listed, p_is, plain, signed
 from .ratings import Measure
-from .words import ALPHA, counted, listed, p_is, plain, signed
 
 Row = Mapping[str, Any]
 
@@ -43,24 +43,24 @@ def _verdict(row: Row, measure: Measure) -> str:
     if row["smallest_p"] > ALPHA:
         least = p_is(row["smallest_p"])
         return f"{_pairs(row)} can give no smaller p than {least[4:]}, so this comparison shows nothing either way, whatever the ratings."
-    alone = f", by itself {p_is(row['p'])}" if row["p"] <= ALPHA < row["holm"] else ""
-    return f"{after} {p_is(row['holm'])}{alone}: no difference is shown, and none is ruled out{_left_open(row, measure)}"
+    low, high, level = row["shift_low"], row["shift_high"], f"{100 * row['shift_level']:.0f} %"
+    if row["p"] <= ALPHA:
+        return (
+            f"{after} {p_is(row['holm'])}, by itself {p_is(row['p'])}: not shown at 5 % where all {row['holm_of']} count; alone, the "
+            f"ratings fit differences from {signed(low)} to {signed(high)} {measure.unit} ({level})."
+        )
+    return (
+        f"{after} {p_is(row['holm'])}: no difference is shown, which does not say that there is none: the ratings fit anything from "
+        f"{_way(low, measure)} to {_way(high, measure)} ({level})."
+    )
+
+
+def _way(shift: float, measure: Measure) -> str:
+    return "no difference" if shift == 0 else f"{'a gain' if shift > 0 else 'a loss'} of {plain(abs(shift))} {measure.unit}"
 
 
 def _pairs(row: Row) -> str:
-    unequal = row["better"] + row["worse"]
-    return f"{counted(unequal, 'unequal pair')}"
-
-
-def _left_open(row: Row, measure: Measure) -> str:
-    """What size the ratings exclude, which is what a test that is not significant can still tell."""
-    low, high, level = row["shift_low"], row["shift_high"], f"{100 * row['shift_level']:.0f} %"
-    if low > 0 or high < 0:
-        return f" by so many comparisons; alone, differences outside {signed(low)} to {signed(high)} {measure.unit} do not fit ({level})."
-    return (
-        f" but large ones: a gain of over {plain(high)} or a loss of over {plain(-low)} {measure.unit} would not fit these "
-        f"ratings ({level})."
-    )
+    return counted(row["better"] + row["worse"], "unequal pair")
 
 
 def of_friedman(row: Row | None, part: str) -> str:
@@ -75,8 +75,15 @@ def of_friedman(row: Row | None, part: str) -> str:
     )
 
 
-def of_order(name: str, row: Row, measure: Measure) -> str:
-    """Of the effect of a trial's place, or of what was shown before it."""
+def of_order(effects: Mapping[str, Row], measure: Measure) -> list[str]:
+    """Of the effects of a trial's place and of what was shown before it. effects: as effects.order_effects."""
+    reasons = {row.get("why_not", "") for row in effects.values()}
+    if len(reasons) == 1 and "" not in reasons:
+        return [f"Whether the order mattered cannot be estimated: {reasons.pop()}."]
+    return [_of_effect(name, row, measure) for name, row in effects.items()]
+
+
+def _of_effect(name: str, row: Row, measure: Measure) -> str:
     what = {"place": "The place of a trial", "previous": "The condition shown before"}[name]
     if "why_not" in row:
         return f"{what}: its effect cannot be estimated, {row['why_not']}."
@@ -98,8 +105,8 @@ def of_copied(row: Row) -> str:
     )
     return (
         f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} conditions that both parts have "
-        f"equal those of somebody in {first} ({second} = {first}: {doubles}). {chance} Such rows were most likely copied, or are of the same "
-        "people: the parts are not independent, and are not pooled here."
+        f"equal those of somebody in {first} ({second} = {first}: {doubles}). {chance} Such rows were most likely copied, or are of the "
+        "same people: the parts are not independent, and are not pooled here."
     )
 
 

@@ -1,0 +1,153 @@
+"""hmdwarp study analyse: what the ratings say."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+_Texts = list[str] | None
+
+
+def analyse(
+    source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help="A long table (.csv, .tsv), a study's .toml file, or a shipped one.")],
+    out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/.")],
+    store: Annotated[Path | None, typer.Option("--store", help="The data; by default beside the file.", show_default=False)] = None,
+    scale: Annotated[str, typer.Option("--scale", help="What a table's ratings are on: grade, acr, ..", show_default=False)] = "",
+    low_is_good: Annotated[
+        bool | None, typer.Option("--low-is-good/--high-is-good", help="Which way a table's ratings go.", show_default=False)
+    ] = None,
+    column: Annotated[
+        _Texts, typer.Option("--column", metavar="ROLE=NAME", help="A table's column: rating=mos, ..", show_default=False)
+    ] = None,
+    family: Annotated[
+        _Texts, typer.Option("--family", metavar="A:B;C:D", help="Compare these pairs, a family; may be repeated.", show_default=False)
+    ] = None,
+    claims: Annotated[
+        Path | None, typer.Option("--claims", help="A .toml file of published figures to check.", show_default=False)
+    ] = None,
+    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of participants.")] = False,
+    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of those of participants.")] = False,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the bootstrap.")] = 142,
+    resamples: Annotated[int, typer.Option("--resamples", min=100, max=10_000_000, help="Of the bootstrap.")] = 20_000,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+) -> None:
+    """Say what ratings show and what they leave open: exact tests, intervals, order effects, missing ratings; tables, plots, one page."""
+    import attrs
+
+    from ...errors import InputError
+    from ...study.analysis import Given, Resampling
+    from ...study.analysis.sources import claims_for, ratings_from
+    from ...study.analysis.whole import analyse as run
+    from ...study.analysis.write import write_analysis
+
+    if pilot and simulated:
+        raise InputError("--pilot and --simulated: they never count together; analyse one after the other")
+    given = Given(_columns(column), scale, low_is_good, "pilot" if pilot else "simulated" if simulated else "")
+    ratings = ratings_from(source, store, given)
+    published, note = claims_for(claims, ratings, given)
+    ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
+    data = run(ratings, Resampling(seed, resamples), family or (), published)
+    page = write_analysis(out, data, shlex.join(["hmdwarp", *sys.argv[1:]]))
+    if not quiet:
+        _tell(data)
+        typer.echo(f"report: {page}")
+
+
+def _columns(texts: _Texts) -> dict[str, str]:
+    from ...errors import InputError
+
+    pairs = [text.partition("=") for text in texts or ()]
+    for text, (role, _, name) in zip(texts or (), pairs, strict=True):
+        if not role or not name:
+            raise InputError(f"--column '{text}': wanted ROLE=NAME, like rating=mos")
+    return {role.strip(): name.strip() for role, _, name in pairs}
+
+
+def _tell(data: dict[str, Any]) -> None:
+    from .._show import console, paragraph
+
+    screen = console()
+    paragraph(typer.style(data["title"], bold=True))
+    people = f"{data['participants']} participants, {data['ratings']} ratings, {data['missing']} missing; from {data['source']}."
+    paragraph(people)
+    for note in data["notes"]:
+        paragraph(f"note: {note}")
+    for scale in data["scales"]:
+        for part in scale["parts"]:
+            typer.echo()
+            screen.print(_conditions(part, scale["measure"]))
+            paragraph(part["friedman_sentence"])
+            paragraph(part["reference_sentence"])
+            for sentence in part["order_sentences"]:
+                paragraph(sentence)
+        _tell_comparisons(screen, scale)
+        for one in [*scale["copied"], *scale["claims"]]:
+            typer.echo()
+            paragraph(one["sentence"])
+    typer.echo()
+    paragraph(f"{data['compared']} BCa intervals: {data['resamples']} resamples, seed {data['seed']}.")
+    for sentence in (data["prediction"] or {}).get("sentences", ()):
+        paragraph(sentence)
+    ends = ", ".join(f"{number} {status}" for status, number in data["sittings"]["counts"].items())
+    if ends:
+        paragraph(f"Sessions: {ends}.")
+
+
+def _tell_comparisons(screen: Any, scale: dict[str, Any]) -> None:
+    from .._show import paragraph
+
+    if not scale["comparisons"]:
+        return
+    for part in dict.fromkeys(row["part"] for row in scale["comparisons"]):
+        typer.echo()
+        screen.print(_comparisons(part, [row for row in scale["comparisons"] if row["part"] == part]))
+    for row in scale["comparisons"]:
+        typer.echo()
+        paragraph(row["sentence"])
+
+
+def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
+    from ...report.study_tables import condition_lines
+
+    heads, lines = condition_lines(part["conditions"])
+    return _table(f"{part['part'] or 'Conditions'}: {measure['title']}, {part['participants']} participants", heads, lines)
+
+
+def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
+    """What fits 80 columns; the page has the rest."""
+    from ...report.study_tables import pairs_text
+    from ...report.study_words import p_text, plain, signed
+
+    heads = [(name, "") for name in ("compared", "pairs +/0/-", "mean", "BCa 95 %", "p", "Holm", "all", "r")]
+    lines = [
+        [
+            f"{row['a']} → {row['b']}",
+            pairs_text(row),
+            signed(row["mean"], 3) if row["n"] else "–",
+            f"{signed(row['low'])} .. {signed(row['high'])}" if row["n"] else "–",
+            *(p_text(row[name]) for name in ("p", "holm", "holm_all")),
+            plain(row["rank_biserial"]),
+        ]
+        for row in rows
+    ]
+    return _table(f"{part}: positive means the second was rated better" if part else "Positive: the second was rated better", heads, lines)
+
+
+def _table(title: str, heads: Any, lines: list[list[str]]) -> Table:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    for number, (name, unit) in enumerate(heads):
+        table.add_column(f"{name} {unit}".strip(), justify="right" if number else "left", no_wrap=number > 0)
+    for line in lines:
+        table.add_row(*map(Text, line))
+    return table

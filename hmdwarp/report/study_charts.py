@@ -1,0 +1,197 @@
+"""The charts of a study's page: every single rating, paired differences, and whether the place of a trial mattered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .bench_style import PAGE, drawing, dress, svg_text
+from .charts import SERIES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Row = Mapping[str, Any]
+
+_WIDTH_IN = 9.6
+_BETTER, _WORSE = SERIES  # told apart by dashes too
+_WRAP = 16  # letters of a condition's name in a line
+
+
+def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
+    """Every rating of a part as a point, an <svg> element: up is better; lines join the two ratings of one person that are compared."""
+    names = _beside(part["conditions"], comparisons)
+    by_name = {row["condition"]: row for row in part["conditions"]}
+    with drawing((part["part"], measure["name"], names)):
+        figure, axes = _figure(_WIDTH_IN, 3.6)
+        places = {name: k for k, name in enumerate(names)}
+        shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
+        for row in comparisons:
+            _join(axes, row, by_name, places, shifts)
+        for name, x in places.items():
+            _points(axes, x, by_name[name], shifts[name])
+        axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names], parse_math=False)
+        axes.set_xlim(-0.6, len(names) - 0.4)
+        _rating_axis(axes, measure, [v for row in part["conditions"] for v in row["ratings"].values()])
+        figure.legend(handles=_rating_key(bool(comparisons)), loc="outside upper left", ncols=4, frameon=False, labelcolor=PAGE.ink)
+        return svg_text(figure)
+
+
+def forest_chart(rows: Sequence[Row], unit: str) -> str:
+    """A line for each comparison: single differences, their mean with the BCa interval, the Hodges-Lehmann shift with its exact one."""
+    shown = [row for row in rows if row["n"]]
+    with drawing([(row["part"], row["a"], row["b"], row["mean"]) for row in shown]):
+        figure, axes = _figure(_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2))
+        dress(axes, PAGE, grid="x")
+        axes.axvline(0, color=PAGE.ink, linewidth=1)
+        for y, row in enumerate(shown):
+            _forest_line(axes, y, row)
+        axes.set_yticks(range(len(shown)), [_comparison_label(row) for row in shown], parse_math=False)
+        axes.set_ylim(len(shown) - 0.4, -0.7)
+        reach = max((abs(v) for row in shown for v in [*row["differences"].values(), row["low"], row["high"]]), default=1.0)
+        axes.set_xlim(-1.08 * max(reach, 1e-9), 1.08 * max(reach, 1e-9))
+        axes.set_xlabel(f"difference in {unit}:  the second was rated worse  ←  0  →  better")
+        figure.legend(handles=_forest_key(), loc="outside upper left", ncols=3, frameon=False, labelcolor=PAGE.ink)
+        return svg_text(figure)
+
+
+def place_chart(part: Row, measure: Row) -> str:
+    """Each rating less its participant's and its condition's mean, against the place of its trial, with the mean of each place."""
+    places = np.array([one["place"] for one in part["places"]])
+    rest = np.array([one["rest"] for one in part["places"]])
+    with drawing((part["part"], "places", rest.tolist())):
+        figure, axes = _figure(5.0, 2.4)
+        dress(axes, PAGE)
+        axes.axhline(0, color=PAGE.ink, linewidth=1)
+        axes.plot(places + _spread(len(places)), rest, "o", color=_BETTER, alpha=0.35, markersize=3.5, markeredgewidth=0)
+        levels = np.unique(places)
+        axes.plot(levels, [rest[places == level].mean() for level in levels], "D-", color=_WORSE, markersize=5, linewidth=1.2)
+        axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
+        axes.set_xlabel("place of the trial in the session")
+        axes.set_ylabel(f"{measure['unit']} beside own mean")
+        if measure["low_is_good"]:
+            axes.invert_yaxis()
+        return svg_text(figure)
+
+
+def scatter_chart(points: Sequence[Row], label: str, measure: Row) -> str:
+    """Ratings against what was measured. points: x, y."""
+    x, y = np.array([one["x"] for one in points], float), np.array([one["y"] for one in points], float)
+    with drawing((label, x.tolist(), y.tolist())):
+        figure, axes = _figure(5.0, 2.6)
+        dress(axes, PAGE)
+        axes.plot(x, y, "o", color=_BETTER, alpha=0.55, markersize=4, markeredgewidth=0)
+        axes.set_xlabel(label, parse_math=False)
+        axes.set_ylabel(measure["title"].lower(), parse_math=False)
+        if measure["low_is_good"]:
+            axes.invert_yaxis()
+        return svg_text(figure)
+
+
+def _figure(width_in: float, height_in: float) -> tuple[Any, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width_in, height_in), layout="constrained")
+    return figure, figure.add_subplot()
+
+
+def _beside(conditions: Sequence[Row], comparisons: Sequence[Row]) -> list[str]:
+    """Names with the compared ones side by side."""
+    names = [row["condition"] for row in conditions]
+    order = [name for row in comparisons for name in (row["a"], row["b"])]
+    return [name for name in dict.fromkeys([*order, *names]) if name in names]
+
+
+def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
+    """How far each person's point is moved sideways, so that equal ratings lie side by side."""
+    groups: dict[float, list[str]] = {}
+    for who, value in ratings.items():
+        groups.setdefault(value, []).append(who)
+    step = min(0.07, 0.5 / max(map(len, groups.values()), default=1))
+    return {who: step * (k - (len(people) - 1) / 2) for people in groups.values() for k, who in enumerate(people)}
+
+
+def _join(axes: Axes, row: Row, by_name: Mapping[str, Row], places: Mapping[str, int], shifts: Mapping[str, Mapping[str, float]]) -> None:
+    a, b = row["a"], row["b"]
+    if abs(places[a] - places[b]) != 1:
+        return  # lines across other conditions would be taken for theirs
+    for who, difference in row["differences"].items():
+        x = [places[a] + shifts[a][who], places[b] + shifts[b][who]]
+        y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
+        style = {"color": _BETTER, "linestyle": "solid"} if difference > 0 else {"color": _WORSE, "linestyle": (0, (4, 2))}
+        axes.plot(x, y, linewidth=0.9, alpha=0.6, zorder=1, **(style if difference else {"color": PAGE.ink, "linestyle": (0, (1, 2))}))
+
+
+def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
+    who = list(row["ratings"])
+    style = {"linestyle": "none", "marker": "o", "markersize": 5, "color": PAGE.ink, "markerfacecolor": "none", "zorder": 3}
+    axes.plot([x + shifts[name] for name in who], [row["ratings"][name] for name in who], **style)
+    if row["median"] is not None:
+        axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=PAGE.ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
+        axes.plot(x - 0.36, row["mean"], marker=">", markersize=6, color=PAGE.ink, linestyle="none", zorder=4)
+
+
+def _label(row: Row) -> str:
+    return _wrapped(row["condition"]) + ("\n(reference)" if row["reference"] else "") + f"\nn = {row['n']}"
+
+
+def _wrapped(name: str) -> str:
+    import textwrap
+
+    return "\n".join(textwrap.wrap(name, _WRAP, break_on_hyphens=False)) or name
+
+
+def _rating_axis(axes: Axes, measure: Row, values: Sequence[float]) -> None:
+    dress(axes, PAGE, grid="y")
+    ends = [end for end in (measure["least"], measure["most"]) if end is not None] if values else [0.0, 1.0]
+    low, high = min([*values, *ends]), max([*values, *ends])
+    margin = 0.05 * max(high - low, 1e-9)
+    axes.set_ylim((high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin))
+    axes.set_ylabel(f"{measure['title'].lower()} (up is better)", parse_math=False)
+
+
+def _rating_key(lines: bool) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    ink = {"color": PAGE.ink}
+    key = [
+        Line2D([], [], marker="o", linestyle="none", markerfacecolor="none", label="one person", **ink),
+        Line2D([], [], linewidth=2.2, label="median (▸ mean)", **ink),
+    ]
+    if lines:
+        key += [
+            Line2D([], [], color=_BETTER, linewidth=1.2, label="rated the second better"),
+            Line2D([], [], color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2)), label="worse"),
+        ]
+    return key
+
+
+def _forest_line(axes: Axes, y: int, row: Row) -> None:
+    values = np.array(list(row["differences"].values()))
+    axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", color=PAGE.ink, alpha=0.45, markersize=3.2, markeredgewidth=0)
+    axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, solid_capstyle="butt")
+    axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
+    axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, solid_capstyle="butt")
+    axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
+
+
+def _comparison_label(row: Row) -> str:
+    first = f"{row['part']}: {row['a']}" if row["part"] else row["a"]
+    return f"{first}\n→ {row['b']}"
+
+
+def _forest_key() -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    return [
+        Line2D([], [], color=_BETTER, marker="o", markersize=7, linewidth=2.6, label="mean, BCa 95 %"),
+        Line2D([], [], color=_WORSE, marker="D", markersize=4.5, linewidth=1.4, label="Hodges-Lehmann shift, exact 95 % or next level"),
+        Line2D([], [], color=PAGE.ink, alpha=0.45, marker="o", markersize=3.2, linestyle="none", label="one person"),
+    ]
+
+
+def _spread(count: int, width: float = 0.15) -> np.ndarray:
+    """Sideways places that look random and are the same every time."""
+    return width * (np.arange(count) * 0.618034 % 1 - 0.5)
