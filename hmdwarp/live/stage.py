@@ -138,7 +138,7 @@ class Stage:
         shown = self._display
         plans = self._plans(options, scene, ladder)
         needs = needs_of(plans)
-        _refuse_one_eye(needs, len(shown.eyes.views(Pose())))
+        refuse_one_eye(needs, len(shown.eyes.views(Pose())))
         size = options.size or shown.size
         guarded_size(options.guard, shown.eyes, size)
         predicted = self.recent.predictor(options.predict, expected_age_ns(options, latency_ns(options)), options.horizon_ms)
@@ -159,6 +159,7 @@ def _carries(carried: Needs, wanted: Needs) -> bool:
     return same and past and carried.other_eye >= wanted.other_eye
 
 
-def _refuse_one_eye(needs: Needs, eyes: int) -> None:
+def refuse_one_eye(needs: Needs, eyes: int) -> None:
+    """Errors: InputError where the passes look into the other eye's picture, and there is none."""
     if needs.other_eye and eyes < 2:
         raise InputError("the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes")

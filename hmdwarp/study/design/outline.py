@@ -150,6 +150,8 @@ def _of_part(design: Design, part: Part) -> list[str]:
         latency_s = float(one.settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
         if latency_s * 3 > design.seconds:
             out.append(f"part {part.name}: '{one.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: little time to see that")
+        if one.settings.get("fused") or one.settings.get("lens", "auto") not in ("auto", "none"):
+            out.append(f"part {part.name}: '{one.name}' applies a lens, which a headset's runtime does by itself: it runs in a window only")
     compared = {c.part for family in design.families for c in family.comparisons}
     if part.name not in compared:
         out.append(f"part {part.name}: no [[family]] says what will be compared; comparisons chosen afterwards prove nothing")

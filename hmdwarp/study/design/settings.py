@@ -11,12 +11,14 @@ from typing import Any
 import attrs
 
 from ...client.choice import Rung
+from ...client.plan import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
 from ...ladder import ladder_from_file
 from ...live import LiveOptions
 from ...live.given import options_given
-from ...live.stage import checked_scene
+from ...live.options import FLAT
+from ...live.stage import checked_scene, refuse_one_eye
 from ...options import AUTO
 from ...plans import plans_for
 from ...scenes import Scene
@@ -109,7 +111,8 @@ def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> 
     headset = load_headset(options.headset)
     _check_guard(options, headset)
     scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
-    plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _rungs(options, headset))
+    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _rungs(options, headset))
+    refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
     return options
 
 

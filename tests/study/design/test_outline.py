@@ -84,6 +84,7 @@ def test_with_fewer_people_nothing_can_be_found(comparisons):
         ([("[sickness]\nscale = \"fms\"\nevery = 1\nstop_at = 15\nrise = 8\n", "")], "nobody is asked about sickness"),
         ([("[practice]\nseconds = 60\nlatency = 10\n", "")], "there is no [practice]"),
         ([('[consent]\nversion = "1"\ntext = "You may stop at any moment."\n', "")], "there is no [consent]"),
+        ([("loss = 0.02", 'lens = "radial"')], "'a' applies a lens, which a headset's runtime does by itself"),
         ([("repeats = 2", "repeats = 40")], "minutes are long in a headset"),
     ],
 )
