@@ -23,7 +23,7 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
     _check_origin(db, origin)
     if code.lower() == NEW:
         if new_session:
-            raise InputError("--participant new draws a code for somebody new: --new-session needs the code of somebody known")
+            raise _new_again()
         return _new_participant(db, draw_code(lambda drawn: is_taken(db, drawn)), origin)
     check_code(code)
     if is_withdrawn(db, code):
@@ -31,7 +31,7 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
     known = db.execute("SELECT id, code, origin FROM participant WHERE code = ?", (code,)).fetchone()
     if known is None:
         if new_session:
-            raise InputError(f"participant {code} is not known here: leave --new-session away, or see whether the code is right")
+            raise _unknown(code)
         return _new_participant(db, code, origin)
     id_, code, was = known
     if was != origin:
@@ -39,6 +39,25 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
     if not new_session:
         raise InputError(_already(db, code, part))
     return id_
+
+
+def check_first(code: str, new_session: bool) -> None:
+    """As participant_for, where there is no store yet."""
+    if code.lower() == NEW:
+        if new_session:
+            raise _new_again()
+        return
+    check_code(code)
+    if new_session:
+        raise _unknown(code)
+
+
+def _new_again() -> InputError:
+    return InputError("--participant new draws a code for somebody new: --new-session needs the code of somebody known")
+
+
+def _unknown(code: str) -> InputError:
+    return InputError(f"participant {code} is not known here: leave --new-session away, or see whether the code is right")
 
 
 def _check_origin(db: sqlite3.Connection, origin: str) -> None:

@@ -49,6 +49,15 @@ def make_folders(folder: Path) -> None:
         raise InputError(f"{folder}: cannot be made ({why}): choose another folder for the study's data (--store)") from error
 
 
+def check_place(folder: Path) -> None:
+    """Whether make_folders has a chance; nothing is made. Errors: InputError, as there."""
+    if folder.is_dir():
+        _check_ours(folder)
+    above = next(one for one in (folder, *folder.absolute().parents) if one.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
+        raise InputError(f"{folder}: cannot be made ({above} may not be written to): choose another folder for the study's data (--store)")
+
+
 def _check_ours(folder: Path) -> None:
     others = sorted(one.name for one in folder.iterdir() if one.name not in _OURS)
     if others and not (folder / FILE).exists():

@@ -22,10 +22,9 @@ from ..steps import Ask, Show
 from . import beginning, reading
 from ._json import clean, to_json
 from .clock import Clock, MachineClock
-from .codes import NEW, check_code
 from .erasing import erase, known
 from .faults import told
-from .folders import trace_name
+from .folders import check_place, trace_name
 from .nouns import RUNNING, STATUSES, Answer, Contents, Session, Showing
 from .opened import Opened
 
@@ -87,6 +86,8 @@ class Store:
         that is none; for a plan whose meaning is another than that of the sessions before (beginning.check_plan).
         """
         part = beginning.the_part(design, part)
+        if not self._opened.name:
+            beginning.check_first(code, new_session)  # before a folder is made
         self._opened.lock(design.name)
         with self._opened.write() as db:
             participant = beginning.participant_for(db, code, part, origin, new_session)
@@ -104,8 +105,8 @@ class Store:
         """Nothing, or what `begin` would refuse: to be told before anybody puts a headset on. A store that is not there yet is not made."""
         part = beginning.the_part(design, part)
         if not self._opened.name:
-            if code.lower() != NEW:
-                check_code(code)
+            beginning.check_first(code, new_session)
+            check_place(self.folder)
             return
         self._opened.lock(design.name)
         with suppress(_Undone), self._opened.write() as db:

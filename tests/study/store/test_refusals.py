@@ -21,7 +21,9 @@ def store(tmp_path):
 def test_a_code_that_may_be_a_name_is_refused(store, code):
     with pytest.raises(InputError, match="must not be a name"):
         begun(store, code)
-    assert not store.folder.exists() or not store.contents().sessions
+    with pytest.raises(InputError, match="leave --new-session away"):
+        begun(store, "P01", new_session=True)
+    assert not store.folder.exists(), "what is refused leaves nothing behind"
 
 
 def test_new_draws_a_code_that_is_read_without_doubt(store):
@@ -166,3 +168,34 @@ def test_the_text_agreed_to_is_known_by_its_hash(store):
     data = store.contents().events[0].data
     assert data["consent_version"] == "1"
     assert data["consent_sha256"] == hashlib.sha256(b"You may stop at any time.").hexdigest()
+
+
+def test_what_would_be_refused_is_told_before_and_changes_nothing(store, tmp_path):
+    for code, why in (("Anna Müller", "must not be a name"), ("x" * 40, "must not be a name")):
+        with pytest.raises(InputError, match=why):
+            store.would_begin(design(), "one", code, "person")
+    store.would_begin(design(), "one", "new", "person")
+    store.would_begin(design(), "one", "P01", "person")
+    assert not store.folder.exists(), "nothing is made for a question"
+    began = begun(store, "P01")
+    store.would_begin(design(), "one", "P02", "person")
+    store.would_begin(design(), "two", "P01", "person", new_session=True)
+    with pytest.raises(InputError, match="is known here"):
+        store.would_begin(design(), "one", "P01", "person")
+    with pytest.raises(InputError, match="another plan"):
+        store.would_begin(design(TEXT.replace("latency = 200", "latency = 100")), "one", "P02", "person")
+    assert store.contents().sessions == (began,)
+    store.end(began, "interrupted")
+    assert store.would_resume("P01").id == began.id and store.contents().sessions[0].status == "interrupted"
+
+
+def test_a_place_that_cannot_be_is_told_before(tmp_path):
+    (tmp_path / "file").write_text("x")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "paper.tex").write_text("x")
+    for name, why in (("file", "cannot be made"), ("file/below", "file may not be written to"), ("other", "something else")):
+        with Store(tmp_path / name, create=True) as store, pytest.raises(InputError, match=why):
+            store.would_begin(design(), "one", "P01", "person")
+    with Store(tmp_path / "a" / "b" / "c", create=True) as store:
+        store.would_begin(design(), "one", "P01", "person")
+        assert begun(store).number == 1

@@ -118,6 +118,17 @@ def test_half_written_and_copied_traces_go_as_well_and_nobody_else_s(tmp_path):
         assert len([path for path in store.traces.iterdir() if subs[1] in path.name]) == 5
 
 
+def test_traces_are_overwritten_before_they_go(tmp_path):
+    """Seen through a second name for one of them."""
+    with Store(tmp_path / "data", create=True) as store:
+        filled(store, range(1))
+        trace = next(store.traces.iterdir())
+        size = trace.stat().st_size
+        (tmp_path / "second").hardlink_to(trace)
+        withdraw(store, "P0")
+        assert (tmp_path / "second").read_bytes() == bytes(size)
+
+
 def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.1)
     with Store(tmp_path / "data", create=True) as store:
