@@ -22,9 +22,9 @@ ROOMY = 24  # rows from which on there are blank ones between the blocks
 STALE_S = 3.0
 _LOUD = re.compile(r"\b(PILOT|REHEARSAL|SIMULATED)\b")
 HINTS = {
-    "reading": "The participant reads the text. g once they agree, s if they do not.",
+    "reading": "g once they agree to the text, s if they do not.",
     "showing": "The participant looks. Nothing to do.",
-    "asking": "The participant answers. If they say it aloud: type it here.",
+    "asking": "The participant answers. Said aloud: type it.",
     "break": "A break. c ends it.",
     "paused": "Everything waits. c continues.",
     "over": "The session is over.",
@@ -95,6 +95,12 @@ def _top(scene: Scene, width: int, height: int) -> list[Row]:
         *gap,
         [("", " "), (f"class:phase.{state.phase or 'none'}", f" {_phase_text(state)} "), ("", "  " + HINTS.get(state.phase, ""))],
         _notice(scene),
+        *(() if scene.entry.mode == "help" else _numbers(state, width, height, glyphs)),
+    ]
+
+
+def _numbers(state: DeskState, width: int, height: int, glyphs: Glyphs) -> list[Row]:
+    return [
         *head_rows(state, width, glyphs),
         _rule("question", width, glyphs),
         *question_rows(state.question, width, 5 if height >= ROOMY else 4, glyphs),
@@ -121,7 +127,7 @@ def _notice(scene: Scene) -> Row:
 
 
 def _rule(name: str, width: int, glyphs: Glyphs) -> Row:
-    return [("class:rule", f"{glyphs.line * 2} {name} {glyphs.line * width}"[:width])]
+    return [("class:rule", f"{glyphs.line * 2} {name} {glyphs.line * width}"[:width] if name else glyphs.line * width)]
 
 
 def _middle(scene: Scene, width: int, room: int) -> list[Row]:

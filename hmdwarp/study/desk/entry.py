@@ -75,8 +75,8 @@ class Entry:
     def prompt(self, question: Question | None) -> str:
         """What stands before the text. question: as asked now."""
         if self.mode == "sure" and question is not None:
-            return f"{number(checked_answer(self.text, question))}? Enter again or y sends it:"
-        return {"answer": "answer", "remark": "remark"}.get(self.mode, SURE.get(self.mode, ""))
+            return f"{number(checked_answer(self.text, question))}? Enter again or y sends it >"
+        return {"answer": "answer >", "remark": "remark >"}.get(self.mode, SURE.get(self.mode, ""))
 
     def _first(self, key: str, state: DeskState) -> Asked | None:
         self.mode, self.text = "keys", ""

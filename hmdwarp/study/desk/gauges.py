@@ -47,7 +47,7 @@ def question_rows(question: Question | None, width: int, rows: int, glyphs: Glyp
         return [[("class:none", " none now")], *([] for _ in range(rows - 1))]
     words = wrapped(plain(question.text), width - 2, rows - 3, glyphs.more)
     entered = f"entered {number(question.entered)}" if question.entered is not None else "nothing entered"
-    anchors = "  ".join(f"{number(value)} {plain(text)}" for value, text in question.anchors) or span(question)
+    anchors = ", ".join(f"{number(value)} {plain(text)}" for value, text in question.anchors) or span(question)
     out: list[Row] = [[("bold", f" {line}")] for line in words]
     out.append(spread([("", " "), *scale(question, width - 20, glyphs)], [("bold", f" {entered} ")], width, glyphs.more))
     out += [[("", f" {line}")] for line in wrapped(anchors, width - 2, rows - len(out), glyphs.more)]
@@ -59,7 +59,8 @@ def scale(question: Question, cells: int, glyphs: Glyphs) -> Row:
     span_ = question.most - question.least
     if span_ <= 0 or cells < 4:
         return []
-    tick = next((t for t in _TICKS if t >= question.step and (cells - 1) * t / span_ >= _CELLS_A_TICK), span_)
+    least = max(question.step, 1.0 if span_ >= 3 else 0.0)
+    tick = next((t for t in _TICKS if t >= least and (cells - 1) * t / span_ >= _CELLS_A_TICK), span_)
     line = [glyphs.line] * cells
     for k in range(math.floor(span_ / tick + 1e-9) + 1):
         text = number(question.least + k * tick)

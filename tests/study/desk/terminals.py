@@ -7,6 +7,7 @@ import os
 import sys
 import termios
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pexpect
@@ -59,6 +60,13 @@ class Terminal:
                 assert (what in self.text()) == there, f"the program ended without {what!r}:\n{self.text()}"
         return self.text()
 
+    def until_holds(self, holds: Callable[[], bool]) -> None:
+        """Wait for anything else."""
+        deadline = time.monotonic() + PATIENCE_S
+        while not holds():
+            self.take()
+            assert time.monotonic() < deadline, f"it did not come to be:\n{self.text()}"
+
     def keys(self, text: str) -> None:
         self.program.send(text)
 
@@ -79,6 +87,14 @@ class Terminal:
         return self.program.exitstatus
 
 
+PLAYED = str(Path(__file__).with_name("played.py"))
+
+
 def played(log: Path, *more: str, size: tuple[int, int] = (80, 24), **environment: str) -> Terminal:
     """played.py in a terminal."""
-    return Terminal([sys.executable, str(Path(__file__).with_name("played.py")), str(log), *more], size, **environment)
+    return Terminal([sys.executable, PLAYED, str(log), *more], size, **environment)
+
+
+def played_by_a_shell(log: Path, *more: str) -> Terminal:
+    """played.py in a shell's terminal, which stays when the program dies; the shell then says "status N"."""
+    return Terminal(["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 60', "sh", sys.executable, PLAYED, str(log), *more])

@@ -1,0 +1,91 @@
+"""The desk of lines, and which desk there is."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import attrs
+import pytest
+
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study.desk import DeskState, make_desk
+from hmdwarp.study.desk.lines import LinesDesk, news
+
+from .played import ASKING, SHOWING, STATES
+
+ROOT = Path(__file__).resolve().parents[3]
+PATIENCE_S = 60
+
+
+def told(tmp_path, commands: str, *more: str) -> tuple[list[tuple[str, object]], str]:
+    """What a played session got from these lines on stdin, and what it said on stderr."""
+    log = tmp_path / "asked.log"
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).with_name("played.py")), str(log), *more], input=commands, capture_output=True, text=True,
+        cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}, timeout=PATIENCE_S, check=True,
+    )  # fmt: skip
+    return [ast.literal_eval(line) for line in log.read_text(encoding="utf-8").splitlines()], done.stderr
+
+
+def test_lines_through_pipes(tmp_path):
+    asked, said = told(tmp_path, "help\nanswer 3,25\nanswer 9\ndance\npause\nremark it slipped\nstop\n", "--states", "asking")
+    assert asked == [("answer", 3.25), ("pause", None), ("remark", "it slipped"), ("stop", None)]
+    for words in ("no screen for the experimenter: stdin is not a terminal", "trial 3 of 12: asking", "asked: How good was the picture?",
+                  "1 very good", "9 is not on the scale", "'dance' is no command", "leave this question"):  # fmt: skip
+        assert words in said, said
+    assert all(line.startswith("desk: ") for line in said.splitlines())
+
+
+def test_a_last_line_without_an_end_counts_and_the_end_of_stdin_ends_nothing(tmp_path):
+    asked, _ = told(tmp_path, "pause", "--seconds", "1")
+    assert asked == [("pause", None)]
+
+
+def test_without_a_desk_nothing_is_said(tmp_path):
+    asked, said = told(tmp_path, "stop\n", "--desk", "none", "--seconds", "0.2")
+    assert asked == [] and said == ""
+
+
+def test_news_are_what_an_experimenter_should_know():
+    assert news(DeskState(), SHOWING) == [SHOWING.heading, "trial 3 of 12: showing"]
+    assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9, done=0.5)) == []
+    assert news(SHOWING, attrs.evolve(SHOWING, notice="tracking lost")) == ["! tracking lost"]
+    assert news(attrs.evolve(SHOWING, notice="tracking lost"), SHOWING) == ["over: tracking lost"]
+    assert news(ASKING, attrs.evolve(ASKING, question=attrs.evolve(ASKING.question, entered=1.0))) == []
+    assert [line[:6] for line in news(ASKING, STATES["next"])] == ["trial ", "asked:"]
+    assert news(SHOWING, STATES["open"]) == []
+    assert news(DeskState(heading=SHOWING.heading), STATES["open"]) == ["trial 3 of 12: showing (late-200)"]
+
+
+def test_a_desk_whose_stdin_is_closed_asks_for_nothing(monkeypatch):
+    monkeypatch.setattr(sys, "stdin", None)
+    with LinesDesk("a study") as desk:
+        desk.tell(SHOWING)
+        assert desk.commands() == ()
+
+
+def test_a_stderr_that_nobody_reads_holds_nobody(monkeypatch):
+    class Broken:
+        def write(self, text: str) -> int:
+            raise BrokenPipeError
+
+        flush = write
+
+    monkeypatch.setattr(sys, "stdin", None)
+    monkeypatch.setattr(sys, "stderr", Broken())
+    with LinesDesk("a study") as desk:
+        desk.say("a line")
+
+
+def test_desks_that_are_none():
+    with pytest.raises(InputError, match="auto, terminal, lines, none"):
+        make_desk("screen", "a study")
+    with pytest.raises(MachineError, match="is not a terminal.*--desk lines"):
+        make_desk("terminal", "a study")
+    with make_desk("none", "a study") as desk:
+        desk.tell(SHOWING)
+        desk.say("a line")
+        assert desk.commands() == ()
