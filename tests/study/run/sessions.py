@@ -80,15 +80,19 @@ def press(plate: Card, name: str) -> Command:
     raise AssertionError(f"no button {name!r} on {plate}")
 
 
-class Person:
-    """Reads the plates and goes through the session as it is asked to. grade: of every trial. own: what is done instead, tried first with
-    the plate and how many times that very plate has been seen before; None for nothing of one's own."""
+Seen = Card | QuestionPlate | str
+Own = Callable[[Seen], Sequence[Command] | None]
 
-    def __init__(self, own: Callable[[Card | QuestionPlate | str], Sequence[Command] | None] = lambda plate: None, grade: str = "2") -> None:
+
+class Person:
+    """Reads the plates and goes through the session as it is asked to. grade: answered to every question. own: what is done instead, asked
+    first with each plate; None from it for nothing of one's own."""
+
+    def __init__(self, own: Own = lambda plate: None, grade: str = "2") -> None:
         self._own, self._grade = own, grade
         self._last: object = None
 
-    def looks(self, plate: Card | QuestionPlate | str) -> Sequence[Command]:
+    def looks(self, plate: Seen) -> Sequence[Command]:
         """What hands do at a plate. A plate is reacted to once, when it comes."""
         if plate == self._last:
             return ()
@@ -96,7 +100,7 @@ class Person:
         own = self._own(plate)
         return self._usual(plate) if own is None else own
 
-    def _usual(self, plate: Card | QuestionPlate | str) -> Sequence[Command]:
+    def _usual(self, plate: Seen) -> Sequence[Command]:
         if isinstance(plate, QuestionPlate) and plate.value is None and not plate.skipping and not plate.typed:
             return (*(Command("digit", digit) for digit in self._grade), Command("confirm"))
         if isinstance(plate, Card) and plate.title == "Before we begin":
@@ -137,7 +141,7 @@ class Seat(OffscreenDisplay):
         self.titles.append(status.title())
 
     @property
-    def plates(self) -> list[Card | QuestionPlate | str]:
+    def plates(self) -> list[Seen]:
         """Those seen, one after the other."""
         return [plate for before, plate in zip([None, *self.labels], self.labels, strict=False) if plate != before]
 
@@ -182,7 +186,8 @@ class Ran:
 
 
 def run(monkeypatch, gpu, path: Path, person: Person | None = None, desk: Table | None = None, respondent=None, at=None, **options) -> Ran:
-    """One run of the program. options: of RunSession, participant P1 and a desktop where nothing else is said; back_after: of the display."""
+    """One run of the program. at: of Seat. options: of RunSession, participant P1 and a desktop where nothing else is said; back_after: of
+    the display."""
     back_after = options.pop("back_after", 0)
     ran = Ran(Seat(gpu, person or Person(), at, back_after=back_after), desk or Table(), [])
     monkeypatch.setattr(program, "open_display", lambda *_: ran.display)

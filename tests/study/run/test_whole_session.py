@@ -138,12 +138,8 @@ def test_a_trial_can_be_replayed_from_its_recording(one, tmp_path):
     trace = load_trace(str(file))
     assert len(trace.track) == showing.actual["pictures"]
     assert "hmdwarp study" in file.read_text(encoding="utf-8").partition("\n#")[2]
-    result = replay(
-        RunOptions(
-            trace=str(file), scene="planes", latency_ms=0, warp="rotation", fill="none", against="", size=(48, 60), metrics_every=10**6, images=0,
-            workers=0, out=tmp_path / "out",
-        )
-    )  # fmt: skip
+    settings = {"scene": "planes", "latency_ms": 0.0, "warp": "rotation", "fill": "none", "size": (48, 60)}
+    result = replay(RunOptions(trace=str(file), against="", metrics_every=10**6, images=0, workers=0, out=tmp_path / "out", **settings))
     assert result is not None
     assert (tmp_path / "out" / "summary.json").exists()
 
