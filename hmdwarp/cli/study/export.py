@@ -32,7 +32,7 @@ def export(
     if pilot and simulated:
         raise InputError("--pilot and --simulated: they never stand in one table; export one after the other")
     origin = PILOT if pilot else SIMULATED if simulated else PERSON
-    design = load_design(study)
+    design = load_design(study, checked=False)
     with Store(store_folder(design, store), study=design.name) as data:
         contents = data.contents(pilot=pilot)
     options = ExportOptions(origin=origin, remarks=remarks, revisions=all_revisions, parquet=parquet)

@@ -42,7 +42,7 @@ def _where(study: str, store: Path | None) -> tuple[Path, str | None]:
     from ...study.store import store_folder
 
     try:
-        design = load_design(study)
+        design = load_design(study, checked=False)
     except InputError:
         if store is None:
             raise

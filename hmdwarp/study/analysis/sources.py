@@ -30,7 +30,7 @@ def ratings_from(name: str, store: Path | None, given: Given) -> Ratings:
     published = READY / f"{name}_ratings.csv"
     if not (folder / FILE).exists():
         if store is None and published.is_file():
-            return from_csv(published, given)
+            return attrs.evolve(from_csv(published, given), title=design.title)
         raise InputError(f"{folder}: there is no data of '{design.name}' yet: run sessions first, or say --store where they are")
     with Store(folder, study=design.name) as data:
         contents = data.contents(pilot=given.origin == PILOT)
