@@ -11,7 +11,7 @@ import xr
 from ...errors import MachineError
 from .. import Command
 from ..controls import Control
-from .bindings import AXES, BUTTONS, PROFILES
+from .bindings import AXES, BUTTONS, HANDS, PROFILES
 from .calls import Calls
 from .instance import Instance
 from .pressing import Pressing
@@ -28,17 +28,20 @@ class Actions:
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
         self._pressing, self._commands = Pressing(), list[Command]()
         handle = calls.ask(xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0))
-        actions = {name: self._made(handle, name, xr.ActionType.BOOLEAN_INPUT) for name in BUTTONS}
-        actions |= {name: self._made(handle, name, xr.ActionType.FLOAT_INPUT) for name in AXES}
+        hands = [self._path(instance, path) for path in HANDS]
+        actions = {name: self._made(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
+        actions |= {name: self._made(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
         self._suggest(instance, actions)
         calls.ask(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
         self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))  # kept: the next line but points at it
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
         self._buttons = {name: _Asking(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
-        self._axes = {name: _Asking(actions[name], xr.ActionStateFloat()) for name in AXES}
+        # Each hand by itself: asked for both at once, Monado 25 tells 0 where one stick is at -1 and the other at 0.
+        self._axes = {name: [_Asking(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
 
-    def _made(self, handle: xr.ActionSet, name: str, kind: xr.ActionType) -> xr.Action:
-        return self._calls.ask(xr.create_action, handle, xr.ActionCreateInfo(name, kind, localized_action_name=_WORDS.get(name, name)))
+    def _made(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
+        info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, _WORDS.get(name, name))
+        return self._calls.ask(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
         """A runtime may know fewer kinds of controllers, and refuses the others."""
@@ -60,7 +63,7 @@ class Actions:
             self._pressing.forget()
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
-        axes = {name: float(self._state("xrGetActionStateFloat", one)) for name, one in self._axes.items()}
+        axes = {name: max((float(self._state("xrGetActionStateFloat", one)) for one in ones), key=abs) for name, ones in self._axes.items()}
         for button in self._pressing.step(buttons, axes, now_ns):
             control = self._controls.get(button)
             if control is not None:
@@ -77,10 +80,10 @@ class Actions:
 
 
 class _Asking:
-    """One action: what to ask for, and where the answer goes."""
+    """One action: what to ask for, and where the answer goes. hand: its path, of all of them by default."""
 
-    def __init__(self, action: xr.Action, state: ctypes.Structure) -> None:
-        self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=xr.NULL_PATH), state
+    def __init__(self, action: xr.Action, state: ctypes.Structure, hand: int = xr.NULL_PATH) -> None:
+        self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=hand), state
         self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
 
 

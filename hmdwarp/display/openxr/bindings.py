@@ -10,19 +10,18 @@ from __future__ import annotations
 
 BUTTONS = ("left", "right", "up", "down", "confirm", "menu", "pad")
 AXES = ("across", "along", "pad_across", "pad_along")
-_HANDS = ("/user/hand/left/input", "/user/hand/right/input")
-_PAD = "/user/gamepad/input"
+HANDS = ("/user/hand/left", "/user/hand/right", "/user/gamepad")
+_LEFT, _RIGHT, _PAD = (f"{hand}/input" for hand in HANDS)
 Bindings = tuple[tuple[str, str], ...]  # (button or axis, path)
 
 
 def _both(*pairs: tuple[str, str]) -> Bindings:
     """With either hand."""
-    return tuple((name, f"{hand}/{what}") for hand in _HANDS for name, what in pairs)
+    return tuple((name, f"{hand}/{what}") for hand in (_LEFT, _RIGHT) for name, what in pairs)
 
 
 _STICK = (("across", "thumbstick/x"), ("along", "thumbstick/y"))
 _TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", "trackpad/click"))
-_LEFT, _RIGHT = _HANDS
 
 PROFILES: dict[str, Bindings] = {
     # Two buttons a hand and no stick: each hand's main one moves the marker its own way; of the others the right hand's confirms, as most

@@ -48,10 +48,15 @@ def range_in_words(scale: Scale) -> str:
 
 
 def typed_on(scale: Scale, typed: str, character: str) -> str:
-    """What stands there after one character more: "0" to "9", "." or ",". What leads nowhere begins anew, or changes nothing."""
+    """What stands there after one character more: "0" to "9", "." or ",".
+
+    A digit that leads nowhere begins anew, as one who changes their mind means it; after the point, or where nothing begins so, it changes
+    nothing: 6.25 on a scale up to 6 must not become 5.
+    """
     character = "." if character == "," else character
     begins = _beginnings(scale.least, scale.most, scale.step)
-    return next((text for text in (typed + character, character) if text in begins), typed)
+    anew = () if "." in typed else (character,)
+    return next((text for text in (typed + character, *anew) if text in begins), typed)
 
 
 def number_of(scale: Scale, typed: str) -> float | None:
