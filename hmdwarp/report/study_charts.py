@@ -140,7 +140,8 @@ def _label(row: Row) -> str:
 def _wrapped(name: str) -> str:
     import textwrap
 
-    return "\n".join(textwrap.wrap(name, _WRAP, break_on_hyphens=False)) or name
+    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together.
+    return "\n".join(line for part in name.split(", ") for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
 
 
 def _rating_axis(axes: Axes, measure: Row, values: Sequence[float]) -> None:

@@ -10,7 +10,7 @@ from .page import environment
 from .study_charts import forest_chart, place_chart, ratings_chart
 from .study_predicted import prediction_of
 from .study_tables import comparison_lines, condition_lines, felt_lines
-from .study_words import counted, p_text, plain, signed
+from .study_words import counted, p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
@@ -88,7 +88,7 @@ def _without(rows: Sequence[Row]) -> PageTable | None:
     if not rows:
         return None
     heads = (("without them", ""), ("pairs", ""), ("mean", ""), ("p", ""), ("Holm", ""))
-    lines = [[f"{r['a']} → {r['b']}", str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])] for r in rows]
+    lines = [[pair_text(r["a"], r["b"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])] for r in rows]
     return _table("The same comparisons without those who missed the reference", heads, lines)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from .study_words import p_text, plain, signed
+from .study_words import p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 Heads = tuple[tuple[str, str], ...]
@@ -47,7 +47,7 @@ def comparison_lines(rows: Sequence[Row]) -> tuple[Heads, list[list[str]]]:
 
 
 def _comparison(row: Row) -> list[str]:
-    name = f"{row['part']}: {row['a']} → {row['b']}" if row["part"] else f"{row['a']} → {row['b']}"
+    name = ": ".join([*filter(None, [row["part"]]), pair_text(row["a"], row["b"])])
     if not row["n"]:
         return [name, "0", *["–"] * 9]
     level = f" ({100 * row['shift_level']:.1f} %)"

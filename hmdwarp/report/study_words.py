@@ -46,3 +46,9 @@ def counted(number: int, word: str) -> str:
 def listed(names: list[str], word: str = "and") -> str:
     """As "a, b and c"."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}" if names else "nobody"
+
+
+def pair_text(a: str, b: str) -> str:
+    """As "none → forward, 200 ms": two conditions, with what both names end in said once."""
+    head, comma, tail = a.rpartition(", ")
+    return f"{head} → {b}" if comma and b.endswith(f", {tail}") else f"{a} → {b}"

@@ -123,12 +123,12 @@ def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
 def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
     """What fits 80 columns; the page has the rest."""
     from ...report.study_tables import pairs_text
-    from ...report.study_words import p_text, plain, signed
+    from ...report.study_words import p_text, pair_text, plain, signed
 
     heads = [(name, "") for name in ("compared", "pairs +/0/-", "mean", "BCa 95 %", "p", "Holm", "all", "r")]
     lines = [
         [
-            f"{row['a']} → {row['b']}",
+            pair_text(row["a"], row["b"]),
             pairs_text(row),
             signed(row["mean"], 3) if row["n"] else "–",
             f"{signed(row['low'])} .. {signed(row['high'])}" if row["n"] else "–",

@@ -30,7 +30,8 @@ def ratings_from(name: str, store: Path | None, given: Given) -> Ratings:
     published = READY / f"{name}_ratings.csv"
     if not (folder / FILE).exists():
         if store is None and published.is_file():
-            return attrs.evolve(from_csv(published, given), title=design.title)
+            known = attrs.evolve(given, scale=given.scale or design.scales[0].name)
+            return attrs.evolve(from_csv(published, known), title=design.title)
         raise InputError(f"{folder}: there is no data of '{design.name}' yet: run sessions first, or say --store where they are")
     with Store(folder, study=design.name) as data:
         contents = data.contents(pilot=given.origin == PILOT)
