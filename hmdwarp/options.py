@@ -139,7 +139,9 @@ class PipelineOptions:
 class RunOptions(PipelineOptions):
     """A replay: which trace, and what is measured and kept of it.
 
-    start_s, seconds: the shown part of the trace, None for all of it. against: the warp compared with, "" for none. metrics_every:
+    start_s, seconds: the shown part of the trace, None for all of it. as_recorded: the head is where the trace has it, at the instants of
+    the trace's own clock, so that what moves in the scene is where it was then; else time begins at 0, and a trace that leaves the scene
+    is moved into it. against: the warp compared with, "" for none. metrics_every:
     pictures are measured at every n-th refresh. workers: measuring processes, None for one per core.
     Errors: InputError for a number that cannot be meant.
     """
@@ -147,6 +149,7 @@ class RunOptions(PipelineOptions):
     trace: str
     start_s: float = attrs.field(default=0.0, validator=number("start", " s"))
     seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
+    as_recorded: bool = False
     against: str = "none"
     metrics_every: int = attrs.field(default=10, validator=number("metrics-every", least=1))
     workers: int | None = attrs.field(default=None, validator=number("workers", most=256))

@@ -16,7 +16,8 @@ from .loop import Refresh
 from .measuring import AGAINST, MAIN, Probe
 from .metrics.pool import QualityPool, worker_count
 from .metrics.regions import pooled
-from .options import RunOptions
+from .metrics.summary import aggregate
+from .options import AUTO, RunOptions
 from .outcome import OWNED, ReplayResult, outcome_of, write_outcome
 from .report.files import OutputFolder
 from .report.video import VideoWriter
@@ -53,7 +54,19 @@ def replay(
     return result
 
 
-def _run(rig: Rig, probe: Probe, out: OutputFolder, progress: Progress) -> RunLog:
+def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, dict]:
+    """What a replay measures, as metrics.summary.aggregate has it, without writing anything. Errors: as replay; InputError for warp "auto",
+    which takes what the machine has time for, and for a video."""
+    if options.warp == AUTO or options.video:
+        raise InputError("measured without being written is a warp that is chosen, and no video")
+    with build_rig(options) as rig, QualityPool(worker_count(options.workers), rig.pixels_per_degree) as pool:
+        log = _run(rig, Probe(rig, pool, None), None, progress)
+        pool.wait()
+        log.measured(_figures(pool, MAIN))
+    return aggregate(log.rows)
+
+
+def _run(rig: Rig, probe: Probe, out: OutputFolder | None, progress: Progress) -> RunLog:
     log, times, number = RunLog(rig.track), rig.timetable, 0
     with _video(rig, out) as video:
         for instant_ns, shown in times.instants():
@@ -77,8 +90,8 @@ def _nothing_arrived(rig: Rig) -> str:
     return f"no frame has arrived in time to be shown ({counts}): use less loss, more bandwidth, or a longer part of the trace"
 
 
-def _video(rig: Rig, out: OutputFolder):
-    if not rig.options.video:
+def _video(rig: Rig, out: OutputFolder | None):
+    if not rig.options.video or out is None:
         return nullcontext()
     wide, high = rig.size
     return VideoWriter(out.path("replay.mp4"), (2 * wide, high), rig.timetable.rate_hz)
@@ -112,4 +125,4 @@ def _compared(log: RunLog, probe: Probe, pool: QualityPool) -> list[Row] | None:
     return log.compared(probe.against_ms, figures) if figures else None
 
 
-__all__ = ["ReplayResult", "replay"]
+__all__ = ["ReplayResult", "figures", "replay"]

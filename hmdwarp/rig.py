@@ -168,6 +168,11 @@ class Rig:
         self._cleanup.close()
 
 
+def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
+    track = trace.track
+    return attrs.evolve(trace, track=track.evolve(time_ns=track.time_ns + track.epoch_ns, epoch_ns=0, max_gap_ns=track.max_gap_ns))
+
+
 def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung, ...] = ()) -> Rig:
     """Load, check, then start the GPU. also: what frames must carry for other plans than that of the options. rungs: what warp "auto"
     chooses from.
@@ -180,6 +185,8 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     headset = load_headset(options.headset)
     plans_for(options, headset, None, rungs)
     trace = load_trace(options.trace, options.trace_options)
+    if options.as_recorded:
+        trace = _on_its_own_clock(trace)
     rate_hz = options.rate_hz or headset.refresh_hz
     times = timetable(trace.track, options, rate_hz)
     size = options.size or headset.eye_size_px
@@ -187,7 +194,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
     scene = load_scene(options.scene)
     plans = plans_for(options, headset, scene, rungs)
     needs = needs_of(plans) | _needs_of_against(options) | (also or Needs())
-    track, notes = placed(trace.track, scene)
+    track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     predicted = predictor(track, options.predict, expected_age_ns(options, times.age_ns), options.horizon_ms)
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())

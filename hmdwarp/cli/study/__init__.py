@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from . import analyse, export, plan, power, run, withdraw
+from . import analyse, export, measure, plan, power, run, withdraw
 
 app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
 app.command("plan")(plan.plan)
@@ -13,3 +13,4 @@ app.command("export")(export.export)
 app.command("power")(power.power)
 app.command("withdraw")(withdraw.withdraw)
 app.command("analyse")(analyse.analyse)
+app.command("measure")(measure.measure)

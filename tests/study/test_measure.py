@@ -1,0 +1,161 @@
+"""Measuring afterwards: really replayed, stored, gone on with; what cannot be measured is told."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.metrics import QUALITY
+from hmdwarp.options import RunOptions
+from hmdwarp.poses import load_trace
+from hmdwarp.poses.formats.native import write_native
+from hmdwarp.replay import figures, replay
+from hmdwarp.rig import build_rig
+from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
+from hmdwarp.study.steps import Show, steps_of
+from hmdwarp.study.store import PERSON, Store
+
+TEXT = """
+schema = 1
+name = "measured"
+title = "Is it measured?"
+[common]
+scene = "planes"
+size = "96x120"
+rate = 30
+[trial]
+seconds = 0.5
+scales = ["grade"]
+[[condition]]
+name = "late"
+latency = 100
+warp = "none"
+fill = "none"
+[[condition]]
+name = "warped"
+latency = 100
+warp = "rotation"
+fill = "none"
+guard = 1.5
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+"""
+EPOCH_NS = 7_000_000_000_123
+OPTIONS = MeasureOptions(every=3, workers=0)
+
+
+def turned(path, shift_m=(0.0, 0.0, 0.0)):
+    """0.6 s of `look-around`, where the head turns, as a display with a clock of its own recorded them."""
+    track = load_trace("look-around").track
+    part = slice(*np.searchsorted(track.time_ns, (2_000_000_000, 2_600_000_000)))
+    times, positions = track.time_ns[part] + EPOCH_NS, track.position_m[part] + shift_m
+    cut = track.evolve(time_ns=times, position_m=positions, orientation_xyzw=track.orientation_xyzw[part], epoch_ns=0)
+    with path.open("w", encoding="utf-8") as stream:
+        write_native(cut, stream)
+    return cut
+
+
+@pytest.fixture
+def store(tmp_path):
+    """One session, without its answers; the second trial was broken off first."""
+    design = design_from_text(TEXT, "measured.toml")
+    with Store(tmp_path / "data", create=True) as made:
+        session = made.begin(design, None, "P1", PERSON, facts={"rate_hz": 30.0})
+        for step in steps_of(design, session.order, session.part):
+            if isinstance(step, Show):
+                for complete in (False, True) if step.trial == 2 else (True,):
+                    showing = made.begin_showing(session, step, dict(step.condition.settings))
+                    turned(made.traces / showing.trace)
+                    made.end_showing(session, showing, {"pictures": 18, "size": "96x120"}, complete)
+        made.end(session, "complete")
+        yield made
+
+
+def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_finds(store, tmp_path):
+    seen, said = [], []
+    found = measure_study(store, OPTIONS, lambda done, total: seen.append((done, total)), said.append)
+    assert (found.measured, found.known, found.left_out, len(said)) == (3, 0, (), 3)
+    assert seen == sorted(seen) and seen[-1] == (54, 54)
+    showings = store.contents().showings
+    assert [bool(one.measured) for one in showings] == [one.complete for one in showings]
+    of = {one.condition: one.measured for one in showings if one.complete}
+    # 0.6 s of trace at 30 Hz less the latency of 3 refreshes, every third of them.
+    assert [of[name]["refreshes"] for name in ("late", "warped", "reference")] == [5, 5, 6]
+    assert of["reference"]["flip"] == 0 and of["reference"]["hole_share"] == 0
+    # At 100 ms and this turn the warp of the rotation halves the error (0.33 to 0.16 at another start).
+    assert of["late"]["flip"] > 1.5 * of["warped"]["flip"] > 0 and of["late"]["psnr_db"] < of["warped"]["psnr_db"]
+
+    late = next(one for one in showings if one.complete and one.condition == "late")
+    plain = RunOptions(
+        trace=str(store.traces / late.trace), scene="planes", latency_ms=100, warp="none", fill="none", size=(96, 120), rate_hz=30,
+        metrics_every=3, workers=0, images=0, out=tmp_path / "replay",
+    )  # fmt: skip
+    quality = replay(plain).summary["quality"]
+    assert {name: of["late"][name] for name in QUALITY} == {name: quality[name]["mean"] for name in QUALITY}
+
+
+def test_what_is_known_is_not_measured_again_unless_otherwise_or_asked_for(store):
+    measure_study(store, OPTIONS)
+    before = [one.measured for one in store.contents().showings]
+    found = measure_study(store, OPTIONS)
+    assert (found.measured, found.known) == (0, 3) and "3 were measured before" in found.told()[0]
+    assert [one.measured for one in store.contents().showings] == before
+    smaller = measure_study(store, attrs.evolve(OPTIONS, size=(48, 60)))
+    assert smaller.measured == 3 and {one.measured.get("size") for one in store.contents().showings} == {None, "48x60"}
+    assert measure_study(store, attrs.evolve(OPTIONS, size=(48, 60), again=True)).measured == 3
+
+
+def test_broken_off_it_goes_on_at_the_next_trial(store):
+    class Stop(BaseException):
+        pass
+
+    def stop(text):
+        raise Stop
+
+    with pytest.raises(Stop):
+        measure_study(store, OPTIONS, say=stop)
+    assert sum(bool(one.measured) for one in store.contents().showings) == 1
+    found = measure_study(store, OPTIONS)
+    assert (found.measured, found.known) == (2, 1)
+
+
+def test_a_trace_that_is_gone_or_wrong_is_told_and_the_others_go_on(store):
+    first, second, *_ = [one for one in store.contents().showings if one.complete]
+    (store.traces / first.trace).unlink()
+    (store.traces / second.trace).write_text("nothing\n", encoding="utf-8")
+    found = measure_study(store, OPTIONS)
+    assert found.measured == 1 and len(found.left_out) == 2
+    assert "recording is gone" in found.left_out[0] and second.trace in found.left_out[1]
+
+
+def test_nothing_to_measure_is_told(store):
+    with pytest.raises(InputError, match="nothing to measure"):
+        measure_study(store, attrs.evolve(OPTIONS, pilot=True))
+
+
+def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):
+    (tmp_path / "bench.json").write_text("{}", encoding="utf-8")
+    showing = attrs.evolve(store.contents().showings[0], settings={"warp": "auto", "budget": 5.0, "bench": str(tmp_path / "bench.json")})
+    with pytest.raises(InputError, match="cannot be repeated"):
+        run_options(showing, store.contents().sessions[0], store.traces, OPTIONS)
+    with pytest.raises(InputError, match="chosen"):
+        figures(RunOptions(trace="walk", warp="auto", budget_ms=5.0))
+
+
+def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
+    """Far outside of what one can walk in, where a replay moves the trace into the scene and begins at 0."""
+    cut = turned(tmp_path / "far.csv", shift_m=(30.0, 0.0, 0.0))
+    far = str(tmp_path / "far.csv")
+    options = RunOptions(trace=far, scene="planes", size=(32, 40), rate_hz=30, latency_ms=0, against="", as_recorded=True)
+    with build_rig(options) as rig:
+        assert (rig.track.position_m == cut.position_m).all() and (rig.track.time_ns == cut.time_ns).all()
+        assert rig.timetable.first_ns == cut.time_ns[0] >= EPOCH_NS
+    with build_rig(attrs.evolve(options, as_recorded=False)) as rig:
+        assert rig.timetable.first_ns == 0 and np.abs(rig.track.position_m[:, 0]).max() < 10
