@@ -26,6 +26,7 @@ seed = 5
 scene = "planes"
 size = "96x120"
 reconnect = 0.05
+gc_between = false
 [trial]
 seconds = 0.1
 scales = ["grade"]
@@ -59,10 +60,10 @@ after = ["acr"]
 """
 
 
-def study(folder: Path, more: str = "", text: str = TEXT) -> Path:
+def study(folder: Path, more: str = "") -> Path:
     """A study's file."""
     path = folder / "small.toml"
-    path.write_text(text.format(more=more), encoding="utf-8")
+    path.write_text(TEXT.format(more=more), encoding="utf-8")
     return path
 
 

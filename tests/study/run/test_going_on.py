@@ -8,6 +8,7 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study.run import actual
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
+from . import sessions
 from .sessions import Person, closing, contents, losing, run, study, whole
 
 WRITING = ("begin", "record", "begin_showing", "end_showing", "answer", "end")
@@ -61,6 +62,7 @@ def check_complete(path) -> None:
 @pytest.mark.parametrize("after", [False, True], ids=["before it is written", "after it was written"])
 def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path, after):
     """A fault of ours at each of them in turn: what was answered before stays, and the session is gone on with to its end."""
+    monkeypatch.setattr(sessions, "TEXT", sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05"))
     with pytest.MonkeyPatch.context() as patch:
         faults = Faults(patch, None, after)
         (tmp_path / "all").mkdir()
