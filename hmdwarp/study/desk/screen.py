@@ -37,6 +37,7 @@ from .words import clock
 REDRAW_S = 0.1  # of what is told; keys are shown at once
 JOURNAL_LINES = 500
 PRINTED_LINES = 500
+NICE = 5
 ESCAPE_S = 0.1  # after which a lone Esc is Esc and not the beginning of an arrow key; slow lines (ssh) need some
 
 
@@ -167,8 +168,16 @@ class Screen:
         self.app.invalidate()
 
 
+def _behind_the_pictures() -> None:
+    """Where there are few cores, this program waits for the session's: as SCHED_BATCH it does not push it aside whenever news arrive."""
+    with contextlib.suppress(OSError, AttributeError):
+        os.nice(NICE)
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+
+
 def main(post_fd: str, printed_fd: str, parent: str) -> None:
     """The whole program; its arguments are file descriptors and the session's process id."""
+    _behind_the_pictures()
     post = Post(socket.socket(fileno=int(post_fd)))
     os.set_blocking(int(printed_fd), False)
     screen = Screen(post, int(printed_fd), int(parent))
