@@ -1,0 +1,226 @@
+"""Sessions of the real program that are killed again and again, until so many kills are done; and what must be true of the store then.
+
+A kill is SIGKILL: no handler runs, what the program had not given to the kernel is gone. What the kernel has not given to the disk stays,
+so this is no test of a power cut; that every commit is followed by an fsync is asked of SQLite (synchronous=FULL), and tests/study/store
+looks at that.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from hmdwarp.poses import load_trace
+from hmdwarp.study.design.read import load_design
+from hmdwarp.study.respondents.cohort import Population
+from hmdwarp.study.respondents.simulated import load_model, person_of
+from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.store import COMPLETE, Contents, Session, Store
+
+from . import tiny
+
+PHASES = {"answer": "after an answer", "showing": "while showing", "shown": "after a trial", "event": "after an event"}
+SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle of the next commit, or between two
+
+
+@attrs.frozen
+class Life:
+    """One run of the program. told: lines of the witness. status: as waitpid has it, negative for a signal. seconds: how long it was."""
+
+    told: list[list]
+    status: int
+    seconds: float
+    said: str
+
+    @property
+    def is_killed(self) -> bool:
+        return self.status == -signal.SIGKILL
+
+    @property
+    def phase(self) -> str:
+        """What it was about when it ended."""
+        if not self.told:
+            return "starting"
+        return PHASES[self.told[-1][0]]
+
+
+def live(arguments: list[str], *, after_s: float | None = None, after_line: int | None = None) -> Life:
+    """Run the program and kill it: after so long; or after so many lines of its witness, and `after_s` more. None for both lets it live."""
+    reading, writing = os.pipe()
+    command = [sys.executable, "-m", "tests.study.witness", str(writing), *arguments]
+    lines: list[list] = []
+    started = time.monotonic()
+    with subprocess.Popen(
+        command, pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tiny.ROOT
+    ) as process:
+        os.close(writing)
+        reader = threading.Thread(target=_read, args=(reading, lines, process, after_line, after_s))
+        reader.start()
+        try:
+            said = process.communicate(timeout=tiny.PATIENCE_S if after_line is not None else after_s)[0]
+        except subprocess.TimeoutExpired:
+            process.kill()
+            said = process.communicate()[0]
+        reader.join(tiny.PATIENCE_S)
+    return Life(lines, process.returncode, time.monotonic() - started, said)
+
+
+def _read(fd: int, lines: list[list], process: subprocess.Popen, enough: int | None, after_s: float | None) -> None:
+    """All that the witness tells, the end of it being the end of the program."""
+    with os.fdopen(fd) as pipe:
+        for line in pipe:
+            lines.append(json.loads(line))
+            if len(lines) == enough:
+                time.sleep(after_s or 0.0)
+                process.kill()
+
+
+@attrs.define
+class Killed:
+    """Sessions of one study until `kills` of its runs were killed and the last session is complete. tally: what they were about then."""
+
+    folder: Path
+    seed: int
+    kills: int
+    told: list[list] = attrs.field(factory=list)
+    tally: Counter = attrs.field(factory=Counter)
+    codes: list[str] = attrs.field(factory=list)
+
+    def run(self) -> None:
+        """All of it."""
+        study, model = tiny.write(self.folder)
+        chance = random.Random(self.seed)
+        usual = live(tiny.session(study, model, "first", "--store", str(self.folder / "first")))  # how long and how talkative a life is
+        assert usual.status == 0, usual.said
+        while sum(self.tally.values()) < self.kills:
+            self.codes.append(f"person-{len(self.codes) + 1}")
+            self._session(tiny.session(study, model, self.codes[-1], "--store", str(self.store)), chance, usual)
+
+    @property
+    def store(self) -> Path:
+        return self.folder / "data"
+
+    def _session(self, arguments: list[str], chance: random.Random, usual: Life) -> None:
+        """One participant's, killed until it is over or there were kills enough."""
+        while (status := self._status()) != COMPLETE:  # it may be killed after its end, during the last plate
+            one = live([*arguments, *(["--resume"] if status else [])], **self._moment(chance, usual))
+            self.told += one.told
+            if one.is_killed:
+                self.tally[one.phase] += 1
+            else:
+                assert one.status == 0, f"seed {self.seed}: {one.status} {one.said}"
+
+    def _moment(self, chance: random.Random, usual: Life) -> dict:
+        """Half of them at any time of a life, half shortly after something was stored, where commits are close to each other."""
+        if sum(self.tally.values()) >= self.kills:
+            return {}
+        if chance.random() < 0.5:
+            return {"after_s": chance.uniform(0, usual.seconds)}
+        shortly_s = math.exp(chance.uniform(*map(math.log, SHORTLY_S)))
+        return {"after_line": chance.randint(1, len(usual.told)), "after_s": shortly_s}
+
+    def _status(self) -> str:
+        """Of the session, as somebody else who reads the store sees it; "" where there is none to go on with."""
+        if not (self.store / "study.sqlite3").exists():
+            return ""
+        with Store(self.store) as store:
+            return next((one.status for one in store.contents().sessions if one.code == self.codes[-1]), "")
+
+
+def faults(killed: Killed) -> list[str]:
+    """What is wrong with the store, in words; nothing, if nothing was lost."""
+    with Store(killed.store) as store:
+        contents = store.contents()
+    out = [*_of_the_file(killed.store), *_of_the_told(killed, contents)]
+    for session in contents.sessions:
+        out += [f"{session.code}: {fault}" for fault in (*_of_session(killed, contents, session), *_of_answers(killed, contents, session))]
+    if sorted(one.code for one in contents.sessions) != sorted(killed.codes):
+        out.append(f"sessions of {[one.code for one in contents.sessions]}, and {killed.codes} had one each")
+    return [*out, *_of_orders(contents)]
+
+
+def _of_the_file(store: Path) -> list[str]:
+    with sqlite3.connect(store / "study.sqlite3") as db:
+        found = db.execute("PRAGMA integrity_check").fetchone()[0]
+    db.close()
+    return [] if found == "ok" else [f"integrity_check: {found}"]
+
+
+def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
+    """Everything that was confirmed is there as it was confirmed, once; and what is there unconfirmed is at most the last of each kill."""
+    code_of = {one.id: one.code for one in contents.sessions}
+    there = Counter((code_of[one.session], one.key, one.revision, one.value) for one in contents.answers)
+    confirmed = Counter(tuple(line[1:]) for line in killed.told if line[0] == "answer")
+    out = [f"confirmed and missing: {one}" for one in confirmed - there]
+    out += [f"there {count} times: {one}" for one, count in there.items() if count > 1]
+    out += [f"confirmed {count} times: {one}" for one, count in confirmed.items() if count > 1]
+    unconfirmed = there - confirmed
+    if unconfirmed.total() > killed.kills:
+        out.append(f"{unconfirmed.total()} answers that nobody was told of, by {killed.kills} kills")
+    shown = {(code_of[one.session], one.key, one.presentation, one.complete) for one in contents.showings}
+    out += [f"shown and missing: {line[1:]}" for line in killed.told if line[0] == "shown" and tuple(line[1:]) not in shown]
+    events = Counter((code_of[one.session], one.kind, one.key) for one in contents.events)
+    told = Counter(tuple(line[1:]) for line in killed.told if line[0] == "event")
+    return out + [f"journal lines missing: {one}" for one in told - events]
+
+
+def _of_session(killed: Killed, contents: Contents, session: Session) -> list[str]:
+    """It is complete, every question has one counting answer, and every trial was seen to its end."""
+    design = load_design(str(killed.folder / "tiny.toml"))
+    steps = steps_of(design, session.order, session.part)
+    asked = sorted(step.key for step in steps if isinstance(step, Ask))
+    with Store(killed.store) as store:
+        counting, done = store.answers(session), store.done(session)
+    out = [] if session.status == COMPLETE else [f"is {session.status}"]
+    if sorted(one.key for one in counting) != asked:
+        out.append(f"answers to {sorted(one.key for one in counting)}, and {asked} were asked")
+    out += [f"{step.key} is not done" for step in steps if step.key not in done]
+    showings = [one for one in contents.showings if one.session == session.id]
+    whole = {one.id: one for one in showings if one.complete}
+    for step in steps:
+        if isinstance(step, Show) and not any(one.key == step.key for one in whole.values()):
+            out.append(f"{step.key} was never seen to its end")
+    for one in whole.values():
+        if len(load_trace(killed.store / "traces" / one.trace).track.time_ns) < 2:
+            out.append(f"{one.trace} has no motion")
+        if not one.actual.get("pictures"):
+            out.append(f"{one.key}: complete, and nobody knows what was shown")
+    for answer in (one for one in counting if one.trial):
+        about = whole.get(answer.showing)
+        if about is None or about.key != f"trial/{answer.trial}":
+            out.append(f"{answer.key} is about {about}")
+    return out
+
+
+def _of_answers(killed: Killed, contents: Contents, session: Session) -> list[str]:
+    """They are those of a session that nobody killed: going on changes nobody's mind."""
+    design, model = load_design(str(killed.folder / "tiny.toml")), load_model(killed.folder / "people.toml")
+    usual = Population(model, design, session.part).of([person_of(session.code)], design.seed, orders=[session.order])
+    out = []
+    for answer in contents.answers:
+        if answer.session == session.id and answer.scale == "grade":
+            value = usual.answers["grade"][0, answer.trial - 1]
+            meant = None if np.isnan(value) else value
+            if answer.value != meant:
+                out.append(f"{answer.key}: {answer.value}, where {meant} was meant")
+    return out
+
+
+def _of_orders(contents: Contents) -> list[str]:
+    """Nobody's order was given twice by a session that was killed while it began."""
+    rows = Counter(one.row for one in contents.sessions)
+    counts = [rows[row] for row in range(4)]
+    return [] if max(counts) - min(counts) <= 1 else [f"orders taken {counts} times"]

@@ -1,0 +1,27 @@
+"""The whole program, killed at random moments: no confirmed answer is missing or doubled, and the session goes on where it was.
+
+STUDY_KILLS (40) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
+"""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from .killing import Killed, faults
+
+KILLS = int(os.environ.get("STUDY_KILLS", "40"))
+SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
+
+
+@pytest.mark.slow
+def test_nothing_is_lost_however_often_the_program_is_killed(tmp_path, capsys):
+    killed = Killed(tmp_path, SEED, KILLS)
+    killed.run()
+    assert not faults(killed), f"STUDY_KILL_SEED={SEED}"
+    answers = sum(line[0] == "answer" for line in killed.told)
+    with capsys.disabled():
+        told = ", ".join(f"{count} {phase}" for phase, count in sorted(killed.tally.items()))
+        print(f"\n{KILLS} kills, seed {SEED} ({told}): {len(killed.codes)} sessions, {answers} confirmed answers, all there once")
+    assert killed.tally["starting"] < KILLS / 2, "most of them must hit a session, not the start of the program"

@@ -1,0 +1,117 @@
+"""A study as small as one can be that has everything in it, its simulated people, and the real command that runs it: 1.5 s a session."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = (sys.executable, "-m", "hmdwarp")
+PATIENCE_S = 120  # against hanging; nothing here takes a tenth of it on an idle machine
+
+STUDY = """schema = 1
+name = "tiny"
+title = "Little of everything"
+seed = 5
+[common]
+scene = "planes"
+headset = "flat-90"
+lens = "none"
+size = "48x40"
+rate = 20
+[trial]
+seconds = 0.2
+scales = ["grade"]
+[practice]
+seconds = 0.1
+[breaks]
+every = 2
+seconds = 0.5
+[sickness]
+scale = "fms"
+stop_at = 15
+[questionnaires]
+after = ["vrsq"]
+[consent]
+version = "1"
+text = "You may stop at any time."
+[[condition]]
+name = "late"
+latency = 200
+warp = "none"
+fill = "none"
+[[condition]]
+name = "turned"
+latency = 200
+warp = "rotation"
+fill = "none"
+[[condition]]
+name = "warped"
+latency = 200
+warp = "forward"
+fill = "interpolate"
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+[[family]]
+name = "any warp against none"
+pairs = [["late", "turned"], ["late", "warped"]]
+"""
+
+MODEL = """schema = 1
+title = "test people"
+[rating.grade]
+people_sd = 0.5
+condition_sd = 0.2
+noise_sd = 0.3
+drift = 0.02
+carry_over = -0.05
+missing = {missing}
+[rating.grade.means]
+late = 4.5
+turned = 3.6
+warped = 2.8
+reference = 1.8
+[sickness]
+start = 0.02
+per_trial = 0.02
+people_sd = 0.5
+noise_sd = 0.03
+[sessions]
+dropout = {dropout}
+pause = {pause}
+again = {again}
+[answers]
+median_s = 0.1
+"""
+
+
+def write(folder: Path, *, missing: float = 0.05, dropout: float = 0.0, pause: float = 0.1, again: float = 0.1) -> tuple[Path, Path]:
+    """The study's file and the model's."""
+    study, model = folder / "tiny.toml", folder / "people.toml"
+    study.write_text(STUDY)
+    model.write_text(MODEL.format(missing=missing, dropout=dropout, pause=pause, again=again))
+    return study, model
+
+
+def session(study: Path, model: Path, code: str, *more: str) -> list[str]:
+    """The arguments of one."""
+    display = ("--source", "offscreen", "--trace", "walk", "--desk", "none")
+    return ["study", "run", str(study), "--participant", code, "--simulate", str(model), *display, *more]
+
+
+def program(*arguments: object, **how: object) -> subprocess.CompletedProcess[str]:
+    """The real command; what it says, and its exit status."""
+    command = [*PROGRAM, *map(str, arguments)]
+    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=PATIENCE_S, cwd=ROOT, **how)
+
+
+def ran(*arguments: object) -> str:
+    """The same of one that must do what it is asked; its standard output."""
+    done = program(*arguments)
+    assert done.returncode == 0, f"{arguments}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
