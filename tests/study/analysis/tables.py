@@ -1,0 +1,52 @@
+"""Ratings for tests: made by hand, or with known effects."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from hmdwarp.study.analysis import Measure, Rating, Ratings
+from hmdwarp.study.design.read import READY
+from hmdwarp.study.scales import load_scale
+
+PUBLISHED = READY / "thesis_ratings.csv"
+GRADE = Measure.of(load_scale("grade"))
+
+
+def ratings_of(values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: Measure = GRADE) -> Ratings:
+    """values: by condition, a rating of each participant (called a, b, c, ..)."""
+    rows = [
+        Rating(chr(ord("a") + k), part, name, measure.name, value, "" if value is not None else "not answered", reference=name == reference)
+        for name, column in values.items()
+        for k, value in enumerate(column)
+    ]
+    return Ratings(tuple(rows), {measure.name: measure})
+
+
+def in_order(effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1) -> list[Rating]:
+    """Ratings of four conditions in the orders of a Williams square: effect per trial, carry times what the condition before is worth."""
+    from hmdwarp.study.orders import williams
+
+    random, rows = np.random.default_rng(seed), []
+    square = williams(4)
+    for person in range(people):
+        level, before = random.normal(3, 0.5), None
+        for place, condition in enumerate(square[person % 4], 1):
+            value = level + 0.5 * condition + effect * place + (carry * before if before is not None else 0) + random.normal(0, noise)
+            name = "" if before is None else f"c{before}"
+            rows.append(Rating(f"p{person}", "", f"c{condition}", "grade", float(value), place=place, previous=name))
+            before = condition
+    return rows
+
+
+def written(path: Path, rows: list[dict[str, object]], delimiter: str = ",", bom: bool = False) -> Path:
+    """A long table."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), delimiter=delimiter, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    path.write_bytes((b"\xef\xbb\xbf" if bom else b"") + text.getvalue().encode())
+    return path

@@ -1,0 +1,143 @@
+"""Tables of others: delimiters, decimal commas, names of columns, directions; what is wrong is told with its line."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.study.analysis import Given, from_csv
+from hmdwarp.study.analysis.families import families_for
+
+from .tables import PUBLISHED, written
+
+ROWS = [
+    {"Subject ID": "7", "Cond": "late", "Score": "4.5", "Trial": "1"},
+    {"Subject ID": "7", "Cond": "warped", "Score": "3.25", "Trial": "2"},
+    {"Subject ID": "x", "Cond": "warped", "Score": "", "Trial": "1"},
+    {"Subject ID": "x", "Cond": "late", "Score": "6", "Trial": "2"},
+]
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("bom", [False, True])
+def test_columns_are_found_by_name_whatever_is_between_them(tmp_path, delimiter, bom):
+    found = from_csv(written(tmp_path / "table.csv", ROWS, delimiter, bom))
+    assert [(r.participant, r.condition, r.value, r.place, r.previous) for r in found.rows] == [
+        ("7", "late", 4.5, 1, ""),
+        ("7", "warped", 3.25, 2, "late"),
+        ("x", "warped", None, 1, ""),
+        ("x", "late", 6.0, 2, "warped"),
+    ]
+    assert found.rows[2].why_missing == "empty in line 4"
+
+
+def test_a_decimal_comma_is_understood_and_told(tmp_path):
+    rows = [row | {"Score": row["Score"].replace(".", ",")} for row in ROWS]
+    found = from_csv(written(tmp_path / "german.csv", rows, ";"))
+    assert [row.value for row in found.rows] == [4.5, 3.25, None, 6.0]
+    assert any("3,25 was read as 3.25" in note for note in found.notes)
+
+
+def test_commas_and_points_together_are_not_guessed_at(tmp_path):
+    rows = [{**ROWS[0], "Score": "4.5"}, {**ROWS[1], "Score": "3,25"}]
+    with pytest.raises(InputError, match=r"both\.csv:3: rating '3,25': wanted a number with a decimal point"):
+        from_csv(written(tmp_path / "both.csv", rows, ";"))
+
+
+@pytest.mark.parametrize("missing", ["", "n/a", "NA", "nan", "-", ".", "None"])
+def test_missing_has_many_names(tmp_path, missing):
+    found = from_csv(written(tmp_path / "table.csv", [*ROWS[:1], {**ROWS[1], "Score": missing}, ROWS[3]]))
+    assert [row.value for row in found.rows] == [4.5, None, 6.0]
+
+
+def test_repeats_are_averaged_and_told(tmp_path):
+    found = from_csv(written(tmp_path / "table.csv", [ROWS[0], {**ROWS[0], "Score": "5.5", "Trial": "2"}]))
+    assert found.table("", "grade").values.tolist() == [[5.0]]
+    assert any("more than once" in note for note in found.notes)
+
+
+def test_the_direction_is_asked_for_where_it_could_be_either(tmp_path):
+    path = written(tmp_path / "table.csv", [{**ROWS[0], "Score": "4"}, {**ROWS[1], "Score": "5"}])
+    with pytest.raises(InputError, match="--low-is-good, --high-is-good, or --scale"):
+        from_csv(path)
+    assert from_csv(path, Given(low_is_good=False)).measures["rating"].sign == -1
+    assert from_csv(path, Given(scale="acr")).measures["acr"].sign == -1
+
+
+def test_a_guessed_scale_is_told():
+    assert any("taken for the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
+
+
+def test_columns_may_be_named(tmp_path):
+    path = written(tmp_path / "table.csv", [{"who": "1", "what": "late", "how": "6"}])
+    with pytest.raises(InputError, match=r"table\.csv:1: no column for the participant among who, what, how: .*--column participant=NAME"):
+        from_csv(path)
+    found = from_csv(path, Given({"participant": "who", "condition": "what", "rating": "how"}))
+    assert found.rows[0].condition == "late"
+
+
+WRONG = [
+    ("Subject,Cond,Score\n1,late,good\n", "wrong.csv:2: rating 'good'"),
+    ("Subject,Cond,Score\n1,late,1e999\n", "wrong.csv:2: rating '1e999'"),
+    ("Subject,Cond,Score\n,late,6\n", "wrong.csv:2: no participant"),
+    ("Subject,Cond,Score\n1,late\n", "wrong.csv:2: 2 fields, wanted 3"),
+    ("Subject,Score\n1,6\n", "nothing says which condition was rated"),
+    ("Subject,Cond,Score\n", "has no rows below its header"),
+    ("", "wrong.csv:1: no column for the participant"),
+    ("Subject,Cond,Score,Trial\n1,late,6,first\n", "wrong.csv:2: place 'first'"),
+    ("Subject,latency_ms,warp,Score\n1,soon,none,6\n", "wrong.csv:2: latency 'soon'"),
+    ('Subject,Cond,Score\n1,"late,6\n', "wrong.csv:"),
+]
+
+
+@pytest.mark.parametrize(("text", "told"), WRONG)
+def test_what_is_wrong_is_told_with_its_line(tmp_path, text, told):
+    path = tmp_path / "wrong.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        from_csv(path)
+    assert told in str(error.value)
+
+
+def test_a_value_outside_of_the_scale_is_a_typing_error(tmp_path):
+    with pytest.raises(InputError, match=r"table\.csv:2: rating 45: the scale 'grade' goes from 1 to 6"):
+        from_csv(written(tmp_path / "table.csv", [{**ROWS[0], "Score": "45"}]), Given(scale="grade"))
+
+
+def test_pilots_and_programs_never_count_with_people(tmp_path):
+    rows = [{**ROWS[0], "origin": "person"}, {**ROWS[3], "origin": "simulated"}, {**ROWS[3], "origin": "pilot"}]
+    path = written(tmp_path / "table.csv", rows)
+    assert [row.participant for row in from_csv(path, Given(low_is_good=True)).rows] == ["7"]
+    pilots = from_csv(path, Given(low_is_good=True, origin="pilot"))
+    assert [row.participant for row in pilots.rows] == ["x"] and any("not of people" in note for note in pilots.notes)
+
+
+@given(st.binary(max_size=300))
+def test_nothing_but_an_input_error_comes_of_any_bytes(tmp_path_factory, data):
+    path = tmp_path_factory.mktemp("bytes") / "any.csv"
+    path.write_bytes(b"subject,condition,rating\n" + data)
+    try:
+        from_csv(path)
+    except InputError as error:
+        assert "\n" not in str(error)
+
+
+def test_conditions_of_settings_are_named_and_compared_at_each_latency():
+    found = from_csv(PUBLISHED)
+    assert found.conditions("run 1")[0] == "none, 200 ms"
+    families, why = families_for(found)
+    assert [len(family.comparisons) for family in families] == [3, 3]
+    assert "at each latency" in why
+
+
+def test_families_may_be_asked_for():
+    found = from_csv(PUBLISHED)
+    families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
+    (only,) = families[0].comparisons
+    assert (only.part, only.a, only.b) == ("run 1", "none, 200 ms", "none, 800 ms")
+    with pytest.raises(InputError, match="no part has both 'a' and 'b'"):
+        families_for(found, ["a:b"])
+    with pytest.raises(InputError, match="wanted pairs of conditions"):
+        families_for(found, ["a-b"])
