@@ -38,7 +38,11 @@ class Opened:
         self._db = schema.open_to_read(folder)
         if self._db is None and not create:
             raise InputError(f"{folder}: {NOTHING} (no {schema.FILE}): run a session first, or give --store")
-        self._check_name(study)
+        try:
+            self._check_name(study)
+        except InputError:
+            self.close()
+            raise
 
     def close(self) -> None:
         """Let go of everything. May be called twice."""
