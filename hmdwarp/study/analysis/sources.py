@@ -25,7 +25,7 @@ def ratings_from(name: str, store: Path | None, given: Given) -> Ratings:
         return from_csv(Path(name), given)
     if name.endswith((".csv", ".tsv", ".txt")):
         raise InputError(f"{name}: there is no such file: wanted a table of ratings, a study's .toml file, or a shipped study's name")
-    design = load_design(name)
+    design = load_design(name, checked=False)
     folder = store_folder(design, store)
     published = READY / f"{name}_ratings.csv"
     if not (folder / FILE).exists():
