@@ -29,6 +29,7 @@ AT_M = 1.0
 LINE_M = 0.056
 MOST_WIDE_M, MOST_HIGH_M = 1.1, 1.2
 MIDDLE_M, LOWEST_M = -0.35, -0.62
+PLATE_MIDDLE_M = -0.1  # a plate is what one looks at, and no turn of the head brings it nearer: little below straight ahead
 
 # In a window without an eye to see it by: as many pixels as it has, but no more than this share of the place, above this margin.
 MOST_OF_PLACE, MARGIN = 0.94, 0.03
@@ -43,15 +44,21 @@ class Notice:
 
     def plate_from_place(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
         """3x3: (x, y, 1), in pixels of a (w, h) place whose origin is bottom left, to the plate's uv; its third row is positive before
-        the eye. eye: by whose eye it is seen, 1 m before the head and a little below the middle; None for the bottom of the place."""
+        the eye. eye: by whose eye it is seen, 1 m before the head, a text below the middle; None for a place without one, a text at its
+        bottom. A plate lies in the middle of either."""
         return np.linalg.inv(self._in_place(size) if eye is None else _seen(self._in_head(), eye, size))
+
+    @property
+    def _is_text(self) -> bool:
+        return isinstance(self.label, str)
 
     def _in_place(self, size: tuple[int, int]) -> NDArray[np.float64]:
         """Pixels of the place from the plate's uv."""
         w, h = self.ink.size
         scale = min(1.0, MOST_OF_PLACE * size[0] / w, MOST_OF_PLACE * size[1] / h)
         # At whole pixels letters of full size keep their edges.
-        left, bottom = round((size[0] - scale * w) / 2), round(min(MARGIN * size[1], (size[1] - scale * h) / 2))
+        middle = (size[1] - scale * h) / 2
+        left, bottom = round((size[0] - scale * w) / 2), round(min(MARGIN * size[1], middle) if self._is_text else middle)
         return np.array([[scale * w, 0, left], [0, scale * h, bottom], [0, 0, 1.0]])
 
     def _in_head(self) -> NDArray[np.float64]:
@@ -59,7 +66,7 @@ class Notice:
         w, h = (pixels * LINE_M / LINE_PX for pixels in self.ink.size)
         scale = min(1.0, MOST_WIDE_M / w, MOST_HIGH_M / h)
         w, h = scale * w, scale * h
-        bottom = max(MIDDLE_M - h / 2, LOWEST_M)
+        bottom = max((MIDDLE_M if self._is_text else PLATE_MIDDLE_M) - h / 2, LOWEST_M)
         return np.array([[w, 0, -w / 2], [0, h, bottom], [0, 0, -AT_M]])
 
 

@@ -19,10 +19,10 @@ from hmdwarp.study.steps import Ask
 
 
 class AskedWindow:
-    """display, and what is asked in it just now."""
+    """display, and what is asked in it just now. A panel is allowed, and is not there: no control of a study opens one."""
 
     def __init__(self) -> None:
-        self._display = DesktopDisplay(DisplayOptions(size=(300, 400), panel=False, controls=CONTROLS))
+        self._display = DesktopDisplay(DisplayOptions(size=(300, 400), controls=CONTROLS))
         self._lines: list[str] = []
         self._asked: Asked | None = None
         self._last: dict[str, object] = {}

@@ -146,7 +146,7 @@ def test_the_mouse_answers(asking, full_screen):
     pictures, places, values = [], [], []
     for across in (0.33, 0.62):
         before = len(asking.commands())
-        places.append(asking.to(across, 0.28)[0] - asking.geometry()[0])
+        places.append(asking.to(across, 0.525)[0] - asking.geometry()[0])
         until(lambda before=before: len(asking.commands()) > before, "a point")
         time.sleep(0.3)  # drawn
         x, y, w, h = asking.geometry()
@@ -156,6 +156,10 @@ def test_the_mouse_answers(asking, full_screen):
     # 20 steps over 0.84 of a plate that is 0.94 of the half: the marker is within half a step of the mouse.
     step = 0.84 * 0.94 * asking.geometry()[2] / 2 / 20
     assert np.allclose(marker(pictures), places, atol=step / 2 + 2)
+    asking.to(1.62, 0.525)  # the same place before the right eye
+    until(lambda: asking.commands()[-1][1][0] > 0, "a point")
+    time.sleep(0.3)
+    assert asking.now("value") == values[1]
     asking.screen.do("click", "4")
     asking.waits("value", values[1] + 0.25)
     asking.screen.do("click", "5", "click", "5")
@@ -192,7 +196,7 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     asking.waits("caught", False)
     time.sleep(0.5)  # it comes to a stop
     turned, stood = asking.now("turned"), asking.now("stands")
-    asking.to(0.4, 0.28)
+    asking.to(0.4, 0.525)
     asking.screen.do("keydown", "s")
     asking.screen.do("key", "4")
     asking.waits("value", 4)

@@ -76,4 +76,4 @@ def card(title: str, text: str = "", hint: str = "") -> Card:
 
 def trial_card(trial: int, trials: int) -> Card:
     """Before a trial: its number, and nothing of what it will be. trial: 0 for the practice."""
-    return card(f"Trial {trial} of {trials}" if trial else "Practice: look around, nothing is asked about it")
+    return card(f"Trial {trial} of {trials}" if trial else "Practice: look around, it is not rated")

@@ -11,7 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from hmdwarp.display.desktop.views import shown
 from hmdwarp.display.notice import KEPT, MOST_HIGH_M, MOST_WIDE_M, Notices
+from hmdwarp.geometry import Pose
+from hmdwarp.headsets import load_headset
 from hmdwarp.study.asking import CONTROLLERS, KEYS, Menu, QuestionPlate, Reading, card, trial_card
 from hmdwarp.study.asking.paper import PAD, TEXT, WIDTH, width_of, wrapped
 from hmdwarp.study.asking.scale_layout import Form, Line, layout_of
@@ -135,6 +138,22 @@ def test_a_press_on_the_scale_answers():
     assert (asked.value, asked.confirmed) == (4.25, False)
     asked.obey(said(("press", place)))
     assert (asked.value, asked.confirmed) == (4.25, True)
+
+
+def test_a_plate_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
+    notices, size = Notices(gpu.gl), (600, 800)
+    try:
+        plate, text = notices.of(plate_of(SHIPPED[0])), notices.of("tracking lost")
+        assert np.allclose(plate.plate_from_place(size, None) @ (300, 400, 1), (0.5, 0.5, 1), atol=1 / plate.ink.height)  # to the pixel
+        assert (text.plate_from_place(size, None) @ (300, 400, 1))[1] > 1  # above it
+        eye = shown("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
+        tall = notices.of(plate_of(next(one for one in SHIPPED if one.name == "misc")))
+        for notice in (plate, tall):
+            corners = [notice.plate_from_place((640, 800), eye) @ (x, y, 1) for x in (0, 640) for y in (0, 800)]
+            uv = np.array([corner[:2] / corner[2] for corner in corners])
+            assert uv.min(axis=0).max() < 0 and uv.max(axis=0).min() > 1, "an eye sees all of it"
+    finally:
+        notices.close()
 
 
 def test_a_marker_that_moves_leaves_no_textures_behind(gpu):
