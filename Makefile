@@ -15,12 +15,15 @@ SECONDS =
 METRICS_EVERY = 30
 # Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
 OPTIONS =
+# Of test-kill: how many sessions are killed, and a seed for when.
+KILLS = 500
+SEED = 1
 # Two workers even on two cores, which llvmpipe alone cannot keep busy: 58 s instead of 87 s for 1545 tests.
 PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-openxr bench-quick bench-live docs
+.PHONY: help setup replay test test-openxr test-kill bench-quick bench-live docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -38,6 +41,9 @@ test: setup  ## all tests, as CI runs them
 
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)
+
+test-kill: setup  ## kill sessions of a study at 500 random moments instead of 40 (KILLS=, SEED=): about five minutes
+	@STUDY_KILLS=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py -q $(OPTIONS)
 
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)

@@ -12,12 +12,15 @@ import math
 import os
 import random
 import signal
+import socket
 import sqlite3
 import subprocess
 import sys
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import attrs
@@ -33,6 +36,7 @@ from hmdwarp.study.store import COMPLETE, Contents, Session, Store
 from . import tiny
 
 PHASES = {"answer": "after an answer", "showing": "while showing", "shown": "after a trial", "event": "after an event"}
+COLD = 0.2  # share of lives that begin with the start of Python
 SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle of the next commit, or between two
 
 
@@ -57,35 +61,75 @@ class Life:
         return PHASES[self.told[-1][0]]
 
 
-def live(arguments: list[str], *, after_s: float | None = None, after_line: int | None = None) -> Life:
+class Cold:
+    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that it writes to."""
+
+    def __init__(self, arguments: list[str], told: int, said: int) -> None:
+        command = [sys.executable, "-m", "tests.study.witness", str(told), *arguments]
+        self._process = subprocess.Popen(
+            command, pass_fds=[told], stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, cwd=tiny.ROOT
+        )
+
+    def kill(self) -> None:
+        self._process.kill()
+
+    def wait(self) -> int:
+        return self._process.wait(tiny.PATIENCE_S)
+
+
+class Nursery:
+    """Programs forked from one that has everything imported. A context manager; calling it starts one, one at a time."""
+
+    def __enter__(self) -> Nursery:
+        self._link, theirs = socket.socketpair()
+        command = [sys.executable, "-m", "tests.study.witness", str(theirs.fileno())]
+        self._process = subprocess.Popen(command, pass_fds=[theirs.fileno()], cwd=tiny.ROOT)
+        theirs.close()
+        self._link.settimeout(tiny.PATIENCE_S)
+        self._lines = self._link.makefile()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lines.close()
+        self._link.close()
+        self._process.kill()
+        self._process.wait()
+
+    def __call__(self, arguments: list[str], told: int, said: int) -> Nursery:
+        socket.send_fds(self._link, [json.dumps(arguments).encode()], [told, said])
+        self._pid = int(self._lines.readline())
+        return self
+
+    def kill(self) -> None:
+        with suppress(ProcessLookupError):  # it has come to its end by itself
+            os.kill(self._pid, signal.SIGKILL)
+
+    def wait(self) -> int:
+        return int(self._lines.readline())
+
+
+def live(start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None) -> Life:
     """Run the program and kill it: after so long; or after so many lines of its witness, and `after_s` more. None for both lets it live."""
-    reading, writing = os.pipe()
-    command = [sys.executable, "-m", "tests.study.witness", str(writing), *arguments]
+    (told, told_by), (said, said_by) = os.pipe(), os.pipe()
     lines: list[list] = []
     started = time.monotonic()
-    with subprocess.Popen(
-        command, pass_fds=[writing], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tiny.ROOT
-    ) as process:
-        os.close(writing)
-        reader = threading.Thread(target=_read, args=(reading, lines, process, after_line, after_s))
-        reader.start()
-        try:
-            said = process.communicate(timeout=tiny.PATIENCE_S if after_line is not None else after_s)[0]
-        except subprocess.TimeoutExpired:
-            process.kill()
-            said = process.communicate()[0]
-        reader.join(tiny.PATIENCE_S)
-    return Life(lines, process.returncode, time.monotonic() - started, said)
-
-
-def _read(fd: int, lines: list[list], process: subprocess.Popen, enough: int | None, after_s: float | None) -> None:
-    """All that the witness tells, the end of it being the end of the program."""
-    with os.fdopen(fd) as pipe:
+    process = start(arguments, told_by, said_by)
+    os.close(told_by)
+    os.close(said_by)
+    timer = threading.Timer(after_s, process.kill) if after_s is not None and after_line is None else None
+    if timer is not None:
+        timer.start()
+    with os.fdopen(told) as pipe:  # its end is the end of the program
         for line in pipe:
             lines.append(json.loads(line))
-            if len(lines) == enough:
+            if len(lines) == after_line:
                 time.sleep(after_s or 0.0)
                 process.kill()
+    if timer is not None:
+        timer.cancel()
+        timer.join()
+    with os.fdopen(said) as pipe:
+        return Life(lines, process.wait(), time.monotonic() - started, pipe.read())
 
 
 @attrs.define
@@ -103,20 +147,25 @@ class Killed:
         """All of it."""
         study, model = tiny.write(self.folder)
         chance = random.Random(self.seed)
-        usual = live(tiny.session(study, model, "first", "--store", str(self.folder / "first")))  # how long and how talkative a life is
-        assert usual.status == 0, usual.said
-        while sum(self.tally.values()) < self.kills:
-            self.codes.append(f"person-{len(self.codes) + 1}")
-            self._session(tiny.session(study, model, self.codes[-1], "--store", str(self.store)), chance, usual)
+        with Nursery() as nursery:
+            first = tiny.session(study, model, "first", "--store", str(self.folder / "first"))
+            live(nursery, first)
+            # How long and how talkative a life is.
+            usual = {start: live(start, [*first, "--new-session"]) for start in (nursery, Cold)}
+            assert all(one.status == 0 for one in usual.values()), usual
+            while sum(self.tally.values()) < self.kills:
+                self.codes.append(f"person-{len(self.codes) + 1}")
+                self._session(tiny.session(study, model, self.codes[-1], "--store", str(self.store)), chance, usual)
 
     @property
     def store(self) -> Path:
         return self.folder / "data"
 
-    def _session(self, arguments: list[str], chance: random.Random, usual: Life) -> None:
+    def _session(self, arguments: list[str], chance: random.Random, usual: dict[Callable, Life]) -> None:
         """One participant's, killed until it is over or there were kills enough."""
         while (status := self._status()) != COMPLETE:  # it may be killed after its end, during the last plate
-            one = live([*arguments, *(["--resume"] if status else [])], **self._moment(chance, usual))
+            start = chance.choices(list(usual), (1 - COLD, COLD))[0]
+            one = live(start, [*arguments, *(["--resume"] if status else [])], **self._moment(chance, usual[start]))
             self.told += one.told
             if one.is_killed:
                 self.tally[one.phase] += 1

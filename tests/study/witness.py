@@ -1,6 +1,7 @@
 """The real command line, with a witness: what the store has taken is told to a pipe before anything else happens.
 
-    python -m tests.study.witness FD study run ...
+    python -m tests.study.witness FD study run ...      the program as it is
+    python -m tests.study.witness SOCKET                 a nursery: programs forked from one that has everything imported
 
 A line is written when the store's call has returned, in one write, which a pipe takes whole or not at all; what was told stays in the
 pipe whatever becomes of this process. So what the witness has told is what somebody may rely on.
@@ -8,8 +9,10 @@ pipe whatever becomes of this process. So what the witness has told is what some
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
+import socket
 import sys
 
 
@@ -45,9 +48,37 @@ def watch(fd: int) -> None:
     Store.answer, Store.begin_showing, Store.end_showing, Store.record = answered, begun, ended, recorded
 
 
-if __name__ == "__main__":
-    watch(int(sys.argv[1]))
-    sys.argv = ["hmdwarp", *sys.argv[2:]]
+def program(fd: int, arguments: list[str]) -> None:
+    """The command line, to its end."""
+    watch(fd)
+    sys.argv = ["hmdwarp", *arguments]
     from hmdwarp.cli import main
 
     main()
+
+
+def nursery(link: socket.socket) -> None:
+    """For each list of arguments that comes with two pipes, for the witness and for what is printed: a child that is the program; its
+    process id goes back at once, its status when it is dead. Nothing of OpenGL is open where it is forked from."""
+    for name in ("cli._app", "study.run.session", "study.run.options", "study.respondents.simulated", "display.offscreen"):
+        importlib.import_module(f"hmdwarp.{name}")
+    while (asked := socket.recv_fds(link, 1 << 16, 2))[0]:
+        data, (told, said) = asked[:2]
+        pid = os.fork()
+        if not pid:
+            os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+            os.dup2(said, 1)
+            os.dup2(said, 2)
+            sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", buffering=1, closefd=False)  # noqa: PTH123, SIM115
+            program(told, json.loads(data))
+        os.close(told)
+        os.close(said)
+        link.sendall(f"{pid}\n".encode())
+        link.sendall(f"{os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])}\n".encode())
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        program(int(sys.argv[1]), sys.argv[2:])
+    else:
+        nursery(socket.socket(fileno=int(sys.argv[1])))
