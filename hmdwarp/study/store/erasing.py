@@ -15,7 +15,7 @@ from pathlib import Path
 from ...errors import HmdwarpError, InputError, MachineError
 from .codes import check_code
 from .faults import told, transaction
-from .folders import FILE, TRACES, sync_folder
+from .folders import FILE, TRACES, sync
 
 _CHUNK = 1 << 20
 
@@ -73,7 +73,7 @@ def _erase_traces(traces: Path, sub: str) -> None:
                     _overwrite(path)
                 path.unlink()
         if traces.is_dir():
-            sync_folder(traces)
+            sync(traces)
     except OSError as error:
         why = error.strerror or str(error)
         raise MachineError(f"{traces}: cannot erase ({why}); what is left goes at the next try: make it writable") from error

@@ -39,9 +39,9 @@ def make_folders(folder: Path) -> None:
             _check_ours(folder)
         else:
             folder.mkdir(mode=0o700, parents=True)
-            sync_folder(folder.parent)
+            sync(folder.parent)
         (folder / TRACES).mkdir(mode=0o700, exist_ok=True)
-        sync_folder(folder)
+        sync(folder)
     except OSError as error:
         why = error.strerror or str(error)
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
@@ -64,9 +64,21 @@ def _check_ours(folder: Path) -> None:
         raise InputError(f"{folder}: holds something else ({others[0]}): a study's data need a folder of their own (--store)")
 
 
-def sync_folder(folder: Path) -> None:
-    """Put on the disk that files came, went, or have new names. Errors: OSError."""
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+def sync_trace(path: Path) -> bool:
+    """Put a trace on the disk, its name in the folder too; False where there is none. Errors: MachineError."""
+    try:
+        sync(path)
+        sync(path.parent)
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise MachineError(f"{path}: the disk does not take it ({error.strerror or error}): go on with a copy on another disk") from error
+    return True
+
+
+def sync(path: Path) -> None:
+    """Put on the disk that files came, went, or have new names; of a file, what is in it. Errors: OSError."""
+    handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
     finally:

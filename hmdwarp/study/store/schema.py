@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from ...errors import InputError, MachineError
 from .faults import RECOVER, told, transaction
-from .folders import FILE, sync_folder
+from .folders import FILE, sync
 
 SCHEMA = 1
 APPLICATION_ID = 0x686D6477  # "hmdw": so that a database of something else is known
@@ -130,7 +130,7 @@ def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
         db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
         db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
         db.execute(f"PRAGMA user_version = {SCHEMA}")
-    sync_folder(path.parent)
+    sync(path.parent)
 
 
 def open_to_read(folder: Path) -> sqlite3.Connection | None:

@@ -24,7 +24,7 @@ from ._json import clean, to_json
 from .clock import Clock, MachineClock
 from .erasing import erase, known
 from .faults import told
-from .folders import check_place, trace_name
+from .folders import check_place, sync_trace, trace_name
 from .nouns import RUNNING, STATUSES, Answer, Contents, Session, Showing
 from .opened import Opened
 
@@ -171,7 +171,7 @@ class Store:
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """After the last picture, and after the trace was closed: one that has nothing in it (no file) is none. actual: see study/run."""
-        trace = showing.trace if showing.trace and (self.traces / showing.trace).is_file() else ""
+        trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
         with self._opened.going_on(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)

@@ -8,6 +8,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import sqlite3
 import subprocess
 from datetime import timedelta
@@ -237,10 +238,16 @@ def test_a_program_that_died_while_it_made_the_store(tmp_path):
 
 def test_two_programs_at_once(tmp_path):
     """The second is told who the first is; when that one is killed, nothing is in the way."""
-    code = "store = Store(Path(sys.argv[1]), create=True)\nbegun(store)\nprint('on', flush=True)\nsys.stdin.read()"
+    code = """
+store = Store(Path(sys.argv[1]), create=True)
+begun(store)
+helper = subprocess.Popen(["sleep", "120"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+print(helper.pid, flush=True)
+sys.stdin.read()
+"""
     process = child(code, tmp_path / "data", stdin=subprocess.PIPE)
+    helper = int(process.stdout.readline())
     try:
-        assert process.stdout.readline() == "on\n"
         for act in (lambda s: begun(s, "P02"), lambda s: s.resume("P01"), lambda s: s.withdraw("P01"), lambda s: s.measured(1, {})):
             with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError) as error:
                 act(store)
@@ -254,6 +261,7 @@ def test_two_programs_at_once(tmp_path):
     with Store(tmp_path / "data") as store:
         assert store.resume("P01").status == "running"
         assert [one.kind for one in store.contents().events] == ["begin", "interrupted", "resume"]
+    os.kill(helper, signal.SIGKILL)  # it lived on, and held nothing
 
 
 def test_two_stores_in_one_program_are_two_as_well(tmp_path):
@@ -340,6 +348,9 @@ def test_an_answer_is_synced_before_the_call_returns(tmp_path):
     code = """
 store = Store(Path(sys.argv[1]), create=True)
 session = begun(store)
+showing = store.begin_showing(session, shows(session)[0], {})
+(store.traces / showing.trace).write_text("pose")
+store.end_showing(session, showing, {}, True)
 os.write(1, b"one ")
 for ask in asks(session)[:5]:
     store.answer(session, ask, 2, 1.0, "participant")
@@ -355,4 +366,6 @@ for ask in asks(session)[:5]:
         synced = [line for line in between.splitlines() if "sync(" in line and f"{FILE}-wal" in line]
         assert synced, between
     creation = [line for line in parts[0].splitlines() if "fsync(" in line]
-    assert any(line.split("<")[1].startswith(f"{tmp_path / 'data'}>") for line in creation), "the folder's own entry too"
+    synced = [line.split("<")[1].split(">")[0] for line in creation]
+    assert {str(tmp_path), str(tmp_path / "data"), str(tmp_path / "data" / "traces")} <= set(synced), "what is new in folders too"
+    assert [path for path in synced if path.endswith("_trial-0_1.csv")], "a head's trace, before its showing is said to be complete"
