@@ -1,0 +1,271 @@
+"""Which measure of the pictures predicts their ratings best, and how sure that is.
+
+People differ in how they use a scale, so everything is within a person: ratings and measures count from each person's own mean, and one
+slope holds for all (repeated-measures correlation). How sure it is comes from drawing people anew, with all their ratings, for the
+ratings of one person are no independent ones.
+Source: Bakdash and Marusich 2017, Repeated measures correlation, Front Psychol 8, 456; Efron 1987, Better bootstrap confidence intervals.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from .prediction_sums import Sums, bca_intervals, correlations, skill_of_left_out_conditions, skill_of_left_out_people
+
+Row = Mapping[str, Any]
+Array = NDArray[np.float64]
+
+# Column of the long table to what it is called.
+MEASURES = {
+    "measured_flip": "error (FLIP)",
+    "measured_psnr_db": "error (PSNR)",
+    "measured_ssim": "likeness (SSIM)",
+    "measured_flicker": "flicker",
+    "measured_hole_share": "holes",
+    "measured_border_share": "holes at the border",
+    "actual_latency_ms_median": "age of the frame",
+    "actual_latency_ms_sd": "jitter of that age",
+    "actual_hole_share_mean": "holes, while it was shown",
+    "actual_pose_age_ms_median": "age of the pose",
+    "actual_missed_share": "missed refreshes",
+    "actual_period_ms_p95": "longest time between pictures (95 %)",
+    "actual_angular_speed_deg_s_median": "speed of the turning head",
+}
+LEAST_PEOPLE = 5  # fewer, drawn anew, are too few different draws: 4 people give 35
+LEAST_ROWS = 2  # of a person: a single rating has no mean to differ from
+LEAST_CONDITIONS = 3  # two give a line through two points, whatever is measured
+MOST_MISSING = 0.5  # of the ratings; a measure that is missing more often is left out rather than the ratings
+ALIKE = 0.95  # within-person correlation from which two measures are not told apart
+RESAMPLES, SEED = 10_000, 20140612
+_STILL = 1e-9  # of its own size: what moves less is constant but for rounding
+
+
+@attrs.frozen
+class Measure:
+    """One measure and the ratings.
+
+    r: repeated-measures correlation, positive where more of it was rated worse; low, high: its 95 % BCa interval over people; sure: whether
+    such an interval for all measures at once leaves out 0; p, dof: of Student's t for it, which takes conditions as if drawn anew.
+    rank_r: the same of ranks within each person. rmse: of a rating predicted from the person's own mean and the slope of the others, in the
+    scale's units. skill: how much of the squared error of the person's mean alone that takes away; 0 for none, below where it adds to it;
+    skill_low, skill_high: its 95 % percentile interval over people. skill_condition: the same for a condition that nobody's slope or mean
+    has seen. best: share of the resamples in which it predicts best. behind_low, behind_high: 95 % interval of how far its |r| is behind
+    the best one's. alike: measures it moves with.
+    """
+
+    name: str
+    title: str
+    r: float
+    low: float
+    high: float
+    sure: bool
+    p: float
+    dof: int
+    rank_r: float
+    rmse: float
+    skill: float
+    skill_low: float
+    skill_high: float
+    skill_condition: float
+    best: float
+    behind_low: float
+    behind_high: float
+    alike: tuple[str, ...]
+
+
+@attrs.frozen(kw_only=True)
+class Prediction:
+    """measures: by |r|, the best first. left_out: (title, reason). refused: why there are none, "" where there are. rmse_of_mean: error of
+    each person's own mean, which every measure has to beat."""
+
+    scale: str
+    low_is_good: bool
+    people: int = 0
+    ratings: int = 0
+    conditions: int = 0
+    dropped: int = 0
+    rmse_of_mean: float = 0.0
+    measures: tuple[Measure, ...] = ()
+    left_out: tuple[tuple[str, str], ...] = ()
+    refused: str = ""
+    resamples: int = RESAMPLES
+    seed: int = SEED
+
+    @property
+    def candidates(self) -> tuple[Measure, ...]:
+        """The best one, and those that may be as good: whose distance to it may be none."""
+        return tuple(one for one in self.measures if one is self.measures[0] or one.behind_low <= 0)
+
+    def sentences(self) -> list[str]:
+        """What it comes to, in words."""
+        from .prediction_words import sentences
+
+        return sentences(self)
+
+
+def predict(rows: Sequence[Row], scale: str = "", resamples: int = RESAMPLES, seed: int = SEED) -> Prediction | None:
+    """rows: as export.long_rows gives, of one origin. scale: which ratings, by default the first in the rows. None where nothing was
+    measured at all; what is too little says so in `refused`."""
+    scale = scale or next((row["scale"] for row in rows), "")
+    rated = [row for row in rows if row["scale"] == scale and row.get("value") is not None]
+    there = [name for name in MEASURES if any(_number(row, name) is not None for row in rated)]
+    if not there:
+        return None
+    low_is_good = bool(rated[0]["low_is_good"])
+    usable, left_out = _often_enough(rated, there)
+    kept = _with_company([row for row in rated if all(_number(row, name) is not None for name in usable)])
+    moving, still = _that_move(kept, usable)
+    facts = {
+        "people": len({row["participant"] for row in kept}),
+        "ratings": len(kept),
+        "conditions": len({(row.get("part"), row["condition"]) for row in kept}),
+    }
+    common = {"scale": scale, "low_is_good": low_is_good, "dropped": len(rated) - len(kept), "resamples": resamples, "seed": seed}
+    common |= {**facts, "left_out": (*left_out, *still)}
+    refused = _refused(**facts, moving=moving) or _all_alike(kept)
+    if refused:
+        return Prediction(refused=refused, **common)
+    measures, rmse = _measures(kept, moving, low_is_good, resamples, seed)
+    return Prediction(measures=measures, rmse_of_mean=rmse, **common)
+
+
+def _number(row: Row, name: str) -> float | None:
+    value = row.get(name)
+    return None if value is None or isinstance(value, str) or not np.isfinite(value) else float(value)
+
+
+def _often_enough(rated: Sequence[Row], there: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
+    usable, left_out = [], [(MEASURES[name], "nobody measured it") for name in MEASURES if name not in there]
+    for name in there:
+        missing = sum(_number(row, name) is None for row in rated)
+        if missing > MOST_MISSING * len(rated):
+            left_out.append((MEASURES[name], f"missing with {missing} of {len(rated)} ratings"))
+        else:
+            usable.append(name)
+    return usable, left_out
+
+
+def _with_company(rows: list[Row]) -> list[Row]:
+    """Without people who rated once."""
+    counts = Counter(row["participant"] for row in rows)
+    return [row for row in rows if counts[row["participant"]] >= LEAST_ROWS]
+
+
+def _that_move(rows: Sequence[Row], names: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
+    moving, still = [], []
+    who = _people_of(rows)
+    for name in names:
+        values = np.array([_number(row, name) for row in rows], dtype=np.float64)
+        spread = np.abs(_centred(values[:, None], who)).max(initial=0.0)
+        if spread <= _STILL * max(np.abs(values).max(initial=0.0), 1e-300):
+            still.append((MEASURES[name], "the same in all trials of each person"))
+        else:
+            moving.append(name)
+    return moving, still
+
+
+def _people_of(rows: Sequence[Row]) -> NDArray[np.intp]:
+    order = {name: k for k, name in enumerate(dict.fromkeys(row["participant"] for row in rows))}
+    return np.array([order[row["participant"]] for row in rows], dtype=np.intp)
+
+
+def _centred(values: Array, who: NDArray[np.intp]) -> Array:
+    """(n, m) less each person's mean."""
+    count = int(who.max(initial=-1)) + 1
+    sums = np.zeros((count, values.shape[1]))
+    np.add.at(sums, who, values)
+    return values - (sums / np.bincount(who, minlength=count)[:, None])[who]
+
+
+def _ranked(values: Array, who: NDArray[np.intp]) -> Array:
+    """Midranks within each person."""
+    from scipy.stats import rankdata
+
+    out = np.empty_like(values)
+    for person in range(int(who.max()) + 1):
+        out[who == person] = rankdata(values[who == person], axis=0)
+    return out
+
+
+def _refused(people: int, ratings: int, conditions: int, moving: Sequence[str]) -> str:
+    if people < LEAST_PEOPLE:
+        return f"{people} people with at least {LEAST_ROWS} ratings and all measures: wanted {LEAST_PEOPLE}, to tell how sure anything is"
+    if conditions < LEAST_CONDITIONS:
+        return f"{conditions} conditions: wanted {LEAST_CONDITIONS}, for any measure fits a line through two"
+    if not moving:
+        return "no measure differs between the trials of a person"
+    return "" if ratings - people - 1 > 1 else f"{ratings} ratings of {people} people: too few for a slope"
+
+
+def _all_alike(rows: Sequence[Row]) -> str:
+    """Whether everybody gave one rating throughout."""
+    values = np.array([[row["value"]] for row in rows], dtype=np.float64)
+    return "" if np.abs(_centred(values, _people_of(rows))).max() > _STILL else "everybody gave the same rating throughout"
+
+
+def _measures(
+    rows: Sequence[Row], names: Sequence[str], low_is_good: bool, resamples: int, seed: int
+) -> tuple[tuple[Measure, ...], float]:
+    from scipy.stats import t as student
+
+    who = _people_of(rows)
+    x = np.array([[_number(row, name) for name in names] for row in rows], dtype=np.float64)
+    x = x / np.abs(x).max(axis=0)  # squares of what is 1e-9 and of what is 1e9 are then of one size
+    y = np.array([row["value"] for row in rows], dtype=np.float64) * (1 if low_is_good else -1)
+    sums = Sums.of(_centred(x, who), _centred(y[:, None], who)[:, 0], who)
+    ranks = Sums.of(_centred(_ranked(x, who), who), _centred(_ranked(y[:, None], who), who)[:, 0], who)
+    drawn = np.random.default_rng(seed).multinomial(sums.people, np.full(sums.people, 1 / sums.people), size=resamples).astype(np.float64)
+    whole = np.ones((1, sums.people))
+    r, rank_r, resampled = correlations(sums, whole)[0], correlations(ranks, whole)[0], correlations(sums, drawn)
+    without_one = correlations(sums, 1 - np.eye(sums.people))
+    low, high = bca_intervals(r, resampled, without_one)
+    lowest, highest = bca_intervals(r, resampled, without_one, level=1 - 0.05 / len(names))
+    sure = lowest * highest > 0
+    dof = len(rows) - sums.people - 1
+    skill, skill_low, skill_high, rmse = skill_of_left_out_people(sums, drawn)
+    conditions = [(row.get("part"), row["condition"]) for row in rows]
+    of_conditions = skill_of_left_out_conditions(x, y, who, conditions)
+    best = int(np.argmax(np.abs(r)))
+    firsts = np.bincount(np.argmax(np.abs(resampled), axis=1), minlength=len(names)) / resamples
+    behind = np.percentile(np.abs(resampled[:, [best]]) - np.abs(resampled), (2.5, 97.5), axis=0)
+    together = np.abs(_together(_centred(x, who)))
+    found = []
+    for k in np.argsort(-np.abs(r), kind="stable").tolist():
+        t = abs(r[k]) * np.sqrt(dof / max(1 - r[k] ** 2, 1e-300))
+        alike = tuple(MEASURES[names[j]] for j in range(len(names)) if j != k and together[k, j] >= ALIKE)
+        found.append(
+            Measure(
+                name=names[k],
+                title=MEASURES[names[k]],
+                r=float(r[k]),
+                low=float(low[k]),
+                high=float(high[k]),
+                sure=bool(sure[k]),
+                p=float(2 * student.sf(t, dof)),
+                dof=dof,
+                rank_r=float(rank_r[k]),
+                rmse=float(rmse[k]),
+                skill=float(skill[k]),
+                skill_low=float(skill_low[k]),
+                skill_high=float(skill_high[k]),
+                skill_condition=float(of_conditions[k]),
+                best=float(firsts[k]),
+                behind_low=float(behind[0, k]),
+                behind_high=float(behind[1, k]),
+                alike=alike,
+            )
+        )
+    return tuple(found), float(np.sqrt(sums.yy.sum() / len(rows)))
+
+
+def _together(x: Array) -> Array:
+    """(m, m) within-person correlations of the measures among one another."""
+    cross = x.T @ x
+    size = np.sqrt(np.diag(cross))
+    return cross / np.outer(size, size)
