@@ -60,6 +60,11 @@ def hands(display, remote_head):
     return Hands(display, remote_head)
 
 
+def test_every_kind_of_controller_is_known_by_these_names(display):
+    """A single wrong path in the table would have the whole kind refused."""
+    assert display._connection.actions.refused == []
+
+
 def test_each_button_is_one_command(hands):
     assert hands.press("right", trigger_click=1, trigger_value=1) == ["confirm"]
     assert hands.press("left", trigger_click=1, trigger_value=1) == ["confirm"]
@@ -153,5 +158,6 @@ def test_a_runtime_that_knows_no_such_controllers_is_no_trouble(monado, monkeypa
             if made.wait() is not None:
                 made.show(None)
         assert made.commands() == []
+        assert made._connection.actions.refused == ["/interaction_profiles/nobody/nothing"]
     finally:
         made.close()

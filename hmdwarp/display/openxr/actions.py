@@ -21,7 +21,10 @@ _WORDS = {"across": "stick, across", "along": "stick, along", "pad": "pad presse
 
 
 class Actions:
-    """Made for one session, before it begins; it goes with the instance. controls: the first of them with a button is what it asks for."""
+    """Made for one session, before it begins; it goes with the instance. controls: the first of them with a button is what it asks for.
+
+    refused: kinds of controllers, by their profiles, that the runtime knows nothing of.
+    """
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
         self._calls, self._session = calls, session
@@ -44,15 +47,15 @@ class Actions:
         return self._calls.ask(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
-        """A runtime may know fewer kinds of controllers, and refuses the others."""
+        self.refused: list[str] = []
         for profile, pairs in PROFILES.items():
             paths = [(actions[name], self._path(instance, path)) for name, path in pairs]
             suggested = [xr.ActionSuggestedBinding(action, path) for action, path in paths]
             info = xr.InteractionProfileSuggestedBinding(self._path(instance, profile), len(suggested), suggested)
             try:
                 self._calls.ask(xr.suggest_interaction_profile_bindings, instance.handle, info)
-            except MachineError:
-                continue
+            except MachineError:  # not one of its own
+                self.refused.append(profile)
 
     def _path(self, instance: Instance, text: str) -> int:
         return self._calls.ask(xr.string_to_path, instance.handle, text)
