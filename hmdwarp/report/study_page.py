@@ -28,7 +28,6 @@ def render_study_report(data: Row, command: str) -> str:
         cut=data["sittings"]["cut"],
         sickness=[_sickness(one) for one in data["sickness"]],
         questionnaires=_table("Questionnaires, before and after", *felt_lines(data["questionnaires"])) if data["questionnaires"] else None,
-        prediction=prediction_of(data["prediction"]),
         seed=data["seed"],
         resamples=f"{data['resamples']:,}",
     )  # fmt: skip
@@ -60,6 +59,7 @@ def _scale(scale: Row) -> Row:
         "claims": [(row["follows"], row["sentence"]) for row in scale["claims"]],
         "why_step": scale["why_step"],
         "missing": scale["missing"],
+        "prediction": prediction_of(scale["prediction"], measure),
     }
 
 

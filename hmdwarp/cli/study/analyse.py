@@ -91,10 +91,11 @@ def _tell(data: dict[str, Any]) -> None:
         for one in [*scale["copied"], *scale["claims"]]:
             typer.echo()
             paragraph(one["sentence"])
+        for sentence in (scale["prediction"] or {}).get("sentences", ()):
+            typer.echo()
+            paragraph(sentence)
     typer.echo()
     paragraph(f"{data['compared']} BCa intervals: {data['resamples']} resamples, seed {data['seed']}.")
-    for sentence in (data["prediction"] or {}).get("sentences", ()):
-        paragraph(sentence)
     ends = ", ".join(f"{number} {status}" for status, number in data["sittings"]["counts"].items())
     if ends:
         paragraph(f"Sessions: {ends}.")

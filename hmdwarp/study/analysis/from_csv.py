@@ -42,14 +42,16 @@ def from_csv(path: Path, given: Given = Given()) -> Ratings:  # noqa: B008  (fro
     if comma:
         notes.append("Ratings have a decimal comma: 3,25 was read as 3.25.")
     measures = _measures(lines, numbers, path, given, notes)
-    rows, felt = _rows(lines, numbers, measures, path, header)
+    rows, felt, used = _rows(lines, numbers, measures, path, header)
     if not rows:
         raise InputError(f"{path}: holds no ratings: {len(lines)} rows, none of them on a rating scale")
     repeated = sum(count > 1 for count in Counter((r.participant, r.part, r.condition, r.scale) for r in rows).values())
     if repeated:
         notes.append(f"{repeated} times a participant rated a condition more than once: the mean counts.")
-    found = Ratings(tuple(rows), measures, origin=origin, source=path.name, title=path.stem, felt=tuple(felt), notes=tuple(notes))
-    return attrs.evolve(found, long=_long(lines, measures))
+    return Ratings(
+        tuple(rows), measures, origin=origin, source=path.name, title=path.stem, felt=tuple(felt), notes=tuple(notes),
+        long=_long(rows, used, measures),
+    )  # fmt: skip
 
 
 def _of_one_origin(lines: list[Line], path: Path, wanted: str) -> tuple[list[Line], str, list[str]]:
@@ -112,9 +114,11 @@ def _check_range(own: list[tuple[Line, float | None]], measure: Measure, path: P
 
 def _rows(
     lines: Sequence[Line], numbers: Sequence[float | None], measures: Mapping[str, Measure], path: Path, header: Mapping[str, str]
-) -> tuple[list[Rating], list[Felt]]:
+) -> tuple[list[Rating], list[Felt], list[Line]]:
+    """Ratings, what else was answered, and the lines that the ratings stand in."""
     rows: list[Rating] = []
     felt: list[Felt] = []
+    used: list[Line] = []
     only = next(iter(measures)) if len(measures) == 1 else ""
     for line, value in zip(lines, numbers, strict=True):
         fields = line.fields
@@ -131,6 +135,7 @@ def _rows(
         condition, settings = _condition(line, path)
         if not condition:
             continue  # the practice is not scored
+        used.append(line)
         rows.append(
             Rating(
                 participant=fields["participant"],
@@ -147,7 +152,7 @@ def _rows(
                 settings=settings,
             )
         )
-    return _with_previous(rows), felt
+    return _with_previous(rows), felt, used
 
 
 def _why(line: Line) -> str:
@@ -196,12 +201,16 @@ def _with_previous(rows: list[Rating]) -> list[Rating]:
     return [attrs.evolve(row, previous=before(row)) if row.place else row for row in rows]
 
 
-def _long(lines: Sequence[Line], measures: Mapping[str, Measure]) -> tuple[dict[str, Any], ...]:
-    """The rows of ratings under the table's own names, numbers as numbers: for what was measured while the pictures were shown."""
-    if not any(name.startswith(("=actual_", "=measured_")) for name in lines[0].fields):
+def _long(rows: Sequence[Rating], used: Sequence[Line], measures: Mapping[str, Measure]) -> tuple[dict[str, Any], ...]:
+    """The rows of ratings with all columns of the table, as export.long_rows has them: for what was measured while pictures were shown."""
+    if not any(name.startswith(("=actual_", "=measured_")) for line in used[:1] for name in line.fields):
         return ()
-    own = [line for line in lines if line.fields.get("scale", "") in measures]
-    return tuple({name[1:]: _typed(text) for name, text in line.fields.items() if name.startswith("=")} for line in own)
+    return tuple(
+        {name[1:]: _typed(text) for name, text in line.fields.items() if name.startswith("=")}
+        | {name: getattr(row, name) for name in ("participant", "part", "condition", "scale", "value", "session")}
+        | {"low_is_good": measures[row.scale].low_is_good, "trial": row.place}
+        for row, line in zip(rows, used, strict=True)
+    )
 
 
 def _typed(text: str) -> Any:

@@ -51,7 +51,6 @@ def analyse(
         "sittings": sittings(ratings),
         "sickness": sickness(ratings, scale_or_none),
         "questionnaires": questionnaires(ratings, scale_or_none),
-        "prediction": predicted(ratings.long),
     }
 
 
@@ -81,6 +80,7 @@ def _on_scale(ratings: Ratings, scale: str, families: Sequence[Family], resampli
         "claims": held,
         "why_step": "" if claims is None else claims.why_step,
         "missing": missing(ratings, scale),
+        "prediction": predicted(ratings.long, scale),
     }
 
 

@@ -1,0 +1,176 @@
+"""From a real store: places, conditions before, reasons for what is missing, who counts with whom; and the same by way of the export."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.study.analysis import Given, from_csv
+from hmdwarp.study.analysis.from_store import from_contents
+from hmdwarp.study.analysis.whole import analyse
+from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.export import ExportOptions, export
+from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.store import PERSON, PILOT, SIMULATED, Store
+
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+
+TEXT = """
+schema = 1
+name = "late-or-warped"
+title = "Does a warp help?"
+seed = 3
+[common]
+scene = "planes"
+[trial]
+seconds = 1
+scales = ["grade"]
+[sickness]
+scale = "fms"
+[questionnaires]
+before = ["vrsq"]
+after = ["vrsq"]
+[[condition]]
+name = "late"
+latency = 400
+warp = "none"
+fill = "none"
+[[condition]]
+name = "warped"
+latency = 400
+warp = "forward"
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+[[family]]
+name = "the warp"
+pairs = [["late", "warped"]]
+"""
+MEANS = {"late": 5.0, "warped": 3.0, "reference": 1.5}
+
+
+def sit(store, design, code, origin=PERSON, until=99, seed=0, status="complete", reference=1.5):
+    """A session whose grades are known: the condition's own and a quarter for each seed."""
+    session = store.begin(design, None, code, origin)
+    showing, condition = None, ""
+    for step in steps_of(design, session.order, session.part):
+        if getattr(step, "trial", 0) > until:
+            break
+        if isinstance(step, Show):
+            showing, condition = store.begin_showing(session, step, dict(step.condition.settings), recorded=False), step.condition.name
+            showing = store.end_showing(session, showing, {"hole_share_mean": 0.1 * MEANS.get(condition, 0)}, complete=True)
+        elif isinstance(step, Ask) and step.scale.name == "grade":
+            grade = (MEANS | {"reference": reference})[condition] + 0.25 * (seed % 3)
+            store.answer(session, step, 6.0, 0.5, "participant", showing)  # corrected at once
+            store.answer(session, step, None if (seed, condition) == (2, "late") else grade, 1.0, "participant", showing)
+        elif isinstance(step, Ask):
+            store.answer(session, step, float(step.trial if step.scale.name == "fms" else step.phase == "after"), 1.0, "participant",
+                         showing if step.about else None)  # fmt: skip
+    return store.end(session, status)
+
+
+@pytest.fixture(scope="module")
+def design():
+    """With a reference, a sickness scale and a questionnaire."""
+    return design_from_text(TEXT, "late.toml")
+
+
+@pytest.fixture(scope="module")
+def contents(tmp_path_factory, design):
+    """Nine people: one could not say once, one stopped, one got sick; and a pilot, in another place."""
+    with Store(tmp_path_factory.mktemp("study") / "data", create=True) as store:
+        for seed in range(7):
+            sit(store, design, f"p{seed}", seed=seed, reference=5.5 if seed == 4 else 1.5)
+        sit(store, design, "stopped", until=1, status="stopped")
+        sit(store, design, "sick", until=2, status="sick")
+        sit(store, design, "rehearsal", PILOT)
+        yield store.contents()
+
+
+def test_every_rating_has_its_place_and_what_came_before(contents, design):
+    found = from_contents(contents, design)
+    by_sub = {session.sub: session.order[0] for session in contents.sessions}
+    assert len({row.participant for row in found.rows}) == 9
+    for row in found.rows:
+        order = by_sub[row.participant]
+        assert order[row.place - 1] == row.condition
+        assert row.previous == (order[row.place - 2] if row.place > 1 else "")
+        assert row.reference == (row.condition == "reference")
+
+
+def test_of_a_corrected_answer_the_last_one_counts(contents, design):
+    assert all(row.value != 6.0 for row in from_contents(contents, design).rows)
+
+
+def test_what_is_missing_says_why(contents, design):
+    data = analyse(from_contents(contents, design))
+    (scale,) = data["scales"]
+    reasons = sorted(one["why"] for one in scale["missing"])
+    assert reasons == ["the participant could not say", "the session was stopped before", "the session was stopped before",
+                       "the stop rule for sickness ended the session before"]  # fmt: skip
+    assert data["sittings"]["counts"] == {"complete": 7, "sick": 1, "stopped": 1}
+    assert {(one["status"], one["rated"], one["of"]) for one in data["sittings"]["cut"]} == {("stopped", 1, 3), ("sick", 2, 3)}
+
+
+def test_programs_and_pilots_never_count_with_people(contents, design):
+    first, *rest = contents.sessions  # a store refuses to hold both; a table of several stores may
+    mixed = attrs.evolve(contents, sessions=(attrs.evolve(first, origin=SIMULATED), *rest))
+    people = from_contents(mixed, design)
+    assert first.sub not in {row.participant for row in people.rows}
+    assert people.origin == PERSON and any("simulated" in note and "left out" in note for note in people.notes)
+    programs = from_contents(mixed, design, SIMULATED)
+    assert {row.participant for row in programs.rows} == {first.sub} and any("not of people" in note for note in programs.notes)
+    with pytest.raises(InputError, match="no sessions of origin 'pilot'"):
+        from_contents(contents, design, PILOT)
+
+
+def test_the_planned_family_is_compared(contents, design):
+    data = analyse(from_contents(contents, design))
+    (row,) = data["scales"][0]["comparisons"]
+    assert (row["family"], row["a"], row["b"], row["worse"]) == ("the warp", "late", "warped", 0)
+    assert row["mean"] == pytest.approx(2.0)
+    assert "all differences are the same" in row["sentence"]  # as the grades were made: no interval, and no NaN
+
+
+def test_who_misses_the_reference_is_named_and_kept(contents, design):
+    (part,) = analyse(from_contents(contents, design))["scales"][0]["parts"]
+    sub = next(session.sub for session in contents.sessions if session.code == "p4")
+    assert part["reference"]["missed"] == [sub]
+    assert sub in part["reference_sentence"] and sub in part["conditions"][0]["ratings"]
+    (without,) = part["without"]
+    assert without["n"] == analyse(from_contents(contents, design))["scales"][0]["comparisons"][0]["n"] - 1
+
+
+def test_sickness_and_questionnaires_are_told(contents, design):
+    data = analyse(from_contents(contents, design))
+    (fms,) = data["sickness"]
+    assert [one["worst"] for one in fms["trials"] if one["trial"]] == [1.0, 2.0, 3.0]
+    total = next(row for row in data["questionnaires"] if row["score"] == "total")
+    assert total["n"] == 7 and total["before"] == 0.0 and total["change"] == total["after"] > 0
+
+
+def test_a_session_is_read_by_the_plan_it_was_run_by(contents):
+    changed = design_from_text(TEXT.replace('warp = "forward"', 'warp = "backward"'), "late.toml")
+    found = from_contents(contents, changed)
+    assert any("changed after 9 of 9" in note for note in found.notes)
+    assert all(row.settings["warp"] == "forward" for row in found.rows if row.condition == "warped")
+
+
+def test_the_exported_table_says_the_same(contents, design, tmp_path):
+    direct = analyse(from_contents(contents, design))
+    export(contents, design, tmp_path / "out", ExportOptions(parquet=False))
+    (table,) = (tmp_path / "out").rglob("ratings.csv")
+    again = analyse(from_csv(table, Given()), asked=["late:warped"])
+    for part, other in zip(direct["scales"][0]["parts"], again["scales"][0]["parts"], strict=True):
+        assert part["friedman"] == other["friedman"] and part["reference"] == other["reference"]
+        ours = {row["condition"]: row["ratings"] for row in part["conditions"]}
+        assert ours == {row["condition"]: row["ratings"] for row in other["conditions"]}
+        assert part["places"] and np.allclose([p["rest"] for p in part["places"]], [p["rest"] for p in other["places"]])
+    keys = ("n", "mean", "p", "holm", "shift", "low", "high")
+    ours, theirs = direct["scales"][0]["comparisons"], again["scales"][0]["comparisons"]
+    assert [{key: row[key] for key in keys} for row in ours] == [{key: row[key] for key in keys} for row in theirs]

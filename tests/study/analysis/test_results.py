@@ -1,0 +1,188 @@
+"""What is said of made-up ratings whose truth is known: comparisons, order, doubles, claims, the reference, and the words for them."""
+
+from __future__ import annotations
+
+import json
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.study.analysis import Measure, Ratings
+from hmdwarp.study.analysis.claims import load_claims
+from hmdwarp.study.analysis.copied import copied
+from hmdwarp.study.analysis.effects import order_effects
+from hmdwarp.study.analysis.whole import analyse
+from hmdwarp.study.design import Comparison, Family
+
+from .tables import GRADE, in_order, ratings_of
+
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+
+ACR = Measure("acr", "Quality", low_is_good=False, least=1, most=5)
+PAIR = (Family("one", (Comparison("", "late", "warped"),)),)
+LATE, WARPED = [5, 4, 5, 4.5, 6, 5, 4, 5], [3, 3, 2.5, 4, 4, 3, 3.5, 3]
+
+
+def first(ratings: Ratings) -> dict:
+    """The only comparison's row."""
+    return analyse(attrs.evolve(ratings, families=PAIR))["scales"][0]["comparisons"][0]
+
+
+def test_positive_means_better_whichever_way_the_scale_goes():
+    low = first(ratings_of({"late": LATE, "warped": WARPED}))
+    high = first(ratings_of({"late": [7 - v for v in LATE], "warped": [7 - v for v in WARPED]}, measure=ACR))
+    assert low["mean"] == high["mean"] > 0 and low["p"] == high["p"] and low["better"] == 8
+    assert low["differences"] == high["differences"]
+
+
+def test_a_shown_difference_is_said_plainly():
+    said = first(ratings_of({"late": LATE, "warped": WARPED}))["sentence"]
+    assert said.startswith("8 of 8 rated 'warped' better than 'late', 0 worse; mean difference +1.56 grades (95 % ")
+    assert said.endswith("By the exact test p = .0078: 'warped' was rated better.")
+
+
+def test_a_difference_that_is_not_shown_is_not_called_none():
+    said = first(ratings_of({"late": [4, 3, 5, 4, 3.5, 4, 5, 3], "warped": [3, 4, 4, 4.5, 3, 5, 4, 3]}))["sentence"]
+    assert "no difference is shown, which does not say that there is none" in said
+    assert "the ratings fit anything from a loss of" in said and "to a gain of" in said
+
+
+def test_too_few_people_show_nothing_either_way():
+    said = first(ratings_of({"late": [5, 5, 6, 5], "warped": [1, 2, 1, 1.5]}))["sentence"]
+    assert "4 unequal pairs can give no smaller p than .125" in said and "nothing either way" in said
+
+
+def test_nobody_rated_both():
+    row = first(ratings_of({"late": [5, None], "warped": [None, 3]}))
+    assert row["n"] == 0 and row["holm"] == 1.0 and "nothing can be said" in row["sentence"]
+
+
+def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
+    for late, warped in (([5], [3]), ([5, 4, 3], [4, 3, 2]), ([4, 4], [4, 4])):
+        row = first(ratings_of({"late": late, "warped": warped}))
+        assert "no interval" in row["sentence"]
+        json.dumps(row, allow_nan=False)
+
+
+def test_a_planned_comparison_that_nobody_rated_counts_in_its_family():
+    families = (Family("two", (Comparison("", "late", "warped"), Comparison("", "late", "other"))),)
+    ratings = ratings_of({"late": LATE, "warped": WARPED, "other": [None] * 8})
+    rows = analyse(attrs.evolve(ratings, families=families))["scales"][0]["comparisons"]
+    assert rows[0]["holm"] == 2 * rows[0]["p"] and rows[1]["n"] == 0
+
+
+def test_the_order_of_the_rows_changes_nothing():
+    ratings = attrs.evolve(ratings_of({"late": LATE, "warped": WARPED, "other": LATE[::-1]}), families=PAIR)
+    shuffled = attrs.evolve(ratings, rows=tuple(np.random.default_rng(1).permutation(np.array(ratings.rows, object))))
+    assert json.dumps(analyse(shuffled)["scales"][0]["comparisons"]) == json.dumps(analyse(ratings)["scales"][0]["comparisons"])
+
+
+GRADES = st.lists(st.one_of(st.none(), st.integers(4, 24).map(lambda quarters: quarters / 4)), min_size=5, max_size=5)
+
+
+@settings(max_examples=30, deadline=None)
+@given(GRADES, GRADES, GRADES)
+def test_whatever_people_answer_it_is_json_without_nan(a, b, c):
+    ratings = attrs.evolve(ratings_of({"late": a, "warped": b, "reference": c}, reference="reference"), families=PAIR)
+    json.dumps(analyse(ratings), allow_nan=False)
+
+
+# --- order ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_drift_is_found_with_its_size():
+    found = order_effects(in_order(effect=0.2))
+    # 96 ratings, noise 0.3, places of variance 1.25: the slope's standard error is about 0.3 / sqrt(96 * 1.25) = 0.03.
+    assert found["place"]["p"] < 0.001 and found["place"]["slope"] == pytest.approx(0.2, abs=0.12)
+    assert found["place"]["low"] <= 0.2 <= found["place"]["high"]
+
+
+def test_carry_over_is_found():
+    found = order_effects(in_order(carry=0.4))
+    assert found["previous"]["p"] < 0.001 and found["previous"]["df"] == 4
+
+
+def test_without_an_effect_p_is_uniform():
+    """Of 200 studies 5 % are below .05: four standard errors are 6 %."""
+    ps = np.array([[order_effects(in_order(seed=seed, people=8))[name]["p"] for name in ("place", "previous")] for seed in range(200)])
+    assert ((ps < 0.05).mean(axis=0) < 0.05 + 0.062).all()
+
+
+def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
+    pandas = pytest.importorskip("pandas")
+    from statsmodels.formula.api import ols
+    from statsmodels.stats.anova import anova_lm
+
+    rows = in_order(effect=0.05, carry=0.1)
+    names = {"y": "value", "who": "participant", "what": "condition", "place": "place", "before": "previous"}
+    frame = pandas.DataFrame({name: [getattr(row, own) for row in rows] for name, own in names.items()})
+    table = anova_lm(ols("y ~ C(who) + C(what) + place + C(before)", frame).fit(), typ=2)
+    found = order_effects(rows)
+    assert found["place"]["f"] == pytest.approx(table.loc["place", "F"], rel=1e-9)
+    # What came before the first trial is nothing, which the place tells too: of five levels the table counts four, as here.
+    assert found["previous"]["f"] == pytest.approx(table.loc["C(before)", "F"], rel=1e-9)
+
+
+def test_one_order_for_all_cannot_be_told_from_the_conditions():
+    rows = [row for row in in_order() if row.participant in ("p0", "p4", "p8", "p12")]  # the square has four rows
+    found = order_effects(rows)
+    assert "everybody saw them in the same order" in found["place"]["why_not"]
+    assert "everybody saw them in the same order" in found["previous"]["why_not"]
+
+
+# --- doubles --------------------------------------------------------------------------------------------------------------
+
+
+def two_parts(second: list[list[float]]) -> Ratings:
+    """A first part of eight people, and this second one."""
+    random = np.random.default_rng(5)
+    parts = {"one": random.integers(4, 24, (8, 3)) / 4, "two": np.array(second)}
+    made = [ratings_of({f"c{k}": values[:, k].tolist() for k in range(3)}, part) for part, values in parts.items()]
+    return Ratings(tuple(row for ratings in made for row in ratings.rows), {"grade": GRADE})
+
+
+def test_copied_rows_are_found_and_others_are_not():
+    free = (np.random.default_rng(6).integers(4, 24, (6, 3)) / 4).tolist()
+    assert copied(two_parts(free), "grade", 1) == []
+    taken = two_parts(free)
+    source = taken.table("one", "grade").values[:3].tolist()
+    (found,) = copied(two_parts([*free[:3], *source]), "grade", 1)
+    assert [(row["first"], row["second"]) for row in found["rows"]] == [("a", "d"), ("b", "e"), ("c", "f")]
+    assert found["people"] == 3 and found["by_chance"] < 0.001
+
+
+def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
+    rows = [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0]] * 3
+    made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
+    (found,) = copied(Ratings(tuple(r for one in made for r in one.rows), {"grade": GRADE}), "grade", 1)
+    assert found["by_chance"] > 0.5 and found["within"] > 0
+
+
+# --- claims ---------------------------------------------------------------------------------------------------------------
+
+
+def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
+    path = tmp_path / "claims.toml"
+    claims = ("latency_ms = 200\ndifference = 1.50", 'a = "p"\nb = "q"\ndifference = 2.0')
+    path.write_text('title = "it"\n' + "".join(f'[[claim]]\npart = "x"\n{claim}\n' for claim in claims))
+    assert [one.step for one in load_claims(path).claims] == [0.01, 0.1]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('title = "it"\n[[claim]]\npart = "x"\ndifference = 1\n', "claims.toml:4: "),
+        ('title = "it"\n[[claim]]\npart = "x"\nlatency_ms = "soon"\n', "claims.toml:4: "),
+        ('title = "it"\n[[claim]]\npart = "x"\nlatency_ms = 1\nfoo = 2\n', "claims.toml:5: "),
+        ("title = \n", "claims.toml: "),
+    ],
+)
+def test_a_wrong_file_of_claims_is_told_with_its_line(tmp_path, text, told):
+    path = tmp_path / "claims.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=told.replace(".", r"\.")):
+        load_claims(path)
