@@ -1,0 +1,73 @@
+"""Ratings of whole studies of simulated people, as an analysis takes them, without pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..analysis import Measure, Rating, Ratings, Sitting
+from ..design import Design
+from ..store import COMPLETE, SICK, SIMULATED
+from .cohort import Cohort, Population
+from .model import Model
+
+
+def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
+    """n people in each part, who are all other people. The same numbers give the same ratings; study: another one of the same seed.
+
+    Errors: InputError where the model lacks a scale or a condition of the study.
+    """
+    rows: list[Rating] = []
+    sittings: list[Sitting] = []
+    for part in design.parts:
+        cohort = Population(model, design, part.name).of(range(n), seed, study)
+        for person in range(n):
+            rows += _rows(design, cohort, person)
+            sittings.append(_sitting(cohort, person))
+    return Ratings(
+        rows=tuple(rows),
+        measures={scale.name: Measure.of(scale) for scale in design.scales},
+        families=design.families,
+        origin=SIMULATED,
+        source=f"simulated people ({model.title}), seed {seed}, study {study}",
+        title=design.title,
+        sittings=tuple(sittings),
+    )
+
+
+def _name(cohort: Cohort, person: int) -> str:
+    return f"{cohort.part.name}-{person + 1}"
+
+
+def _rows(design: Design, cohort: Cohort, person: int) -> list[Rating]:
+    names = [cohort.part.conditions[number] for number in cohort.order[person]]
+    rows = []
+    for trial, condition in enumerate(names):
+        for scale in design.scales:
+            value = cohort.answers[scale.name][person, trial]
+            rows.append(
+                Rating(
+                    participant=_name(cohort, person),
+                    part=cohort.part.name,
+                    condition=condition.name,
+                    scale=scale.name,
+                    value=None if np.isnan(value) else float(value),
+                    why_missing=_why(cohort, person, trial) if np.isnan(value) else "",
+                    reference=condition.reference,
+                    repeat=trial // len(cohort.part.conditions) + 1,
+                    place=trial + 1,
+                    previous=names[trial - 1].name if trial else "",
+                )
+            )
+    return rows
+
+
+def _why(cohort: Cohort, person: int, trial: int) -> str:
+    if trial < cohort.trials[person]:
+        return "the participant could not say"
+    return "the stop rule for sickness ended the session before" if cohort.why[person] == SICK else "the session was stopped before"
+
+
+def _sitting(cohort: Cohort, person: int) -> Sitting:
+    why = cohort.why[person]
+    trials = int(cohort.trials[person])
+    return Sitting(_name(cohort, person), cohort.part.name, 1, why, "" if why == COMPLETE else why, trials, cohort.order.shape[1])

@@ -1,0 +1,166 @@
+"""How often the intervals and tests of the analysis are right, over studies of simulated people whose effects are known.
+
+    python -m tests.study.coverage [STUDIES]        prints the table, as Markdown
+
+Everything of a study but the pictures: balanced orders with drift and carry-over, dropouts (whose order goes to the next), sickness,
+answers nobody could give, a scale with steps and ends. The true values are those of 20,000 people who all come to the end.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+from scipy.stats import binom, t
+
+from hmdwarp.study.design import Comparison, Design
+from hmdwarp.study.design.read import load_design
+from hmdwarp.study.power.effects import with_effect
+from hmdwarp.study.power.simulation import differences, significant
+from hmdwarp.study.respondents.cohort import Population
+from hmdwarp.study.respondents.model import Model, SicknessModel
+from hmdwarp.study.respondents.read_model import load_model
+from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, wilcoxon_exact
+
+PART, MANY, RESAMPLES, LEVEL = "run-1", 20_000, 2_000, 0.95
+FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
+SURE = 0.999  # that a right method stays within the bounds of a test
+
+
+@attrs.frozen
+class Coverage:
+    """Of n people who begin. Each: (studies, comparisons). pairs: how many differences there were. shift, mean: whether the interval holds
+    the true value; promised: the level that the interval of the shift says it has. latent_shift: that of ratings without steps and ends,
+    whose differences are symmetric. too_low, too_high: on which side the true mean lies outside of its interval."""
+
+    n: int
+    comparisons: tuple[Comparison, ...]
+    pairs: np.ndarray
+    promised: np.ndarray
+    shift: np.ndarray
+    latent_shift: np.ndarray
+    mean: np.ndarray
+    dropped: float
+
+
+@attrs.frozen
+class False_:  # noqa: N801
+    """Without any effect: p, (studies, comparisons); any_found: (studies) whether anything is significant after Holm."""
+
+    n: int
+    p: np.ndarray
+    any_found: np.ndarray
+
+
+def designed() -> tuple[Design, Model]:
+    """The first run of the thesis, by people who leave more often, get used to it and judge by what was before."""
+    design, model = load_design("thesis"), load_model("thesis")
+    design = attrs.evolve(design, parts=(design.part(PART),), families=(design.families[0],))
+    rating = attrs.evolve(model.ratings["grade"], drift=0.03, carry_over=-0.05, missing=0.05)
+    return design, attrs.evolve(model, ratings={"grade": rating}, dropout=0.02)
+
+
+def everybody(model: Model) -> Model:
+    """The same people, who all come to the end and can always say."""
+    rating = attrs.evolve(model.ratings["grade"], missing=0.0)
+    return attrs.evolve(model, ratings={"grade": rating}, dropout=0.0, sickness=SicknessModel())
+
+
+def true_values(design: Design, model: Model, *, latent: bool = False) -> dict[Comparison, tuple[float, float]]:
+    """(mean, median of the means of all pairs) of the difference, by a large draw."""
+    cohort = Population(everybody(model), design, PART).of(range(MANY), seed=999)
+    out = {}
+    for one in design.families[0].comparisons:
+        values = differences(cohort, design.scales[0], one, latent=latent)
+        out[one] = (float(values.mean()), pseudomedian(values))
+    return out
+
+
+def pseudomedian(values: np.ndarray) -> float:
+    """Of so many values that their pairs are too many: the pairs of each with 50 others, drawn, tell it to 0.005 of the spread."""
+    others = np.random.default_rng(0).integers(0, len(values), (50, len(values)))
+    return float(np.median((values + values[others]) / 2))
+
+
+def coverage(design: Design, model: Model, n: int, studies: int, seed: int) -> Coverage:
+    """Over so many studies of n people who begin."""
+    comparisons = design.families[0].comparisons
+    true, latent_true = true_values(design, model), true_values(design, model, latent=True)
+    population, scale = Population(model, design, PART), design.scales[0]
+    shape = (studies, len(comparisons))
+    pairs, promised = np.zeros(shape, int), np.zeros(shape)
+    shift, latent_shift, mean = (np.zeros(shape, bool) for _ in range(3))
+    complete = 0
+    for study in range(studies):
+        cohort = population.of(range(n), seed, study)
+        complete += cohort.why.count("complete")
+        for k, one in enumerate(comparisons):
+            values, latent = differences(cohort, scale, one), differences(cohort, scale, one, latent=True)
+            pairs[study, k], promised[study, k] = len(values), attained_level(len(values))
+            shift[study, k] = holds(hodges_lehmann(values)[1:], true[one][1])
+            latent_shift[study, k] = holds(hodges_lehmann(latent)[1:], latent_true[one][1])
+            mean[study, k] = holds(bca(values, study, RESAMPLES), true[one][0])
+    return Coverage(n, comparisons, pairs, promised, shift, latent_shift, mean, 1 - complete / (n * studies))
+
+
+def holds(interval: tuple[float, float], value: float) -> bool:
+    return interval[0] - FAR <= value <= interval[1] + FAR
+
+
+def without_effect(design: Design, model: Model, n: int, studies: int, seed: int) -> False_:
+    """How often something is found where there is nothing."""
+    model = with_effect(model, design, design.scales[0], 0.0)
+    population, scale = Population(model, design, PART), design.scales[0]
+    ps, found = [], []
+    for study in range(studies):
+        cohort = population.of(range(n), seed, study)
+        given = {one: differences(cohort, scale, one) for one in design.families[0].comparisons}
+        ps.append([wilcoxon_exact(values).p for values in given.values()])
+        found.append(any(significant(design, given, 1 - LEVEL).values()))
+    return False_(n, np.array(ps), np.array(found))
+
+
+def expected_bca(pairs: np.ndarray) -> float:
+    """What the bootstrap's interval of a mean covers when ratings are normal, to the order that n = 12 calls for.
+
+    The bootstrap takes the standard deviation over n, not n - 1, and the normal's quantiles, not Student's: mean +- z s sqrt((n - 1)/n) /
+    sqrt(n) covers with P(|t| < z sqrt((n - 1)/n)). BCa mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
+    """
+    z = 1.959964
+    return float((1 - 2 * t.sf(z * np.sqrt((pairs - 1) / pairs), pairs - 1)).mean())
+
+
+def bounds(share: float, total: int) -> tuple[float, float]:
+    """Between which a share that is truly this one stays, SURE of the time, in so many independent tries."""
+    tail = (1 - SURE) / 2
+    return float(binom.ppf(tail, total, share) / total), float(binom.isf(tail, total, share) / total)
+
+
+def table(studies: int) -> Iterator[str]:
+    """Lines of Markdown."""
+    design, model = designed()
+    yield f"{studies} studies each; {LEVEL:.0%} intervals, BCa with {RESAMPLES} resamples; three comparisons, 6 conditions once each."
+    yield ""
+    yield "| begin | come to the end | pairs | comparison | true mean | Hodges-Lehmann says | covers | BCa should | covers |"
+    yield "|" + " --- |" * 9
+    for n in (12, 24):
+        found = coverage(design, model, n, studies, seed=1)
+        true = true_values(design, model)
+        for k, one in enumerate(found.comparisons):
+            yield (
+                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | {one.a} - {one.b} | {true[one][0]:+.2f} "
+                f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | {expected_bca(found.pairs[:, k]):.1%} "
+                f"| {found.mean[:, k].mean():.1%} |"
+            )
+    yield ""
+    for n in (12, 24):
+        null = without_effect(design, model, n, studies, seed=2)
+        each = ", ".join(f"{share:.1%}" for share in (null.p <= 1 - LEVEL).mean(axis=0))
+        yield f"No effect, {n} people: one test finds one in {each}; anything after Holm in {null.any_found.mean():.1%} (5 % allowed)."
+
+
+if __name__ == "__main__":
+    for line in table(int(sys.argv[1]) if len(sys.argv) > 1 else 1000):
+        print(line)
