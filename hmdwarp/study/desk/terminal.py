@@ -38,6 +38,8 @@ class TerminalDesk:
         self._title = title
         self._state = DeskState(heading=title)
         self._asked: deque[Command] = deque()
+        self._bound: deque[tuple[str, object, object]] = deque()  # commands that are about what was on when they were typed
+        self._told = True  # since a bound one was handed over: only then is it known what the next one would be about
         self._lines: LinesDesk | None = None
         self._failed = ""
 
@@ -68,7 +70,7 @@ class TerminalDesk:
 
     def tell(self, state: DeskState) -> None:
         """As Desk.tell."""
-        self._state = state
+        self._state, self._told = state, True
         if self._lines is not None:
             self._lines.tell(state)
         else:
@@ -95,6 +97,7 @@ class TerminalDesk:
                 self._post.flush()
                 for packet in self._post.received():
                     self._take(packet)
+                self._hand_over_bound()
             except Gone:
                 self._go_on_with_lines()
         more = self._lines.commands() if self._lines is not None else ()
@@ -109,10 +112,20 @@ class TerminalDesk:
             self._failed = str(packet[1])
             return
         _, name, value, what = packet
-        if bound(str(name)) and what != about(self._state):
-            self._post.send("say", f"{name!r} came too late and was dropped: that question is over")
+        if bound(str(name)):
+            self._bound.append((str(name), value, what))
         else:
             self._asked.append(Command(str(name), value))
+
+    def _hand_over_bound(self) -> None:
+        """One at a time: after an answer, a second one typed for the same question must not become one to the next."""
+        while self._bound and self._told:
+            name, value, what = self._bound.popleft()
+            if what != about(self._state):
+                self._post.send("say", f"{name!r} came too late and was dropped: that question is over")
+            else:
+                self._asked.append(Command(name, value))
+                self._told = False
 
     def _go_on_with_lines(self) -> None:
         """The screen is gone, with the terminal in whatever state."""

@@ -215,6 +215,24 @@ def test_what_was_typed_for_a_question_that_is_over_is_dropped():
     there.close()
 
 
+def test_a_second_answer_to_one_question_never_becomes_one_to_the_next():
+    """A session that was busy for a while finds both at once."""
+    desk = TerminalDesk("a study")
+    here, there = (Post(end) for end in socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET))
+    desk._post = here
+    desk.tell(ASKING)
+    for value in (2.0, 3.0):
+        there.send("command", "answer", value, about(ASKING))
+    assert [c.value for c in desk.commands()] == [2.0]
+    assert desk.commands() == ()
+    desk.tell(STATES["next"])
+    assert desk.commands() == ()
+    there.send("command", "answer", 4.0, about(STATES["next"]))
+    assert [c.value for c in desk.commands()] == [4.0]
+    here.close()
+    there.close()
+
+
 def test_a_screen_that_is_behind_holds_nobody_and_gets_the_newest():
     here, there = (Post(end) for end in socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET))
     for k in range(2000):
