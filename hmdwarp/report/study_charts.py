@@ -70,7 +70,7 @@ def place_chart(part: Row, measure: Row) -> str:
         axes.plot(levels, [rest[places == level].mean() for level in levels], "D-", color=_WORSE, markersize=5, linewidth=1.2)
         axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
         axes.set_xlabel("place of the trial in the session")
-        axes.set_ylabel(f"{measure['unit']} beside own mean")
+        axes.set_ylabel(f"{measure['unit']} (up is better)")
         if measure["low_is_good"]:
             axes.invert_yaxis()
         return svg_text(figure)

@@ -58,9 +58,19 @@ def _scale(scale: Row) -> Row:
         "copied": [row["sentence"] for row in scale["copied"]],
         "claims": [(row["follows"], row["sentence"]) for row in scale["claims"]],
         "why_step": scale["why_step"],
-        "missing": scale["missing"],
+        "missing": _missing(scale["missing"]),
+        "missed": len(scale["missing"]),
         "prediction": prediction_of(scale["prediction"], measure),
     }
+
+
+def _missing(rows: Sequence[Row]) -> list[str]:
+    """A line for each person and reason."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        why = "empty in the table" if row["why"].startswith("empty in line ") else row["why"]
+        found.setdefault((row["part"], str(row["participant"]), why), []).append(row["condition"])
+    return [f"{part}{', ' * bool(part)}participant {who}: {'; '.join(names)} ({why})" for (part, who, why), names in found.items()]
 
 
 def _said(rows: Sequence[Row]) -> str:
@@ -80,8 +90,15 @@ def _part(part: Row, rows: Sequence[Row], measure: Row) -> Row:
         "reference": part["reference_sentence"],
         "without": _without(part.get("without", ())),
         "order": part["order_sentences"],
-        "place": PageChart("By place", (("", place_chart(part, measure), part["order_sentences"][0]),)) if part["places"] else None,
+        "place": _place(part, measure),
     }
+
+
+def _place(part: Row, measure: Row) -> PageChart | None:
+    if not part["places"]:
+        return None
+    heading = "Ratings less the person's and the condition's mean"
+    return PageChart(heading, (("", place_chart(part, measure), part["order_sentences"][0]),))
 
 
 def _without(rows: Sequence[Row]) -> PageTable | None:

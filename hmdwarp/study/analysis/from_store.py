@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import attrs
+
 from ...errors import InputError
 from ..design import Design
+from ..design._parts import ONLY_PART
 from ..design.read import design_from_text
 from ..export.rows import long_rows, of_origin
 from ..scales import RATING
@@ -48,7 +51,7 @@ def from_contents(contents: Contents, design: Design, origin: str | None = None)
         trials = sum(len(names) for names in session.order)
         rated = len({row.place for row in found if row.value is not None})
         sittings.append(Sitting(session.sub, session.part, session.number, session.status, session.why, rated, trials))
-    return Ratings(
+    found = Ratings(
         rows=tuple(rows),
         measures={scale.name: Measure.of(scale) for scale in design.scales if scale.kind == RATING},
         families=design.families,
@@ -60,6 +63,14 @@ def from_contents(contents: Contents, design: Design, origin: str | None = None)
         notes=tuple(_notes(contents, sessions, design, origin)),
         long=tuple(long_rows(of_origin(contents, origin), design)),
     )
+    return _without_part(found) if [part.name for part in design.parts] == [ONLY_PART] else found
+
+
+def _without_part(ratings: Ratings) -> Ratings:
+    """The same under no name of a part: the plan has none, so nothing said of it needs one."""
+    families = (attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons)) for one in ratings.families)
+    lists = {name: tuple(attrs.evolve(one, part="") for one in getattr(ratings, name)) for name in ("rows", "sittings", "felt")}
+    return attrs.evolve(ratings, families=tuple(families), **lists)
 
 
 def _origin_of(contents: Contents) -> str:

@@ -1,0 +1,140 @@
+"""hmdwarp study analyse: what it writes and prints, the same every time, and what it says where it cannot."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import attrs
+import pytest
+
+from hmdwarp.errors import MachineError
+from hmdwarp.study.analysis import from_csv
+from hmdwarp.study.analysis.whole import analyse
+from hmdwarp.study.analysis.write import write_analysis
+from hmdwarp.study.extra import needed
+
+from .tables import GRADE, PUBLISHED, in_order, ratings_of
+
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+
+NASTY = "<script>alert('x')</script> $\\frac{1}{2}$ & \"q\""
+
+
+def command(*arguments: object, folder) -> subprocess.CompletedProcess[str]:
+    """The real one, as typed in a terminal of 80 columns."""
+    program = [sys.executable, "-m", "hmdwarp", "study", "analyse", *map(str, arguments)]
+    environment = os.environ | {"COLUMNS": "80", "PYTHONPATH": os.pathsep.join(map(str, [PUBLISHED.parents[3]]))}
+    return subprocess.run(program, check=False, capture_output=True, text=True, timeout=120, cwd=folder, env=environment)
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """The shipped study, analysed where it has no store."""
+    folder = tmp_path_factory.mktemp("run")
+    return command("thesis", "--out", "out", folder=folder), folder / "out"
+
+
+def test_it_prints_what_it_found_in_80_columns(done):
+    run, _ = done
+    assert run.returncode == 0, run.stderr
+    assert max(map(len, run.stdout.splitlines())) <= 80
+    said = " ".join(run.stdout.split())
+    assert "9 of 11 rated 'forward + interpolate, 400 ms' better than 'none, 400 ms', 2 worse" in said
+    assert "(95 % +0.70 to +1.86). After Holm over 3 planned comparisons p = .0098" in said
+    assert "seed 142" in said and said.endswith("report: out/report.html")
+
+
+def test_it_writes_the_page_the_numbers_and_the_tables(done):
+    _, out = done
+    assert sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()) == [
+        "analysis.json", "report.html", "tables/comparisons.csv", "tables/conditions.csv", "tables/differences.csv", "tables/missing.csv",
+        "tables/ratings.csv",
+    ]  # fmt: skip
+    data = json.loads((out / "analysis.json").read_text())
+    with (out / "tables" / "comparisons.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["p"]) for row in rows] == [row["p"] for row in data["scales"][0]["comparisons"]]
+    with (out / "tables" / "ratings.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == data["ratings"] == 117
+
+
+class Page(HTMLParser):
+    """Text, and what a browser would fetch."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.text, self.fetched, self.tags = "", [], []
+        self.feed(html)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.fetched += [value for name, value in attributes if name in ("src", "href", "xlink:href") and not value.startswith("#")]
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def test_the_page_holds_everything_and_asks_the_network_for_nothing(done):
+    _, out = done
+    page = Page((out / "report.html").read_text())
+    assert page.fetched == [] and "script" not in page.tags and page.tags.count("svg") == 3
+    for text in ("In 5 of 9 rows of run 2", "does not follow", "nobody rated 600 ms", "+1.00 .. +2.02", "participant 9: none, 400 ms"):
+        assert text in " ".join(page.text.split())
+
+
+def test_the_same_input_gives_the_same_bytes(tmp_path):
+    for name in ("a", "b"):
+        write_analysis(tmp_path / name, analyse(from_csv(PUBLISHED)), "hmdwarp study analyse")
+    files = {path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*") if path.is_file()}
+    assert len(files) == 7
+    assert all((tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes() for name in files)
+
+
+def test_names_are_text_and_nothing_else(tmp_path):
+    ratings = ratings_of({f"late {NASTY}": [5, 4, 3.5], f"warped {NASTY}": [3, None, 3]}, part=NASTY)
+    rows = tuple(attrs.evolve(row, participant=f"{row.participant}{NASTY}") for row in ratings.rows)
+    ratings = attrs.evolve(ratings, title=NASTY, notes=(NASTY,), rows=rows)
+    html = write_analysis(tmp_path / "out", analyse(ratings), NASTY).read_text()
+    assert "<script" not in html and NASTY in " ".join(Page(html).text.split())
+
+
+def test_a_page_of_hardly_anything_can_be_made(tmp_path):
+    for number, values in enumerate(({"late": [None]}, {"late": [3.0]}, {"late": [3, 4], "warped": [3, 4]})):
+        html = write_analysis(tmp_path / str(number), analyse(ratings_of(values)), "").read_text()
+        assert not re.search(r"\bnan\b", Page(html).text, re.IGNORECASE)
+
+
+def test_the_order_has_its_chart_where_it_is_known(tmp_path):
+    ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), measures={"grade": GRADE})
+    text = Page(write_analysis(tmp_path / "out", analyse(ratings), "").read_text()).text
+    assert "The place of a trial: F(1, " in text and "Ratings less the person" in text
+
+
+WRONG = [
+    (("none.csv",), "there is no such file"),
+    (("thezis",), "thesis"),
+    (("quick",), "there is no data of 'quick' yet"),
+    ((PUBLISHED, "--family", "a:b"), "no part has both 'a' and 'b'"),
+    ((PUBLISHED, "--column", "grade"), "wanted ROLE=NAME"),
+    ((PUBLISHED, "--scale", "acr"), "thesis_ratings.csv:46: rating 6"),
+    ((PUBLISHED, "--pilot", "--simulated"), "never count together"),
+    ((PUBLISHED, "--claims", "none.toml"), "none.toml: No such file"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "told"), WRONG, ids=lambda value: value if isinstance(value, str) else "")
+def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
+    run = command(*arguments, "--out", "out", folder=tmp_path)
+    assert run.returncode == 2 and run.stderr.count("\n") == 1 and told in run.stderr, run.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_missing_package_is_told_with_what_brings_it():
+    with pytest.raises(MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"):
+        needed("statsmodels_that_is_not_there", "statsmodels")
