@@ -78,8 +78,8 @@ warped = 2.8
 reference = 1.8
 [sickness]
 start = 0.02
-per_trial = 0.02
-people_sd = 0.5
+per_trial = {sickening}
+people_sd = {easily_sick}
 noise_sd = 0.03
 [sessions]
 dropout = {dropout}
@@ -90,11 +90,14 @@ median_s = 0.1
 """
 
 
-def write(folder: Path, *, missing: float = 0.05, dropout: float = 0.0, pause: float = 0.1, again: float = 0.1) -> tuple[Path, Path]:
-    """The study's file and the model's."""
+USUAL = {"missing": 0.05, "dropout": 0.0, "pause": 0.1, "again": 0.1, "sickening": 0.02, "easily_sick": 0.5}  # nobody leaves
+
+
+def write(folder: Path, **people: float) -> tuple[Path, Path]:
+    """The study's file and the model's. people: other values of USUAL."""
     study, model = folder / "tiny.toml", folder / "people.toml"
     study.write_text(STUDY)
-    model.write_text(MODEL.format(missing=missing, dropout=dropout, pause=pause, again=again))
+    model.write_text(MODEL.format(**{**USUAL, **people}))
     return study, model
 
 
