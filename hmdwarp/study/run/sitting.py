@@ -55,8 +55,8 @@ class Sitting:
         Errors: Broken, where it ended for now; Closed, Lost, as Driver.run; InputError and MachineError.
         """
         try:
+            self._end_if_sick()  # before the program died, maybe
             self._begin()
-            self._end_if_sick()
             for step in self._undone():
                 if self.room.break_due and not (isinstance(step, Ask) and step.about):
                     self._rest(Pause(ASKED_BREAK, 0.0))
