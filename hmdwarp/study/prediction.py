@@ -16,7 +16,17 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .prediction_sums import Sums, bca_intervals, correlations, skill_of_left_out_conditions, skill_of_left_out_people
+from .prediction_sums import (
+    Sums,
+    bca_intervals,
+    correlations,
+    p_of_any,
+    p_of_behind,
+    shares_of_people,
+    sign_flips,
+    skill_of_left_out_conditions,
+    skill_of_left_out_people,
+)
 
 Row = Mapping[str, Any]
 Array = NDArray[np.float64]
@@ -42,6 +52,7 @@ LEAST_ROWS = 2  # of a person: a single rating has no mean to differ from
 LEAST_CONDITIONS = 3  # two give a line through two points, whatever is measured
 MOST_MISSING = 0.5  # of the ratings; a measure that is missing more often is left out rather than the ratings
 ALIKE = 0.95  # within-person correlation from which two measures are not told apart
+ALPHA = 0.05
 RESAMPLES, SEED = 10_000, 20140612
 _STILL = 1e-9  # of its own size: what moves less is constant but for rounding
 
@@ -50,13 +61,13 @@ _STILL = 1e-9  # of its own size: what moves less is constant but for rounding
 class Measure:
     """One measure and the ratings.
 
-    r: repeated-measures correlation, positive where more of it was rated worse; low, high: its 95 % BCa interval over people; sure: whether
-    such an interval for all measures at once leaves out 0; p, dof: of Student's t for it, which takes conditions as if drawn anew.
+    r: repeated-measures correlation, positive where more of it was rated worse; low, high: its 95 % BCa interval over people; p, dof: of
+    Student's t for it. p_any: of no measure having to do with the ratings, over all measures at once, by flipping people's signs.
     rank_r: the same of ranks within each person. rmse: of a rating predicted from the person's own mean and the slope of the others, in the
     scale's units. skill: how much of the squared error of the person's mean alone that takes away; 0 for none, below where it adds to it;
     skill_low, skill_high: its 95 % percentile interval over people. skill_condition: the same for a condition that nobody's slope or mean
-    has seen. best: share of the resamples in which it predicts best. behind_low, behind_high: 95 % interval of how far its |r| is behind
-    the best one's. alike: measures it moves with.
+    has seen. best: share of the resamples in which it predicts best. behind_p: of being no worse than the best one, by flipping the
+    signs of people's differences. alike: measures it moves with.
     """
 
     name: str
@@ -64,9 +75,9 @@ class Measure:
     r: float
     low: float
     high: float
-    sure: bool
     p: float
     dof: int
+    p_any: float
     rank_r: float
     rmse: float
     skill: float
@@ -74,8 +85,7 @@ class Measure:
     skill_high: float
     skill_condition: float
     best: float
-    behind_low: float
-    behind_high: float
+    behind_p: float
     alike: tuple[str, ...]
 
 
@@ -99,8 +109,13 @@ class Prediction:
 
     @property
     def candidates(self) -> tuple[Measure, ...]:
-        """The best one, and those that may be as good: whose distance to it may be none."""
-        return tuple(one for one in self.measures if one is self.measures[0] or one.behind_low <= 0)
+        """The best one, and those that may be as good."""
+        return tuple(one for one in self.measures if one is self.measures[0] or one.behind_p > ALPHA)
+
+    @property
+    def sure(self) -> bool:
+        """Whether the best one has anything to do with the ratings."""
+        return bool(self.measures) and self.measures[0].p_any <= ALPHA
 
     def sentences(self) -> list[str]:
         """What it comes to, in words."""
@@ -220,20 +235,19 @@ def _measures(
     y = np.array([row["value"] for row in rows], dtype=np.float64) * (1 if low_is_good else -1)
     sums = Sums.of(_centred(x, who), _centred(y[:, None], who)[:, 0], who)
     ranks = Sums.of(_centred(_ranked(x, who), who), _centred(_ranked(y[:, None], who), who)[:, 0], who)
-    drawn = np.random.default_rng(seed).multinomial(sums.people, np.full(sums.people, 1 / sums.people), size=resamples).astype(np.float64)
+    rng = np.random.default_rng(seed)
+    drawn = rng.multinomial(sums.people, np.full(sums.people, 1 / sums.people), size=resamples).astype(np.float64)
     whole = np.ones((1, sums.people))
     r, rank_r, resampled = correlations(sums, whole)[0], correlations(ranks, whole)[0], correlations(sums, drawn)
-    without_one = correlations(sums, 1 - np.eye(sums.people))
-    low, high = bca_intervals(r, resampled, without_one)
-    lowest, highest = bca_intervals(r, resampled, without_one, level=1 - 0.05 / len(names))
-    sure = lowest * highest > 0
+    low, high = bca_intervals(r, resampled, correlations(sums, 1 - np.eye(sums.people)))
+    shares, flips = shares_of_people(sums), sign_flips(sums.people, resamples, rng)
     dof = len(rows) - sums.people - 1
     skill, skill_low, skill_high, rmse = skill_of_left_out_people(sums, drawn)
     conditions = [(row.get("part"), row["condition"]) for row in rows]
     of_conditions = skill_of_left_out_conditions(x, y, who, conditions)
     best = int(np.argmax(np.abs(r)))
     firsts = np.bincount(np.argmax(np.abs(resampled), axis=1), minlength=len(names)) / resamples
-    behind = np.percentile(np.abs(resampled[:, [best]]) - np.abs(resampled), (2.5, 97.5), axis=0)
+    p_any, behind_p = p_of_any(shares, flips), p_of_behind(shares, best, flips)
     together = np.abs(_together(_centred(x, who)))
     found = []
     for k in np.argsort(-np.abs(r), kind="stable").tolist():
@@ -246,9 +260,9 @@ def _measures(
                 r=float(r[k]),
                 low=float(low[k]),
                 high=float(high[k]),
-                sure=bool(sure[k]),
                 p=float(2 * student.sf(t, dof)),
                 dof=dof,
+                p_any=float(p_any[k]),
                 rank_r=float(rank_r[k]),
                 rmse=float(rmse[k]),
                 skill=float(skill[k]),
@@ -256,8 +270,7 @@ def _measures(
                 skill_high=float(skill_high[k]),
                 skill_condition=float(of_conditions[k]),
                 best=float(firsts[k]),
-                behind_low=float(behind[0, k]),
-                behind_high=float(behind[1, k]),
+                behind_p=float(behind_p[k]),
                 alike=alike,
             )
         )

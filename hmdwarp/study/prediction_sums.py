@@ -62,6 +62,32 @@ def bca_intervals(found: Array, resampled: Array, jackknifed: Array, level: floa
     return ends[0], ends[1]
 
 
+def sign_flips(people: int, draws: int, rng: np.random.Generator) -> Array:
+    """(n, people) of +1 and -1: all there are where that is no more than `draws`, else so many drawn, with the one without a flip first."""
+    if 2**people <= draws:
+        return 1.0 - 2.0 * ((np.arange(2**people)[:, None] >> np.arange(people)) & 1)
+    return np.vstack([np.ones((1, people)), rng.choice((-1.0, 1.0), size=(draws - 1, people))])
+
+
+def shares_of_people(sums: Sums) -> Array:
+    """(people, m): what each person adds to each measure's correlation; they add up to it."""
+    return sums.xy / np.sqrt(sums.xx.sum(axis=0) * sums.yy.sum())
+
+
+def p_of_any(shares: Array, flips: Array) -> Array:
+    """(m,) p of no association of any measure with the ratings, in which each person's share is as likely to be its opposite: how often
+    the largest of all |r| is as large as this one. Exact where all flips are tried; right for all measures at once."""
+    largest = np.abs(flips @ shares).max(axis=1)
+    return (largest[:, None] >= np.abs(shares.sum(axis=0)) - 1e-12).mean(axis=0)
+
+
+def p_of_behind(shares: Array, best: int, flips: Array) -> Array:
+    """(m,) p of being no worse than the best: its |r| less theirs is a sum over people, each of which is as likely to be its opposite."""
+    turned = shares * np.where(shares.sum(axis=0) < 0, -1.0, 1.0)
+    ahead = turned[:, [best]] - turned
+    return (np.abs(flips @ ahead) >= np.abs(ahead.sum(axis=0)) - 1e-12).mean(axis=0)
+
+
 def skill_of_left_out_people(sums: Sums, drawn: Array) -> tuple[Array, Array, Array, Array]:
     """(skill, low, high, rmse), each (m,): one person after the other is predicted from their own mean and the slope of all others.
 

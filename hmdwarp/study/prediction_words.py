@@ -25,7 +25,7 @@ def _winner(found: Prediction) -> str:
     people = f"{found.people} people, {found.ratings} ratings"
     if len(found.measures) == 1:
         return f"Only one measure can be looked at: {first.title}, {how}; {people}."
-    if not first.sure:
+    if not found.sure:
         return (
             f"No measure is known to predict the ratings: even the best, {first.title}, has {how}, which the best of "
             f"{len(found.measures)} may have by chance; {people}."

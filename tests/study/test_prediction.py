@@ -113,7 +113,7 @@ def test_conditions_left_out_are_predicted_as_a_regression_with_a_level_for_each
 def test_the_best_measure_of_a_made_up_study_is_found(seed):
     found = few(made_up(seed, {FLICKER: 0.8, FLIP: 0.0, HOLES: 0.1, AGE: 0.0}), resamples=2000)
     first = found.measures[0]
-    assert first.name == FLICKER and first.r > 0.4 and first.sure and first.low > 0
+    assert first.name == FLICKER and first.r > 0.4 and found.sure and first.low > 0
     assert first.skill > 0 and first.skill_condition > 0
     assert [one.name for one in found.candidates] == [FLICKER] and first.best > 0.95
     assert found.sentences()[0].startswith("Flicker predicts the ratings best")
@@ -143,9 +143,9 @@ def test_measures_that_move_together_are_told_as_such():
 def test_of_noise_nothing_is_claimed():
     """13 measures that have nothing to do with the grades: a claim in at most 5 of 100 studies, so in 8 or fewer of 60 with p > 0.99."""
     effects = dict.fromkeys(MEASURES, 0.0)
-    claims = sum(few(made_up(seed, effects), resamples=2000).measures[0].sure for seed in range(60))
+    claims = sum(few(made_up(seed, effects), resamples=2000).sure for seed in range(60))
     assert claims <= 8
-    quiet = next(found for seed in range(60) if not (found := few(made_up(seed, effects))).measures[0].sure)
+    quiet = next(found for seed in range(60) if not (found := few(made_up(seed, effects))).sure)
     assert quiet.sentences()[0].startswith("No measure is known to predict the ratings")
 
 
