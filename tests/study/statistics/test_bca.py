@@ -39,8 +39,8 @@ def of_all_resamples(differences, step: float, level: float = 0.95) -> tuple[flo
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize(("differences", "step"), [(RATED, 0.25), ([0.5, -1.0, 0.25, 0.0, 2.0, 0.75, -0.5, 1.5], 0.25)])
 def test_it_is_the_interval_of_all_resamples_but_for_a_step(differences, step, seed):
-    # 20,000 resamples place a 2.5 % quantile to within 0.0011 of its share (one standard error), less than the share of most steps of the
-    # mean: the end is the right one or a neighbour that has any share, at most two steps of step / n away.
+    # 20,000 resamples place a 2.5 % quantile to within 0.0011 of its share (one standard error), less than the share of most steps of
+    # the mean: the end is the right one or a neighbour that has any share, at most two steps of step / n away.
     found, expected = bca(differences, seed), of_all_resamples(differences, step)
     assert np.abs(np.subtract(found, expected)).max() <= 2 * step / len(differences) + 1e-9
 
