@@ -111,7 +111,8 @@ class _Bar:
 
 def run_options(showing: Showing, session: Session, traces: Path, options: MeasureOptions) -> RunOptions:
     """The replay of a showing. Size and rate are those of the display it was shown on, unless asked for otherwise; a headset whose optics
-    are not known here is measured through the study's own. The lens plays no part: quality is of what comes before it.
+    are not known here is measured through the study's own. The lens plays no part: quality is of what comes before it. Over a link that
+    only delays, frames are as old as they really were: a display that shows a picture two refreshes later adds them.
 
     Errors: InputError where there is no trace, or the warp was chosen by how fast the machine was.
     """
@@ -122,7 +123,9 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         raise InputError("warp auto took what the machine had time for, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
     size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px
+    aged_ms = showing.actual.get("latency_ms_median") if live.network.is_plain else None
     asked = {
+        "latency_ms": live.latency_ms if aged_ms is None else max(live.latency_ms, round(aged_ms, 3)),
         "lens": "none",
         "fused": False,
         "size": size,
@@ -155,7 +158,7 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
     found = figures(run, progress)
     means = {name: found["quality"][name]["mean"] for name in QUALITY}
     pictures = found["measured"]["psnr_db"]
-    return {**means, "refreshes": pictures // 2, **_how(run), "hmdwarp": __version__}
+    return {**means, "refreshes": pictures // 2, **_how(run), "latency_ms": run.latency_ms, "hmdwarp": __version__}
 
 
 def _name(showing: Showing, session: Session) -> str:

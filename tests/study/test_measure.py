@@ -149,6 +149,17 @@ def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):
         figures(RunOptions(trace="walk", warp="auto", budget_ms=5.0))
 
 
+def test_frames_are_as_old_as_they_were_unless_the_link_says_otherwise(store):
+    """A headset shows a picture two refreshes after it was asked for: no latency is 67 ms at 30 Hz."""
+    session, showing = store.contents().sessions[0], store.contents().showings[0]
+    showing = attrs.evolve(showing, settings={"latency": 0}, actual={"latency_ms_median": 66.666667, "size": "96x120"})
+    assert run_options(showing, session, store.traces, OPTIONS).latency_ms == 66.667
+    jittery = attrs.evolve(showing, settings={"latency": 50, "jitter": "normal:5"})
+    assert run_options(jittery, session, store.traces, OPTIONS).latency_ms == 50
+    unknown = attrs.evolve(showing, settings={"latency": 50}, actual={"latency_ms_median": None, "size": "96x120"})
+    assert run_options(unknown, session, store.traces, OPTIONS).latency_ms == 50
+
+
 def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
     """Far outside of what one can walk in, where a replay moves the trace into the scene and begins at 0."""
     cut = turned(tmp_path / "far.csv", shift_m=(30.0, 0.0, 0.0))

@@ -1,0 +1,44 @@
+"""hmdwarp study export and measure, as they are typed."""
+
+import pytest
+from typer.testing import CliRunner
+
+from hmdwarp.cli._app import app
+from hmdwarp.errors import InputError
+
+from .conftest import TEXT
+
+
+def run(*words):
+    done = CliRunner().invoke(app, ["study", *map(str, words)])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done.output
+
+
+@pytest.fixture
+def study(store, tmp_path):
+    (tmp_path / "late.toml").write_text(TEXT, encoding="utf-8")
+    return (tmp_path / "late.toml", "--store", store.folder)
+
+
+def test_it_says_what_it_wrote(study, tmp_path):
+    told = run("export", *study, "--out", tmp_path / "out", "--remarks", "--all-revisions")
+    for name in ("ratings.csv", "sickness.tsv", "questionnaires.tsv", "revisions.tsv", "remarks.csv"):
+        assert name in told and (tmp_path / "out" / name).is_file()
+    assert "3 participants (people) in 3 sessions" in told and "11 recordings of head motion" in told
+
+
+def test_pilots_are_asked_for(study, tmp_path):
+    assert "1 participants (pilots" in run("export", *study, "--out", tmp_path / "out", "--pilot")
+    with pytest.raises(InputError, match="one after the other"):
+        run("export", *study, "--out", tmp_path / "both", "--pilot", "--simulated")
+    assert run("export", *study, "--out", tmp_path / "quiet", "--quiet", "--no-parquet") == ""
+    assert not (tmp_path / "quiet" / "ratings.parquet").exists()
+
+
+def test_a_folder_without_data_is_told(study, tmp_path):
+    for command in (("export", "--out", tmp_path / "out"), ("measure",)):
+        with pytest.raises(InputError, match="no data of a study"):
+            run(command[0], study[0], "--store", tmp_path / "nothing", *command[1:])
+    assert not (tmp_path / "nothing").exists() and not (tmp_path / "out").exists()
