@@ -41,10 +41,10 @@ MEASURES = {
     "measured_border_share": "holes at the border",
     "actual_latency_ms_median": "age of the frame",
     "actual_latency_ms_sd": "jitter of that age",
-    "actual_hole_share_mean": "holes, while it was shown",
+    "actual_hole_share_mean": "holes in the live picture",
     "actual_pose_age_ms_median": "age of the pose",
     "actual_missed_share": "missed refreshes",
-    "actual_period_ms_p95": "longest time between pictures (95 %)",
+    "actual_period_ms_p95": "95th percentile between pictures",
     "actual_angular_speed_deg_s_median": "speed of the turning head",
 }
 LEAST_PEOPLE = 5  # fewer, drawn anew, are too few different draws: 4 people give 35

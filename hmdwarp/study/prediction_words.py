@@ -34,7 +34,7 @@ def _winner(found: Prediction) -> str:
         return f"{_big(first.title)} predicts the ratings best: {how}, the best in {first.best:.0%} of the resamples; {people}."
     return (
         f"Which measure predicts best cannot be told: {first.title} comes first with {how}, but {_list([one.title for one in rest])} "
-        f"may be as good; it is the best in {first.best:.0%} of the resamples; {people}."
+        f"may be as good (p = {max(one.behind_p for one in rest):.2f} and less, by flipping people's signs); {people}."
     )
 
 
@@ -83,7 +83,7 @@ def _alike(found: Prediction) -> list[str]:
         told.append(f"In these conditions {names} move together (within-person correlation 0.95 and more): ratings cannot tell them apart.")
     age = next((one for one in found.measures if one.name == "actual_latency_ms_median"), None)
     if age is not None and found.measures[0] is not age and age in found.candidates:
-        told.append("Latency moves nearly every measure with it, and alone may predict as well.")
+        told.append("The age of the frame may predict as well: what looks like an effect of the picture may be one of latency alone.")
     return told
 
 
