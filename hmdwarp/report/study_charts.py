@@ -9,6 +9,7 @@ import numpy as np
 
 from .bench_style import PAGE, drawing, dress, svg_text
 from .charts import SERIES
+from .study_tables import condition_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,25 +18,25 @@ Row = Mapping[str, Any]
 
 _WIDTH_IN = 9.6
 _BETTER, _WORSE = SERIES  # told apart by dashes too
+_MOST_PAIRS = 5  # more would need more columns than fit
 _WRAP = 16  # letters of a condition's name in a line
 
 
 def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
     """Every rating of a part as a point, an <svg> element: up is better; lines join the two ratings of one person that are compared."""
-    names = _beside(part["conditions"], comparisons)
+    names, pairs = _columns(part["conditions"], comparisons)
     by_name = {row["condition"]: row for row in part["conditions"]}
     with drawing((part["part"], measure["name"], names)):
         figure, axes = _figure(_WIDTH_IN, 3.6)
-        places = {name: k for k, name in enumerate(names)}
         shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
-        for row in comparisons:
-            _join(axes, row, by_name, places, shifts)
-        for name, x in places.items():
+        for x, row in pairs:
+            _join(axes, x, row, by_name, shifts)
+        for x, name in enumerate(names):
             _points(axes, x, by_name[name], shifts[name])
         axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names], parse_math=False)
         axes.set_xlim(-0.6, len(names) - 0.4)
         _rating_axis(axes, measure, [v for row in part["conditions"] for v in row["ratings"].values()])
-        figure.legend(handles=_rating_key(bool(comparisons)), loc="outside upper left", ncols=4, frameon=False, labelcolor=PAGE.ink)
+        figure.legend(handles=_rating_key(bool(pairs)), loc="outside upper left", ncols=4, frameon=False, labelcolor=PAGE.ink)
         return svg_text(figure)
 
 
@@ -97,11 +98,14 @@ def _figure(width_in: float, height_in: float) -> tuple[Any, Axes]:
     return figure, figure.add_subplot()
 
 
-def _beside(conditions: Sequence[Row], comparisons: Sequence[Row]) -> list[str]:
-    """Names with the compared ones side by side."""
+def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[list[str], list[tuple[int, Row]]]:
+    """Names of the columns, and where each comparison's first one is: its two side by side, a condition of two comparisons twice. Without
+    lines where that would be too many columns."""
     names = [row["condition"] for row in conditions]
-    order = [name for row in comparisons for name in (row["a"], row["b"])]
-    return [name for name in dict.fromkeys([*order, *names]) if name in names]
+    if len(comparisons) > _MOST_PAIRS:
+        return names, []
+    columns = [name for row in comparisons for name in (row["a"], row["b"])]
+    return [*columns, *(name for name in names if name not in columns)], [(2 * k, row) for k, row in enumerate(comparisons)]
 
 
 def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
@@ -113,12 +117,10 @@ def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
     return {who: step * (k - (len(people) - 1) / 2) for people in groups.values() for k, who in enumerate(people)}
 
 
-def _join(axes: Axes, row: Row, by_name: Mapping[str, Row], places: Mapping[str, int], shifts: Mapping[str, Mapping[str, float]]) -> None:
+def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Mapping[str, Mapping[str, float]]) -> None:
     a, b = row["a"], row["b"]
-    if abs(places[a] - places[b]) != 1:
-        return  # lines across other conditions would be taken for theirs
     for who, difference in row["differences"].items():
-        x = [places[a] + shifts[a][who], places[b] + shifts[b][who]]
+        x = [at + shifts[a][who], at + 1 + shifts[b][who]]
         y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
         style = {"color": _BETTER, "linestyle": "solid"} if difference > 0 else {"color": _WORSE, "linestyle": (0, (4, 2))}
         axes.plot(x, y, linewidth=0.9, alpha=0.6, zorder=1, **(style if difference else {"color": PAGE.ink, "linestyle": (0, (1, 2))}))
@@ -134,7 +136,7 @@ def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
 
 
 def _label(row: Row) -> str:
-    return _wrapped(row["condition"]) + ("\n(reference)" if row["reference"] else "") + f"\nn = {row['n']}"
+    return _wrapped(condition_text(row)) + f"\nn = {row['n']}"
 
 
 def _wrapped(name: str) -> str:

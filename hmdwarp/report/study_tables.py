@@ -27,10 +27,16 @@ def condition_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     heads = (("condition", ""), ("n", ""), ("missing", ""), ("median", ""), ("mean", ""), ("sd", ""), ("quartiles", ""), ("range", ""))
     lines = []
     for row in rows:
-        name = f"{row['condition']} (reference)" if row["reference"] else row["condition"]
+        name = condition_text(row)
         middle = [plain(row["median"]), plain(row["mean"]), plain(row["sd"])]
         lines.append([name, str(row["n"]), str(row["missing"]), *middle, _range(row["q1"], row["q3"]), _range(row["least"], row["most"])])
     return heads, lines
+
+
+def condition_text(row: Row) -> str:
+    """A condition's name, and that it is the hidden reference where the name does not say so."""
+    is_told = not row["reference"] or "reference" in row["condition"].lower()
+    return row["condition"] if is_told else f"{row['condition']} (reference)"
 
 
 def _range(low: float | None, high: float | None) -> str:
