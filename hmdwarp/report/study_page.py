@@ -40,7 +40,7 @@ def _tiles(data: Row) -> list[Row]:
     texts = [
         ("Participants", str(data["participants"]), f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who rated anything"),
         ("Ratings", str(data["ratings"]), f"{data['missing']} missing, listed below" if data["missing"] else "none missing"),
-        ("Differences shown", f"{shown} of {len(rows)}", "planned comparisons with p ≤ .05 after Holm in their family"),
+        ("Differences shown", f"{shown} of {len(rows)}", "comparisons with p ≤ .05 after Holm in their family"),
     ]
     return [{"label": label, "text": text, "note": note} for label, text, note in texts]
 
@@ -53,7 +53,7 @@ def _scale(scale: Row) -> Row:
         "range": f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range not known",
         "sentences": [row["sentence"] for row in rows],
         "forest": PageChart("", (("", forest_chart(rows, measure["unit"]), _said(rows)),)) if rows else None,
-        "comparisons": _table("Planned comparisons", *comparison_lines(rows)) if rows else None,
+        "comparisons": _table("Paired comparisons", *comparison_lines(rows)) if rows else None,
         "parts": [_part(one, [row for row in rows if row["part"] == one["part"]], measure) for one in scale["parts"]],
         "copied": [row["sentence"] for row in scale["copied"]],
         "claims": [(row["follows"], row["sentence"]) for row in scale["claims"]],

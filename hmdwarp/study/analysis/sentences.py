@@ -36,7 +36,7 @@ def _size(row: Row, measure: Measure) -> str:
 
 
 def _verdict(row: Row, measure: Measure) -> str:
-    after = f"After Holm over {counted(row['holm_of'], 'planned comparison')}" if row["holm_of"] > 1 else "By the exact test"
+    after = f"After Holm over {counted(row['holm_of'], 'comparison')}" if row["holm_of"] > 1 else "By the exact test"
     if row["holm"] <= ALPHA:
         way = "better" if row["shift"] > 0 else "worse"
         return f"{after} {p_is(row['holm'])}: '{row['b']}' was rated {way}."

@@ -46,7 +46,7 @@ def test_it_prints_what_it_found_in_80_columns(done):
     assert max(map(len, run.stdout.splitlines())) <= 80
     said = " ".join(run.stdout.split())
     assert "9 of 11 rated 'forward + interpolate, 400 ms' better than 'none, 400 ms', 2 worse" in said
-    assert "(95 % +0.70 to +1.86). After Holm over 3 planned comparisons p = .0098" in said
+    assert "(95 % +0.70 to +1.86). After Holm over 3 comparisons p = .0098" in said
     assert "seed 142" in said and said.endswith("report: out/report.html")
 
 
