@@ -86,12 +86,17 @@ class Room:
         self.status.heading = f"study {self.design.name} - {told(step, self.steps)}"
         self.display.tell(self.status)
 
-    def tell(self, step: Step, more: Callable[[], Mapping[str, object]]) -> None:
-        """What the desk shows, a few times a second. more: of desk.DeskState."""
+    def tell(self, step: Step, more: Callable[[], Mapping[str, object]], *, looks: bool = True) -> None:
+        """What the desk shows, a few times a second. more: of desk.DeskState. looks: whether to ask where the head is, as no picture did.
+
+        Errors: Lost.
+        """
         now_ns = self.display.now_ns()
         if self._told_ns is not None and now_ns - self._told_ns < TELL_NS:
             return
         self._told_ns = now_ns
+        if looks:
+            self.head = self.display.source.head_at(now_ns)
         self.voices.desk.tell(self._state(step, more()))
 
     def _state(self, step: Step, more: Mapping[str, object]) -> DeskState:
@@ -107,7 +112,3 @@ class Room:
             notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
             **more,
         )
-
-    def look(self) -> None:
-        """Where the head is now, while no picture asks for it."""
-        self.head = self.display.source.head_at(self.display.now_ns())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...display import Command, Label
@@ -64,7 +65,7 @@ class Trial(StepWatch):
     def take(self, by: str, command: Command) -> None:
         """Nobody changes a trial."""
 
-    def obey(self, commands: list[Command]) -> bool:
+    def obey(self, commands: Sequence[Command]) -> bool:
         """As Watch.obey."""
         super().obey(commands)
         if not self.pictures and self.asked_s >= self._lead_s:

@@ -62,7 +62,7 @@ class StepWatch(Watch):
                 room.remark(by, command, self.step)
             elif not self.over():
                 self.hear(by, command)
-        room.tell(self.step, self.told)
+        room.tell(self.step, self.told, looks=not self.pictures)
         return False
 
     def hear(self, by: str, command: Command) -> None:
