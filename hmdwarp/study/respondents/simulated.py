@@ -73,10 +73,9 @@ class Simulated:
         return float(of_share(felt, step.scale))
 
     def _meanwhile(self, step: Show, asked_s: float) -> Command | None:
-        """While pictures are looked at. A pause needs somebody who ends it; where none is on, "continue" has no effect."""
-        if step.key in self._paused:
-            return Command("continue")
-        if self._draw("pause", step.key) < self._model.pause and asked_s >= step.seconds * self._draw("pause at", step.key):
+        """While pictures are looked at. The menu that a pause opens is a Pause, which "continue" ends."""
+        wants = step.key not in self._paused and self._draw("pause", step.key) < self._model.pause
+        if wants and asked_s >= step.seconds * self._draw("pause at", step.key):
             self._paused.add(step.key)
             return Command("pause")
         return None
