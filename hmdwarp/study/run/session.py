@@ -8,7 +8,7 @@ from contextlib import ExitStack, closing, suppress
 import attrs
 
 from ...display import Closed, Display
-from ...errors import HmdwarpError
+from ...errors import HmdwarpError, InputError
 from ...live import LiveOptions
 from ...live.driver import Driver
 from ...live.ending import Ending
@@ -69,6 +69,9 @@ def _asked_for(options: RunSession, design: Design, store: Store) -> tuple[str, 
         store.would_begin(design, options.part, options.participant, options.origin, options.new_session)
         return options.part or design.parts[0].name, design
     session = store.would_resume(options.participant, options.part)
+    if session.origin != options.origin:  # made-up answers must not get into somebody's session
+        how = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}.get(session.origin, "leave --pilot and --simulate away")
+        raise InputError(f"participant {session.code} is a {session.origin} here, not a {options.origin}: {how} to go on")
     return session.part, design if session.plan == design.text else design_from_text(session.plan, design.path)
 
 

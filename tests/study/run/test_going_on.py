@@ -227,6 +227,25 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
     assert [one.code for one in contents(path, pilot=True).sessions] == ["R1"]
 
 
+@pytest.mark.parametrize(
+    ("was", "now", "told"),
+    [
+        ({}, {"simulate": "quick"}, "participant P1 is a person here, not a simulated: leave --pilot and --simulate away"),
+        ({}, {"pilot": True}, "participant P1 is a person here, not a pilot"),
+        ({"pilot": True}, {}, "give --pilot to go on"),
+    ],
+)
+def test_a_session_is_gone_on_with_by_the_same_kind_alone(monkeypatch, gpu, tmp_path, was, now, told):
+    """Else made-up answers would get into somebody's session."""
+    path = study(tmp_path)
+    assert run(monkeypatch, gpu, path, at={5: closing()}, **was).session.status == INTERRUPTED
+    with pytest.MonkeyPatch.context() as patch:
+        ran = run(patch, gpu, path, resume=True, **now)
+    assert isinstance(ran.error, InputError)
+    assert told in str(ran.error)
+    assert contents(path, pilot=bool(was)).sessions[0].status == INTERRUPTED
+
+
 def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
     ran = run(monkeypatch, gpu, study(tmp_path), participant="new")
     assert ran.said[0].startswith(f"participant {ran.session.code}, ")
