@@ -20,6 +20,7 @@ import aims
 import guard
 import panel
 import passes
+import studies
 from PIL import Image, ImageDraw
 
 from hmdwarp.report.bench_cases import cases
@@ -28,6 +29,7 @@ from hmdwarp.report.bench_tables import markdown_table
 
 ROOT = Path(__file__).resolve().parents[1]
 README, RESULTS, LIVE = ROOT / "README.md", ROOT / "docs" / "results.md", ROOT / "docs" / "live.md"
+STUDY = ROOT / "docs" / "study.md"
 FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
 SMALL = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
@@ -321,7 +323,23 @@ def live_picture(_: Path) -> None:
     panel.panel_picture(ROOT / "docs" / "live.png")
 
 
+def study(folder: Path) -> None:
+    """docs/study.md but for what takes minutes."""
+    replace(STUDY, "scales", studies.scales_table())
+    replace(STUDY, "keys", studies.keys_table())
+    replace(STUDY, "thesis", studies.thesis_table(folder, program))
+    studies.question_picture(ROOT / "docs" / "question.png")
+
+
+def study_simulated(folder: Path) -> None:
+    """How often the analysis is right, and how many people a study needs: a few minutes of made-up studies."""
+    replace(STUDY, "coverage", studies.coverage_table(ROOT))
+    replace(STUDY, "power", studies.power_told(folder))
+
+
 PARTS = {
+    "study": study,
+    "study-simulated": study_simulated,
     "hard-cases": hard_cases,
     "controls": controls,
     "live-picture": live_picture,

@@ -1,0 +1,87 @@
+"""The figures and the picture of docs/study.md: scales, keys, the thesis's ratings, how often the analysis is right, how many people."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from hmdwarp.catalogue import entries
+from hmdwarp.display import Command
+from hmdwarp.report.study_words import p_text
+from hmdwarp.study.asking import CONTROLS, Asked
+from hmdwarp.study.scales import load_scale
+from hmdwarp.study.steps import Ask
+
+Program = Callable[..., None]
+WORDS = ("pairs (+/0/-)", "mean difference", "BCa 95 %", "Hodges-Lehmann", "exact p", "Holm 3 / 6", "r")
+
+
+def scales_table() -> str:
+    """Every scale that comes along."""
+    lines = ["| scale | what it is | asks | source |", "| --- | --- | --- | --- |"]
+    for row in entries("scales"):
+        asks = row["asks"].split(":")[0] if row["kind"] == "questionnaire" else row["asks"]
+        lines.append(f"| `{row['name']}` | {row['summary']} | {asks} | {row['source']} |")
+    return "\n".join(lines)
+
+
+def keys_table() -> str:
+    """What hands can do while a question is asked, from the list that window and controllers are made from."""
+    lines = ["| key | what it does |", "| --- | --- |"]
+    for one in CONTROLS:
+        if one.what:
+            keys = ", ".join(f"`{key}`" for key in (one.written or one.key, *(key for key in one.also if "KP" not in key)))
+            lines.append(f"| {keys} | {one.what} |")
+    lines.append("| mouse | points at the scale, the wheel moves, a click answers |")
+    return "\n".join(lines)
+
+
+def thesis_table(folder: Path, program: Program) -> str:
+    """The ratings that the thesis published."""
+    out = folder / "thesis"
+    program("study", "analyse", "thesis", "--out", str(out), "--quiet")
+    with (out / "tables" / "comparisons.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    lines = ["| part | compared | " + " | ".join(WORDS) + " |", "|" + " --- |" * (len(WORDS) + 2)]
+    for row in rows:
+        mean, low, high, shift, from_, to, r = (
+            float(row[name]) for name in ("mean", "low", "high", "shift", "shift_low", "shift_high", "rank_biserial")
+        )
+        p, holm, holm_all = (p_text(float(row[name])) for name in ("p", "holm", "holm_all"))
+        figures = (f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})", f"{mean:+.3f}", f"{low:+.2f} .. {high:+.2f}")
+        figures += (f"{shift:+.2f} ({from_:+.2f} .. {to:+.2f})", p, f"{holm} / {holm_all}", f"{r:+.2f}")
+        lines.append(f"| {row['part']} | {row['a']} - {row['b']} | " + " | ".join(figures) + " |")
+    return "\n".join(lines)
+
+
+def coverage_table(root: Path) -> str:
+    """1000 studies of people whose effects are known."""
+    return subprocess.run([sys.executable, "-m", "tests.study.coverage"], cwd=root, check=True, capture_output=True, text=True).stdout
+
+
+def power_told(folder: Path) -> str:
+    """What `study power` says of half a grade in the shipped study."""
+    command = ["study", "power", "quick", "--effect", "0.5", "--out", str(folder / "power"), "--quiet"]
+    told = subprocess.run([sys.executable, "-m", "hmdwarp", *command], check=True, capture_output=True, text=True).stdout
+    return f"```text\n{told.rstrip()}\n```"
+
+
+def question_picture(path: Path) -> None:
+    """A rating and a sickness score, as they lie before the eyes."""
+    plates = [_asked("grade", "right", "left"), _asked("misc", "right", "left", "left", "left")]
+    height = max(len(plate) for plate in plates)
+    padded = [np.pad(plate, ((0, height - len(plate)), (0, 0))) for plate in plates]
+    Image.fromarray(np.hstack([padded[0], np.zeros((height, 40), np.uint8), padded[1]])).save(path, optimize=True)
+
+
+def _asked(name: str, *steps: str) -> np.ndarray:
+    scale = load_scale(name)
+    asked = Asked(Ask(f"trial/1/{name}", scale, scale.items[0], "trial", 1, "trial/1"), lambda: 0.0)
+    asked.obey([Command(step) for step in steps])
+    return asked.label().ink()
