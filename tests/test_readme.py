@@ -38,6 +38,8 @@ def test_the_page_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "out/bench/bench.json").is_file()
     assert (tmp_path / "out/auto/report.html").is_file()
     assert (tmp_path / "mine.csv").is_file()
+    assert (tmp_path / "out/tables/ratings.csv").is_file()
+    assert (tmp_path / "out/thesis/report.html").is_file()
     assert (tmp_path / "warped.png").is_file()
 
 
@@ -49,9 +51,9 @@ def test_the_live_commands_open_a_window(command, tmp_path):
     run(["xvfb-run", "-a", "sh", "-ec", command + small], tmp_path)
 
 
-def test_there_are_the_two_commands_and_ten_examples():
+def test_there_are_the_two_commands_and_fourteen_examples():
     assert [c for c in COMMANDS if c.startswith("make ")] == ["make replay", "make test"]
-    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 10
+    assert sum(c.startswith("hmdwarp ") and "warp frame.npz" not in c for c in COMMANDS) == 14
     assert len(LIVE) == 3
 
 
