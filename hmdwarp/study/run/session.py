@@ -14,6 +14,7 @@ from ...live.driver import Driver
 from ...live.ending import Ending
 from ...live.openings import open_display
 from ...live.watchdog import Watchdog
+from ...scenes import load_scene
 from ..asking import CONTROLS, hints_for
 from ..design import Design
 from ..design.read import design_from_text, load_design
@@ -31,7 +32,7 @@ from .options import RunSession
 from .room import Room
 from .showing import Shower
 from .sitting import Sitting
-from .trial import lead_s
+from .trial import under_way_s
 from .voices import Voices
 
 Say = Callable[[str], None]
@@ -140,7 +141,10 @@ class _Program:
         beside = {PILOT: " - PILOT", SIMULATED: " - SIMULATED"}.get(session.origin, "")
         heading = f"study {design.name}, participant {session.code}, session {session.number}{beside}"
         room = Room(design, session, store, display, Voices(self.desk, respondent), steps, store.done(session), heading)
-        shower = Shower(room, self.ending, self._options_of, lambda step: plates.number_of(step, steps), self._lead_s())
+        every = self._all_options()
+        scenes = {name: load_scene(name) for name in {one.scene for one in every}}
+        under_way = under_way_s([one.latency_ms for one in every])
+        shower = Shower(room, self.ending, self._options_of, lambda step: plates.number_of(step, steps), under_way, scenes)
         self.afterwards.recording = lambda: shower.recording
         driver = Driver(display, Idle(self.live), self.ending, self.desk.say)
         before = _Before(store, session, steps)
@@ -149,9 +153,10 @@ class _Program:
     def _options_of(self, step: Show) -> LiveOptions:
         return live_options(step.condition.settings, source=self.options.source, trace=self.options.trace)
 
-    def _lead_s(self) -> float:
+    def _all_options(self) -> list[LiveOptions]:
+        """Of everything that is shown."""
         shown = [*self.design.part(self.part).conditions, *([self.design.practice] if self.design.practice is not None else [])]
-        return lead_s([live_options(one.settings).latency_ms for one in shown])
+        return [live_options(one.settings) for one in shown]
 
 
 class _Before:

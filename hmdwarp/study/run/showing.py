@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any
 
@@ -15,7 +15,7 @@ from ...live.ending import Ending
 from ...live.log import LiveLog
 from ...live.recorder import Recorder
 from ...live.stage import Stage
-from ...scenes import Scene, load_scene
+from ...scenes import Scene
 from ..steps import Show
 from ..store import Showing
 from .actual import actual_of
@@ -27,7 +27,8 @@ BY = "hmdwarp study"
 
 @attrs.define(eq=False)
 class Shower:
-    """options_of: of a live run, for a step. plate_of: what stands in the black before it. scenes: those loaded so far, by name.
+    """options_of: of a live run, for a step. plate_of: what stands in the black before it. under_way: as Trial has it. scenes:
+    all that are shown, by name.
 
     recording: the one under way, None between trials; for last words.
     """
@@ -36,13 +37,13 @@ class Shower:
     ending: Ending
     options_of: Callable[[Show], LiveOptions]
     plate_of: Callable[[Show], Label]
-    lead: float
-    scenes: dict[str, Scene] = attrs.field(factory=dict)
+    under_way: float
+    scenes: Mapping[str, Scene]
     recording: Recorder | None = None
 
-    def show(self, step: Show) -> tuple[Showing, Trial]:
-        """From the black before it to its last picture, or to what ended it before. The showing is in the store when this returns, and
-        so it is, incomplete, when anything is raised out of it.
+    def show(self, step: Show, plated_ns: int) -> tuple[Showing, Trial]:
+        """From the black before it, whose plate has been there since plated_ns, to its last picture, or to what ended it before. The
+        showing is in the store when this returns, and so it is, incomplete, when anything is raised out of it.
 
         Errors: Closed, Lost, as Driver.run; InputError and MachineError, as the store, the recorder and the pipeline have them.
         """
@@ -62,7 +63,7 @@ class Shower:
                 stack.callback(log.leave)
                 recorder.begin(room.display)
                 log.begin(room.display, stage)
-                watch = Trial(room, step, self.plate_of(step), log, self.lead)
+                watch = Trial(room, step, self.plate_of(step), plated_ns, log, self.under_way)
                 log.status.heading = room.status.heading
                 Driver(room.display, stage, self.ending, room.say).run(watch, log, recorder)
             complete = watch.finished() and not watch.intent
@@ -77,8 +78,6 @@ class Shower:
     def _stage(self, step: Show) -> Stage:
         """New for every trial, even with the settings of the one before: nothing of that is remembered."""
         options = self.options_of(step)
-        if options.scene not in self.scenes:
-            self.scenes[options.scene] = load_scene(options.scene)
         return Stage(self.room.display, options, self.scenes[options.scene])
 
     def _ended(self, showing: Showing, log: LiveLog, complete: bool) -> Showing:

@@ -106,8 +106,9 @@ class Sitting:
         """Until it was seen undisturbed."""
         room = self.room
         while True:
+            plated_ns = room.display.now_ns()
             self._drive(Standing(room, step, plates.number_of(step, room.steps), refreshes=PLATE_REFRESHES))
-            showing, watch = self.shower.show(step)
+            showing, watch = self.shower.show(step, plated_ns)
             room.shown = step
             self._refuse_signal()
             if showing.complete:

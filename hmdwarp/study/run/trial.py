@@ -15,19 +15,21 @@ if TYPE_CHECKING:
     from ...live.log import LiveLog
     from ...loop import Refresh
 
-LEAD_S = 1.0  # black with the number before the first picture, at least: the last trial fades, eyes rest
+LEAD_S = 1.0  # black with the number, at least, before frames get under way: eyes rest, and building a pipeline takes no longer mostly
 SETTLED_S = 0.25  # beyond the longest latency: frames that come late now and then
 PATIENCE_S = 30.0  # how long the first frame may take
 
 
-def lead_s(latencies_ms: list[float]) -> float:
-    """How long a trial is black before its pictures, the same for all trials of a study: a wait as long as the latency would tell it."""
-    return max(LEAD_S, max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S)
+def under_way_s(latencies_ms: list[float]) -> float:
+    """How long frames are under way before the first picture, the same for all trials of a study: a wait as long as the latency, or as
+    building the pipeline takes, would tell which condition comes."""
+    return max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S
 
 
 class Trial(StepWatch):
-    """plate: lies over the black before it. log: of its pictures. In the lead the server draws already, so that at the first picture frames
-    are under way as in the middle of a run. The time of a trial counts from its first picture on, on the display's clock.
+    """plate: lies over the black before it, and has since plated_ns. log: of its pictures. under_way: see under_way_s. In the black the
+    server draws already, so that at the first picture frames are under way as in the middle of a run; a recorded head begins anew that
+    long before it. The time of a trial counts from its first picture on, on the display's clock.
 
     Errors, out of the driver: InputError where no frame arrives.
     """
@@ -35,17 +37,20 @@ class Trial(StepWatch):
     ahead = True
     phase = "showing"
 
-    def __init__(self, room: Room, step: Show, plate: Label, log: LiveLog, lead: float) -> None:
+    def __init__(self, room: Room, step: Show, plate: Label, plated_ns: int, log: LiveLog, under_way: float) -> None:
         super().__init__(room, step)
-        self._show, self._plate, self._log, self._lead_s = step, plate, log, lead
+        self._show, self._plate, self._plated_ns, self._log, self._under_way_s = step, plate, plated_ns, log, under_way
         self._arrived = False
+        self._restarted_ns: int | None = None
         self._first_ns: int | None = None
-        room.display.restart()
 
     @property
     def seen_s(self) -> float:
         """Since the first picture."""
-        return 0.0 if self._first_ns is None else (self.room.display.now_ns() - self._first_ns) * 1e-9
+        return self._since_s(self._first_ns)
+
+    def _since_s(self, instant_ns: int | None) -> float:
+        return 0.0 if instant_ns is None else (self.room.display.now_ns() - instant_ns) * 1e-9
 
     def finished(self) -> bool:
         """After its seconds."""
@@ -68,11 +73,21 @@ class Trial(StepWatch):
     def obey(self, commands: Sequence[Command]) -> bool:
         """As Watch.obey."""
         super().obey(commands)
-        if not self.pictures and self.asked_s >= self._lead_s:
-            self.pictures = self._arrived
-            if not self._arrived and self.asked_s >= self._lead_s + PATIENCE_S:
-                raise InputError(f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through")
+        if not self.pictures:
+            self._lead()
         return False
+
+    def _lead(self) -> None:
+        """The black before the pictures."""
+        if self._restarted_ns is None:
+            if self._since_s(self._plated_ns) >= LEAD_S:
+                self.room.display.restart()
+                self._restarted_ns, self._arrived = self.room.display.now_ns(), False
+            return
+        late_s = self._since_s(self._restarted_ns) - self._under_way_s
+        self.pictures = self._arrived and late_s >= 0
+        if not self._arrived and late_s >= PATIENCE_S:
+            raise InputError(f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through")
 
     def went(self, why: str) -> None:
         """It is shown again, from its start: what was rated must have been seen undisturbed."""

@@ -121,6 +121,7 @@ class Seat(OffscreenDisplay):
         super().__init__(gpu=gpu, **more)
         self.person, self._at, self.shown = person, dict(at or {}), 0
         self.titles: list[str] = []
+        self.handed: list[tuple[int, bool, object]] = []  # when, whether there was a picture, what lay over it
 
     def wait(self):
         due = self._at.pop(self.shown, None)
@@ -133,6 +134,7 @@ class Seat(OffscreenDisplay):
 
     def show(self, refresh, label="") -> int:
         self.shown += refresh is not None
+        self.handed.append((self.now_ns(), refresh is not None, label))
         return super().show(refresh, label)
 
     def commands(self) -> Sequence[Command]:

@@ -15,9 +15,9 @@ from hmdwarp.geometry import Pose
 from hmdwarp.study.run.actual import NOTHING, NUMBERS, actual_of
 from hmdwarp.study.run.options import RunSession
 from hmdwarp.study.run.telling import turned_deg
-from hmdwarp.study.run.trial import lead_s
+from hmdwarp.study.run.trial import under_way_s
 
-from .conftest import LEAD_S, SETTLED_S
+from .conftest import SETTLED_S
 from .sessions import closing, run, study
 
 ANGLE = st.floats(-179.0, 179.0)
@@ -30,9 +30,9 @@ def test_a_head_s_angles_by_scipy_s_way(yaw, pitch, roll):
     assert turned_deg(Pose(orientation_xyzw=turn.as_quat())) == pytest.approx((yaw, pitch, roll), abs=1e-6)
 
 
-def test_a_lead_is_longer_than_any_latency():
-    assert lead_s([]) == lead_s([0.0]) == LEAD_S
-    assert lead_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
+def test_frames_are_under_way_for_longer_than_any_latency():
+    assert under_way_s([]) == under_way_s([0.0]) == SETTLED_S
+    assert under_way_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
 
 
 def columns(**known: list[float]):

@@ -14,7 +14,7 @@ from hmdwarp.replay import replay
 from hmdwarp.study.asking import Card, QuestionPlate
 from hmdwarp.study.run.actual import NUMBERS, TEXTS
 
-from .conftest import hurry
+from .conftest import LEAD_S, hurry
 from .sessions import LATENCIES_MS, NAMES, Table, contents, run, study, whole
 
 PERIOD_MS = PERIOD_NS * 1e-6
@@ -85,6 +85,26 @@ def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
     assert len(runs) == 3
     assert len({len(one) for one in runs}) == 1
     assert not any(isinstance(label, str) and label for label in labels)  # no "waiting for the first frame"
+
+
+def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(monkeypatch, gpu, tmp_path):
+    """As long as building takes no longer than LEAD_S, from the plate to the first picture it is equally long."""
+    from hmdwarp.study.run import showing
+
+    class Slow(showing.Stage):
+        def __init__(self, display, options, scene) -> None:
+            super().__init__(display, options, scene)
+            if options.warp == "rotation":
+                display._at_ns += round(0.6 * LEAD_S * 1e9)
+
+    monkeypatch.setattr(showing, "Stage", Slow)
+    handed = run(monkeypatch, gpu, study(tmp_path)).display.handed
+    waits = []
+    for number in (1, 2):
+        plated = next(k for k, (_, _, label) in enumerate(handed) if getattr(label, "title", "") == f"Trial {number} of 2")
+        first = next(k for k in range(plated, len(handed)) if handed[k][1])
+        waits.append((handed[first][0] - handed[plated][0]) * 1e-6)
+    assert waits[0] == pytest.approx(waits[1], abs=PERIOD_MS)
 
 
 def test_nobody_sees_what_is_on(one):
