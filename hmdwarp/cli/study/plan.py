@@ -88,6 +88,16 @@ def _settings(condition: Condition) -> str:
     return ", ".join(f"{name} {_value(value)}" for name, value in condition.settings.items())
 
 
+def _unsaid(condition: Condition) -> str:
+    """What a condition is without having said so: a reference that names no warp has one."""
+    from ...study.design.settings import live_options
+
+    options = live_options(condition.settings)
+    values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
+    told = [f"{name} {_value(value)}" for name, value in values.items() if name not in condition.settings]
+    return f"; by default {', '.join(told)}" if told else ""
+
+
 def _value(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
@@ -113,7 +123,7 @@ def _print_part(design: Design, part: Part, orders: bool) -> None:
     rows = []
     for number, one in enumerate(part.conditions, 1):
         own = ", ".join(f"{name} {_value(value)}" for name, value in one.settings.items() if name not in shared)
-        rows.append((f"{number}  {one.name}", (own or "as all") + (" (the hidden reference)" if one.reference else "")))
+        rows.append((f"{number}  {one.name}", (own or "as all") + _unsaid(one) + (" (the hidden reference)" if one.reference else "")))
     if shared:
         rows.append(("   all", ", ".join(f"{name} {_value(value)}" for name, value in shared.items())))
     in_columns(rows, indent=2)

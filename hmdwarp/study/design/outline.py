@@ -143,6 +143,8 @@ def _of_part(design: Design, part: Part) -> list[str]:
         out.append(f"part {part.name}: no condition is a hidden reference (reference = true): nothing tells how each person uses a scale")
     elif reference.settings.get("latency", 200.0):
         out.append(f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has latency = 0")
+    if reference is not None and reference.settings.get("warp", "forward") != "none":
+        out.append(f"part {part.name}: the reference '{reference.name}' is warped; a reference usually has warp = \"none\"")
     for number, one in enumerate(part.conditions):
         same = [other.name for other in part.conditions[:number] if other.settings == one.settings]
         if same:
@@ -166,6 +168,9 @@ def _of_people(design: Design) -> list[str]:
         out.append("sickness has no stop rule: stop_at ends the session at an answer that bad")
     if design.practice is None:
         out.append("there is no [practice]: the first trial is also the first look, and is rated like that")
+    if len({scale.low_is_good for scale in design.scales}) > 1:
+        told = ", ".join(f"{scale.name}: {'low' if scale.low_is_good else 'high'}" for scale in design.scales)
+        out.append(f"the scales go different ways ({told} is good): who rates one like the other will not notice")
     if design.consent is None:
         out.append("there is no [consent] text to agree to")
     for part in design.parts:

@@ -29,9 +29,10 @@ class DeskState:
     """What there is to see. It holds nothing that tells the condition unless the study is blind to nobody.
 
     heading: study, participant, session; PILOT, REHEARSAL or SIMULATED in it is made to stand out. step: "trial 3 of 12". done: share of
-    the steps, 0 to 1. elapsed_s: of this sitting. left_s: of this step, None where nobody knows. phase: "reading", "showing", "asking",
-    "break", "paused", "over". rate_hz, missed: of the pictures. position_m, turned_deg: the head, (x, y, z) and (yaw, pitch, roll); None
-    before there is one. notice: "tracking lost". condition: "" where it is hidden.
+    the steps, 0 to 1. elapsed_s: of this sitting. left_s: of this step, None where nobody knows. phase: "reading" a text to
+    agree to, "waiting" for somebody to begin, "showing", "asking", "break", "paused", "over". rate_hz, missed: of the pictures. position_m,
+    turned_deg: the head, (x, y, z) and (yaw, pitch, roll); None before there is one. notice: "tracking lost". condition: "" where it is
+    hidden.
     """
 
     heading: str = ""

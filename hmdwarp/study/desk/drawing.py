@@ -20,9 +20,11 @@ from .words import clock
 LEAST = (60, 20)  # columns, rows
 ROOMY = 24  # rows from which on there are blank ones between the blocks
 STALE_S = 3.0
+_TIMED = re.compile(r"( *\d+(?::\d\d)+  |)(.*)", re.DOTALL)  # how a line of the journal begins, as screen.py writes it
 _LOUD = re.compile(r"\b(PILOT|REHEARSAL|SIMULATED)\b")
 HINTS = {
     "reading": "g once they agree to the text, s if they do not.",
+    "waiting": "The participant begins when ready; c does it for them.",
     "showing": "The participant looks. Nothing to do.",
     "asking": "The participant answers. Said aloud: type it.",
     "break": "A break. c ends it.",
@@ -83,7 +85,8 @@ def _cramped(scene: Scene, width: int, height: int) -> list[Row]:
 
 def _top(scene: Scene, width: int, height: int) -> list[Row]:
     state, glyphs, gap = scene.state, scene.glyphs, [[]] if height >= ROOMY else []
-    left = f"   {clock(state.left_s)} left of this step" if state.left_s is not None else ""
+    left_s = None if state.phase == "break" and not state.left_s else state.left_s  # it ends when somebody says so
+    left = f"   {clock(left_s)} left of this step" if left_s is not None else ""
     times: Row = [("", f" {clock(state.elapsed_s)} since the start"), ("bold", left)]
     if state.condition:
         times = spread(times, [("", f"condition: {plain(state.condition)} ")], width, glyphs.more)
@@ -137,10 +140,21 @@ def _middle(scene: Scene, width: int, room: int) -> list[Row]:
         rows: list[Row] = [[("class:key", f" {keys:<10}"), ("", words)] for keys, words in HELP]
         name = "help, Esc closes it"
     else:
-        rows = [[("", f" {cut(plain(line), width - 2, scene.glyphs.more)}")] for line in scene.journal][-(room - 1) :] if room > 1 else []
+        rows = _journal(scene, width)[-(room - 1) :] if room > 1 else []
         name = "journal"
     rows = rows[: room - 1]
     return [_rule(name, width, scene.glyphs), *rows, *([] for _ in range(room - 1 - len(rows)))]
+
+
+def _journal(scene: Scene, width: int) -> list[Row]:
+    """Each line in at most two rows: what is cut off in one is often what happened."""
+    more = scene.glyphs.more
+    out: list[Row] = []
+    for line in scene.journal:
+        time, text = _TIMED.match(plain(line)).groups()  # type: ignore[union-attr]
+        rows = wrapped(text, max(1, width - 2 - len(time)), 2, more)
+        out += [[("", f" {cut(time if k == 0 else ' ' * len(time), width - 2, more)}{row}")] for k, row in enumerate(rows)]
+    return out
 
 
 def _bottom(scene: Scene, width: int) -> list[Row]:

@@ -17,8 +17,8 @@ def progress(step: str, done: float, width: int, glyphs: Glyphs) -> Row:
     share = min(1.0, max(0.0, done)) if math.isfinite(done) else 0.0
     room = max(4, width - len(step) - 12)
     full = math.floor(room * share)
-    bar = glyphs.full * full + glyphs.empty * (room - full)
-    return [("bold", f" {step}  "), ("class:bar", bar), ("", f"  {math.floor(100 * share):3d} %")]
+    bar: Row = [("class:bar", glyphs.full * full), ("class:rest", glyphs.empty * (room - full))]  # a rest in the same green looks done
+    return [("bold", f" {step}  "), *bar, ("", f"  {math.floor(100 * share):3d} %")]
 
 
 def head_rows(state: DeskState, width: int, glyphs: Glyphs) -> list[Row]:
@@ -47,7 +47,7 @@ def question_rows(question: Question | None, width: int, rows: int, glyphs: Glyp
         return [[("class:none", " none now")], *([] for _ in range(rows - 1))]
     words = wrapped(plain(question.text), width - 2, rows - 3, glyphs.more)
     entered = f"entered {number(question.entered)}" if question.entered is not None else "nothing entered"
-    anchors = ", ".join(f"{number(value)} {plain(text)}" for value, text in question.anchors) or span(question)
+    anchors = "; ".join(f"{number(value)} {plain(text)}" for value, text in question.anchors) or span(question)
     out: list[Row] = [[("bold", f" {line}")] for line in words]
     out.append(spread([("", " "), *scale(question, width - 20, glyphs)], [("bold", f" {entered} ")], width, glyphs.more))
     out += [[("", f" {line}")] for line in wrapped(anchors, width - 2, rows - len(out), glyphs.more)]

@@ -62,7 +62,7 @@ def refusal(name: str, state: DeskState) -> str:
         "skip": (state.question is None, "nothing is being asked now"),
         "answer": (state.question is None, "nothing is being asked now"),
         "agree": (state.phase != "reading", "there is no text to agree to now"),
-        "continue": (state.phase not in ("paused", "break"), "it is going on already: there is no pause and no break"),
+        "continue": (state.phase not in ("paused", "break", "waiting"), "it is going on already: there is no pause and no break"),
         "pause": (state.phase == "paused", "it is paused already"),
         "break": (state.phase == "break", "it is a break already"),
     }

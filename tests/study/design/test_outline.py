@@ -77,6 +77,8 @@ def test_with_fewer_people_nothing_can_be_found(comparisons):
         ([], "part run-1: 3 conditions, an odd number, need 6 orders; 4 would need 4"),
         ([], "part run-2: no condition is a hidden reference"),
         ([("latency = 0\nreference", "latency = 20\nreference")], "the reference 'reference' has a latency of its own"),
+        ([], "the reference 'reference' is warped"),
+        ([], "the scales go different ways (grade: low, acr: high is good)"),
         ([("loss = 0.02\n", ""), ("jitter = 'uniform:20'\n", "")], "part run-2: 'b' has the settings of 'a'"),
         ([("seconds = 20", "seconds = 0.5")], "'late-200' is 0.2 s late, shown for 0.5 s"),
         ([], "part run-2: no [[family]] says what will be compared"),
@@ -93,7 +95,8 @@ def test_what_to_think_of(changes, says):
 
 
 def test_a_sound_plan_leaves_little_to_think_of():
-    assert len(notes(design())) == 3  # run-1 has an odd number; run-2 has no reference, and nothing is compared there
+    sound = design(("reference = true", 'warp = "none"\nreference = true'), ('["grade", "acr"]', '["grade"]'))
+    assert len(notes(sound)) == 3  # run-1 has an odd number; run-2 has no reference, and nothing is compared there
 
 
 def test_as_json_it_has_every_order_and_every_setting():

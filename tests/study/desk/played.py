@@ -31,6 +31,7 @@ SHOWING = DeskState(
 ASKING = attrs.evolve(SHOWING, phase="asking", left_s=None, question=attrs.evolve(GRADE, entered=3.25))
 STATES = {
     "reading": attrs.evolve(SHOWING, phase="reading", step="consent", done=0.0, left_s=None, position_m=None, turned_deg=None),
+    "waiting": attrs.evolve(SHOWING, phase="waiting", step="about to begin", done=0.0, left_s=None),
     "showing": SHOWING,
     "asking": ASKING,
     "next": attrs.evolve(ASKING, step="trial 4 of 12", question=GRADE),

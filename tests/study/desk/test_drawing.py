@@ -16,6 +16,7 @@ from hmdwarp.study.desk.cells import ASCII, end_of, plain, wrapped
 from hmdwarp.study.desk.drawing import HELP, Scene, page
 from hmdwarp.study.desk.entry import Entry
 from hmdwarp.study.desk.gauges import gauge, scale
+from hmdwarp.study.desk.styles import style
 
 from .played import ASKING, GRADE, SHOWING, SICK, STATES
 
@@ -61,6 +62,31 @@ def test_the_condition_stands_there_only_where_the_state_has_it():
     assert "condition" not in text_of(Scene(SHOWING, Entry()), (80, 24))
 
 
+def test_what_happened_is_read_to_its_end():
+    line = "   1:15  Simulator sickness questionnaire (SSQ), question 15 of 16: left unanswered by the participant"
+    rows = text_of(Scene(SHOWING, Entry(), ["   1:14  before", line, "   1:16  after"]), (80, 24)).splitlines()
+    first = next(k for k, row in enumerate(rows) if "question 15" in row)
+    assert " ".join((rows[first] + rows[first + 1]).split()) == " ".join(line.split())
+    assert rows[first + 1].index("participant") >= line.index("Simulator") and "1:16" in rows[first + 2]
+
+
+def test_nothing_is_left_of_a_break_that_ends_when_somebody_says_so():
+    resting = attrs.evolve(STATES["break"], left_s=0.0)
+    assert "left of this step" not in text_of(Scene(resting, Entry()), (80, 24))
+    assert "0:22 left" in text_of(Scene(STATES["break"], Entry()), (80, 24))
+
+
+def test_what_is_undone_does_not_look_done():
+    assert styles_of(Scene(SHOWING, Entry()), "██") == {"class:bar"} and styles_of(Scene(SHOWING, Entry()), "░░") == {"class:rest"}
+
+
+def test_no_black_is_bold():
+    """xterm draws it grey."""
+    for name in ("showing", "paused", "break", "asking", "reading", "waiting"):
+        drawn = style(colours=True).get_attrs_for_style_str(f"class:phase.{name}")
+        assert (drawn.color, drawn.bold, drawn.reverse) == ("ansiblack", False, False) and drawn.bgcolor
+
+
 def test_a_window_too_small_says_so_and_keeps_what_matters():
     text = text_of(Scene(STATES["lost"], Entry(mode="stop")), (50, 10))
     for words in ("60 x 20", "SHOWING", "trial 3", "TRACKING LOST", "End the session now?"):
@@ -80,7 +106,7 @@ QUESTIONS = st.builds(
 @given(
     st.builds(
         DeskState, heading=TEXTS, step=TEXTS, done=NUMBERS, elapsed_s=st.floats(0, 1e6), left_s=st.none() | st.floats(-5, 1e5),
-        phase=st.sampled_from(["", "reading", "showing", "asking", "break", "paused", "over", "new"]), rate_hz=st.floats(0, 1e4),
+        phase=st.sampled_from(["", "reading", "waiting", "showing", "asking", "break", "paused", "over", "new"]), rate_hz=st.floats(0, 1e4),
         missed=st.integers(0, 10**7), notice=TEXTS, condition=TEXTS,
         question=st.none() | QUESTIONS,
         position_m=st.none() | st.tuples(NUMBERS, NUMBERS, NUMBERS), turned_deg=st.none() | st.tuples(NUMBERS, NUMBERS, NUMBERS),

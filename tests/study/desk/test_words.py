@@ -65,6 +65,7 @@ def pressed(entry: Entry, state: DeskState, *keys: str) -> list[tuple[str, objec
     ("state", "keys", "asked"),
     [
         ("showing", ["p"], ("pause", None)), ("paused", ["p"], ("continue", None)), ("paused", ["c"], ("continue", None)),
+        ("waiting", ["c"], ("continue", None)),
         ("break", ["c"], ("continue", None)), ("showing", ["b"], ("break", None)), ("showing", ["r"], ("again", None)),
         ("asking", ["kk"], ("skip", None)), ("reading", ["g", "y"], ("agree", None)), ("showing", ["sy"], ("stop", None)),
         ("asking", ["a3.25", "enter", "enter"], ("answer", 3.25)), ("asking", ["2", "enter", "y"], ("answer", 2.0)),
@@ -84,6 +85,7 @@ def test_every_key_asks_for_its_command(state, keys, asked):
     ("state", "keys", "note"),
     [
         ("showing", ["a"], "nothing is being asked"), ("showing", ["k"], "nothing is being asked"), ("showing", ["g"], "no text to agree"),
+        ("waiting", ["g"], "no text to agree"),
         ("showing", ["c"], "going on already"), ("showing", ["x"], "does nothing here"), ("showing", ["3"], "does nothing here"),
         ("showing", ["ss"], "not done"), ("showing", ["sn"], "not done"), ("asking", ["k", "n"], "not done"), ("sick", ["s"], "is over"),
         ("asking", ["9", "enter"], "not on the scale"), ("asking", ["a", "enter"], "nothing was typed"),
