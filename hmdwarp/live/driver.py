@@ -50,7 +50,7 @@ class Watch(Protocol):
 class Driver:
     """One display and its stage. A stretch may have a log and a recorder of its own.
 
-    ending: a signal ends every stretch. say: gets a sentence now and then. reconnect_s: how long a lost display is waited for.
+    ending: a signal ends every stretch. say: gets a sentence now and then. A lost display is waited for as long as the stage's options say.
     """
 
     def __init__(self, display: Display, stage: Stage, ending: Ending, say: Say) -> None:
