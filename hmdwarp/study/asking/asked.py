@@ -19,14 +19,15 @@ class Asked:
     """value: where the marker is, None for nowhere: nothing is chosen beforehand, which would draw answers to itself. confirmed: whether
     it is over; skipped: without an answer, then `value` is None. note: what was wrong with the last command, "" for nothing.
 
-    now_s: seconds, going on; for how long a note stays. hints: what hands there are.
+    now_s: seconds, going on; for how long a note stays. hints: what hands there are. again: whether it was answered before, which is said:
+    who is asked the same a second time wonders what is different.
     """
 
-    def __init__(self, ask: Ask, now_s: Callable[[], float], hints: Hints = KEYS) -> None:
+    def __init__(self, ask: Ask, now_s: Callable[[], float], hints: Hints = KEYS, again: bool = False) -> None:
         self.ask = ask
         self._now_s, self._hints, self._scale = now_s, hints, ask.scale
         self._form = form_of(ask)
-        self._heading = heading_of(ask)
+        self._heading = heading_of(ask, again)
         self.value: float | None = None
         self.confirmed = self.skipped = self._skipping = False
         self._typed = self._note = ""
@@ -160,12 +161,13 @@ def form_of(ask: Ask) -> Form:
     return Form(scale.least, scale.most, scale.step, tuple(sorted((float(value), words) for value, words in scale.anchors.items())))
 
 
-def heading_of(ask: Ask) -> str:
-    """Which trial it is about, or which item of how many."""
-    items = ask.scale.items
+def heading_of(ask: Ask, again: bool = False) -> str:
+    """Which trial it is about, or which item of how many and what is asked about it."""
+    items, more = ask.scale.items, ", once more" if again else ""
     if len(items) > 1:
-        return f"{ask.scale.title}: item {items.index(ask.item) + 1} of {len(items)}"
-    return f"trial {ask.trial}" if ask.trial else ask.scale.title
+        heading = f"{ask.scale.title}: item {items.index(ask.item) + 1} of {len(items)}{more}"
+        return f"{heading}\n{ask.scale.prompt}" if ask.scale.prompt else heading
+    return (f"trial {ask.trial}" if ask.trial else ask.scale.title) + more
 
 
 def _place(at: object) -> tuple[float, float]:

@@ -18,7 +18,7 @@ TAKE_BACK = (("back", "back to the scale"), ("yes", "leave it unanswered"))
 class QuestionPlate:
     """As display.Plate. It knows nothing of conditions.
 
-    heading: a small line ("item 3 of 16"). text: the question. value: where the marker is, None for nowhere. typed: digits so far.
+    heading: small lines ("item 3 of 16"). text: the question. value: where the marker is, None for nowhere. typed: digits so far.
     skipping: whether it is being left unanswered. note: said in place of the hint.
     """
 
@@ -40,8 +40,11 @@ class QuestionPlate:
     def _lines(self) -> tuple[str, ...]:
         return wrapped(self.text, LARGE, WIDTH - 2 * PAD)
 
+    def _headings(self) -> tuple[str, ...]:
+        return wrapped(self.heading, SMALL, WIDTH - 2 * PAD) if self.heading else ()
+
     def _scale_top(self) -> int:
-        head = height_of(1, SMALL) if self.heading else 0
+        head = height_of(len(self._headings()), SMALL) if self.heading else 0
         return PAD // 2 + head + height_of(len(self._lines()), LARGE) + 6
 
     def _foot(self) -> int:
@@ -71,7 +74,7 @@ class QuestionPlate:
         """(h, w), top row first."""
         paper, y = Paper(self.height()), PAD // 2
         if self.heading:
-            y = paper.rows(y, (self.heading,), SMALL, DIM)
+            y = paper.rows(y, self._headings(), SMALL, DIM)
         paper.rows(y, self._lines(), LARGE)
         self.layout.draw(paper, self._scale_top(), self.value, self.typed)
         buttons = self._buttons()

@@ -45,6 +45,7 @@ def _scale(data: Table, name: str) -> Scale:
         scores=(),
         units=data.line("units", ""),
         source=data.line("source"),
+        prompt=data.line("prompt", ""),
     )
     scores = _scores(data, made)
     return made.with_scores(scores)

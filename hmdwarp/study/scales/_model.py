@@ -37,7 +37,7 @@ class Score:
 class Scale:
     """name: of its file. items: one for a rating. least, most, step: of an answer. low_is_good: its direction. anchors: words for some of
     its values. scores: what a questionnaire comes to. kind: "rating", "sickness" or "questionnaire". units: for
-    tables, "" for a mere number. source: the paper.
+    tables, "" for a mere number. source: the paper. prompt: what is asked about each item, "" where the items are questions themselves.
     """
 
     name: str
@@ -52,6 +52,7 @@ class Scale:
     scores: tuple[Score, ...] = ()
     units: str = ""
     source: str = ""
+    prompt: str = ""
 
     def values(self) -> tuple[float, ...]:
         """Every answer there is, from least to most."""

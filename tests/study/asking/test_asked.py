@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.study.asking import CONTROLLERS
+from hmdwarp.study.asking import CONTROLLERS, Asked
 from hmdwarp.study.asking.entry import written
 from hmdwarp.study.scales import load_scale
+from hmdwarp.study.steps import Ask
 
 from .scales import SHIPPED, any_scale, asked_of, said
 
@@ -154,6 +155,9 @@ def test_up_is_more_on_a_line_and_further_up_in_a_list():
 
 def test_the_plate_tells_no_condition_and_which_item_it_is():
     ssq = load_scale("ssq")
-    assert asked_of(ssq).label().heading.endswith("item 1 of 16")
+    assert asked_of(ssq).label().heading.endswith("item 1 of 16\nHow much does this affect you right now?")
     assert asked_of(load_scale("grade")).label().heading == "trial 1"
+    grade = load_scale("grade")
+    again = Asked(Ask("trial/1/grade", grade, grade.items[0], "trial", 1), lambda: 0.0, again=True)
+    assert again.label().heading == "trial 1, once more"
     assert "Enter" not in str(asked_of(ssq, CONTROLLERS).label().hints)
