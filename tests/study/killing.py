@@ -26,6 +26,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
+from hmdwarp.errors import InputError
 from hmdwarp.poses import load_trace
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.respondents.cohort import Population
@@ -134,7 +135,10 @@ def live(start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | 
 
 @attrs.define
 class Killed:
-    """Sessions of one study until `kills` of its runs were killed and the last session is complete. tally: what they were about then."""
+    """Sessions of one study until `kills` of its runs were killed and the last session is complete.
+
+    told: by all witnesses. tally: what the program was about when it was killed. codes: whose sessions. place: of the data.
+    """
 
     folder: Path
     seed: int
@@ -142,6 +146,7 @@ class Killed:
     told: list[list] = attrs.field(factory=list)
     tally: Counter = attrs.field(factory=Counter)
     codes: list[str] = attrs.field(factory=list)
+    place: Path | None = None
 
     def run(self) -> None:
         """All of it."""
@@ -159,11 +164,12 @@ class Killed:
 
     @property
     def store(self) -> Path:
-        return self.folder / "data"
+        """Where the data are."""
+        return self.place or self.folder / "data"
 
     def _session(self, arguments: list[str], chance: random.Random, usual: dict[Callable, Life]) -> None:
         """One participant's, killed until it is over or there were kills enough."""
-        while (status := self._status()) != COMPLETE:  # it may be killed after its end, during the last plate
+        while (status := self.status()) != COMPLETE:  # it may be killed after its end, during the last plate
             start = chance.choices(list(usual), (1 - COLD, COLD))[0]
             one = live(start, [*arguments, *(["--resume"] if status else [])], **self._moment(chance, usual[start]))
             self.told += one.told
@@ -181,11 +187,13 @@ class Killed:
         shortly_s = math.exp(chance.uniform(*map(math.log, SHORTLY_S)))
         return {"after_line": chance.randint(1, len(usual.told)), "after_s": shortly_s}
 
-    def _status(self) -> str:
+    def status(self) -> str:
         """Of the session, as somebody else who reads the store sees it; "" where there is none to go on with."""
-        if not (self.store / "study.sqlite3").exists():
+        try:
+            store = Store(self.store)
+        except InputError:  # there is none yet, or one that was not made to its end
             return ""
-        with Store(self.store) as store:
+        with store:
             return next((one.status for one in store.contents().sessions if one.code == self.codes[-1]), "")
 
 

@@ -78,7 +78,7 @@ def one_comparison():
 
 
 def test_power_is_that_of_the_signed_rank_test():
-    """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), of 12 x 3 / pi, to which the signed-rank test's efficiency reduces it, 0.86.
+    """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86: that is the signed-rank test's efficiency.
     The exact level is 0.0425 here, which takes a little more; 3 standard errors of 2000 studies are 0.024."""
     design = one_comparison()
     found = power_of(planned_model(design, design.scales[0], 1.0, 1.0), design, design.scales[0], [12], studies=2000, seed=1)

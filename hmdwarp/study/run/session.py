@@ -107,6 +107,7 @@ class _Program:
         try:
             sitting = self._sitting(session, self.answers_for(session))
             status = sitting.run()
+            self.afterwards.session = self.store.end(session, status, sitting.why)
         except (Broken, Closed) as ended:
             self._interrupt(session, str(ended))
         except HmdwarpError as error:
@@ -116,7 +117,6 @@ class _Program:
             self._give_up(session, error)
             raise
         else:
-            self.afterwards.session = self.store.end(session, status, sitting.why)
             sitting.farewell(status)
         return self.afterwards.session
 

@@ -1,0 +1,121 @@
+"""What a laboratory does to a session, through the real command: two at once, a full disk, a folder that may not be written, an end by
+signal. Each time one clear line, nothing lost, and the session is gone on with."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from hmdwarp.study.store import Store
+
+from . import tiny
+from .killing import Cold, Killed, faults, live
+
+pytestmark = pytest.mark.slow
+
+
+def started(arguments: list[str]) -> subprocess.Popen:
+    return subprocess.Popen([*tiny.PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tiny.ROOT)
+
+
+def until_showing(store: Path, process: subprocess.Popen, key: str = "trial/1") -> None:
+    """A trial is under way, as somebody who reads the store sees it."""
+    until = time.monotonic() + tiny.PATIENCE_S
+    while time.monotonic() < until:
+        assert process.poll() is None, process.communicate()
+        if (store / "study.sqlite3").exists():
+            with Store(store) as opened:
+                if any(one.key == key for one in opened.contents().showings):
+                    return
+        time.sleep(0.05)
+    raise AssertionError("no trial began")
+
+
+def long_study(folder: Path) -> tuple[Path, Path]:
+    """Trials of ten minutes, which nobody waits for."""
+    study, model = tiny.write(folder)
+    study.write_text(tiny.STUDY.replace("[trial]\nseconds = 0.2", "[trial]\nseconds = 600"))
+    return study, model
+
+
+def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
+    """The second is refused with who holds the study; the first does not notice. Ended in the middle of a trial it is gone on with."""
+    study, model = long_study(tmp_path)
+    data = tmp_path / "tiny-data"
+    first = started(tiny.session(study, model, "one"))
+    try:
+        until_showing(data, first)
+        second = tiny.program(*tiny.session(study, model, "two"))
+        assert second.returncode in (2, 3)
+        assert second.stderr.count("\n") == 1 and str(first.pid) in second.stderr
+        assert first.poll() is None
+        first.send_signal(signal.SIGTERM)
+        said, wrong = first.communicate(timeout=tiny.PATIENCE_S)
+    finally:
+        first.kill()
+        first.communicate()
+    assert first.returncode == 128 + signal.SIGTERM
+    assert "--resume" in said + wrong
+    with Store(data) as store:
+        contents = store.contents()
+    assert [(one.code, one.status) for one in contents.sessions] == [("one", "interrupted")]
+    assert [one.complete for one in contents.showings if one.key == "trial/1"] == [False]
+    assert [one.key for one in contents.answers] == ["practice/fms/fms"]
+
+
+@pytest.fixture
+def small_disk(tmp_path) -> Iterator[Path]:
+    """A disk of its own, of 64 KiB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    if os.geteuid() != 0 or not shutil.which("mount"):
+        pytest.skip("a disk of its own can be mounted by root alone")
+    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], check=False, capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip(f"no disk can be mounted here ({done.stderr.strip()})")
+    yield place
+    subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def test_a_disk_that_is_full_in_mid_session(small_disk, tmp_path):
+    """Half as much again each time: every stop is told in one line, and in the end nothing that was confirmed is missing."""
+    study, model = tiny.write(tmp_path)
+    session = tiny.session(study, model, "person-1", "--store", str(small_disk / "data"))
+    killed = Killed(tmp_path, 0, 0, codes=["person-1"], place=small_disk / "data")
+    stops: list[str] = []
+    for size_k in (96, 144, 216, 324, 486, 729, 1094, 1640, 8000, 8000):
+        one = live(Cold, [*session, *(["--resume"] if killed.status() else [])])
+        killed.told += one.told
+        if one.status == 0:
+            break
+        assert one.status == 3 and len(one.said.splitlines()) == 1, one.said
+        assert "room" in one.said, one.said
+        stops.append(one.said)
+        subprocess.run(["mount", "-o", f"remount,size={size_k}k", str(small_disk)], check=True)
+    assert len(stops) > 2 and any("--resume" in one for one in stops)
+    assert faults(killed) == []
+
+
+def test_a_folder_that_may_not_be_written(tmp_path):
+    """Of what is there nothing is changed; what may be read may be exported."""
+    study, model = tiny.write(tmp_path)
+    data = tmp_path / "tiny-data"
+    tiny.ran(*tiny.session(study, model, "one"))
+    if os.geteuid() != 0 or subprocess.run(["mount", "--bind", data, data], check=False, capture_output=True).returncode:
+        pytest.skip("root may write everywhere, and only root can mount a folder read-only")
+    try:
+        subprocess.run(["mount", "-o", "remount,ro,bind", data, data], check=True)
+        before = (data / "study.sqlite3").read_bytes()
+        done = tiny.program(*tiny.session(study, model, "two"))
+        assert done.returncode in (2, 3) and done.stderr.count("\n") == 1 and str(data) in done.stderr
+        assert (data / "study.sqlite3").read_bytes() == before
+        tiny.ran("study", "export", study, "--out", tmp_path / "export", "--simulated", "--quiet")
+    finally:
+        subprocess.run(["umount", "-l", data], check=True)
