@@ -12,6 +12,7 @@ KEYS = {
     "?": "help",
 }  # fmt: skip
 LONGEST_ANSWER = 12
+NOTED_S = 10.0  # how long what came of a key stays: after that it seems to be about what is on now
 # What a stray key must not do is asked about first. The same key again confirms a consent or a question left out, but not an end.
 SURE = {
     "stop": "End the session now? Everything answered so far is kept. y ends it, any other key does not",
@@ -36,6 +37,7 @@ class Entry:
     note: str = ""
     loud: bool = False
     _was: About | None = None
+    _noted: tuple[str, float] = ("", 0.0)  # the note, and when it was first there
 
     def key(self, key: str, state: DeskState) -> Asked | None:
         """A key: one character, or "enter", "escape", "backspace", "clear". What is asked for, once that is complete: a command, its value,
@@ -71,6 +73,13 @@ class Entry:
             self._say("that question is over: what was typed is dropped" if was in ("answer", "sure") else "that is over", loud=True)
         elif self.mode == "stop" and state.phase == "over":
             self._back("")
+        self._fade(state)
+
+    def _fade(self, state: DeskState) -> None:
+        if self.note != self._noted[0]:
+            self._noted = (self.note, state.elapsed_s)
+        elif self.mode == "keys" and state.elapsed_s - self._noted[1] >= NOTED_S:
+            self._say("")
 
     def prompt(self, question: Question | None) -> str:
         """What stands before the text. question: as asked now."""

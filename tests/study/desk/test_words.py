@@ -107,6 +107,18 @@ def test_an_answer_half_typed_is_not_one_to_the_next_question():
         assert pressed(entry, STATES["next"], "enter", "y") == []
 
 
+def test_what_came_of_a_key_goes_after_a_while_and_a_line_that_is_typed_stays():
+    entry = Entry()
+    pressed(entry, SHOWING, "x")
+    for seconds, there in ((0.0, True), (9.0, True), (10.5, False)):
+        entry.follow(attrs.evolve(SHOWING, elapsed_s=SHOWING.elapsed_s + seconds))
+        assert bool(entry.note) == there
+    pressed(entry, SHOWING, "m", "slipped")
+    for seconds in (0.0, 99.0):
+        entry.follow(attrs.evolve(SHOWING, elapsed_s=SHOWING.elapsed_s + seconds))
+    assert entry.mode == "remark" and entry.text == "slipped"
+
+
 def test_what_the_participant_enters_meanwhile_does_not_disturb_the_typing():
     entry = Entry()
     pressed(entry, ASKING, "4")
