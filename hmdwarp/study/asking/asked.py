@@ -98,8 +98,9 @@ class Asked:
         self._typed, self.value = "", value
 
     def _do_point(self, at: object) -> None:
+        """A mouse that is pushed by a sleeve must not change what was typed; a click does."""
         value = self.label().value_at(*_place(at))
-        if value is not None:
+        if value is not None and not self._typed:
             self._set(value)
 
     def _do_press(self, at: object) -> None:

@@ -24,7 +24,7 @@ _TIMED = re.compile(r"( *\d+(?::\d\d)+  |)(.*)", re.DOTALL)  # how a line of the
 _LOUD = re.compile(r"\b(PILOT|REHEARSAL|SIMULATED)\b")
 HINTS = {
     "reading": "g once they agree to the text, s if they do not.",
-    "waiting": "The participant begins when ready; c does it for them.",
+    "waiting": "The participant goes on when ready; c does it for them.",
     "showing": "The participant looks. Nothing to do.",
     "asking": "The participant answers. Said aloud: type it.",
     "break": "A break. c ends it.",

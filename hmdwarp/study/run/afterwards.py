@@ -52,7 +52,7 @@ class Afterwards:
     def _next(self) -> str:
         words = ["hmdwarp", "study", "export", self._options.study, "--out", "DIR"]
         words += ["--store", str(self._options.store)] if self._options.store is not None else []
-        words += ["--pilot"] if self._options.pilot else []
+        words += [f"--{self._options.origin}"] if self._options.origin != PERSON else []
         return f"next: another participant, or {shlex.join(words)}"
 
     def explained(self, error: HmdwarpError) -> HmdwarpError:

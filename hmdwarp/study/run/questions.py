@@ -16,13 +16,13 @@ CONFIRMS = frozenset({"confirm", "agree", "continue"})
 
 
 class Question(StepWatch):
-    """value: what was answered, None for "cannot say"; by: by whom; seconds: how long that took."""
+    """value: what was answered, None for "cannot say"; by: by whom; seconds: how long that took. again: whether it was before."""
 
     phase = "asking"
 
-    def __init__(self, room: Room, ask: Ask) -> None:
+    def __init__(self, room: Room, ask: Ask, again: bool = False) -> None:
         super().__init__(room, ask)
-        self._asked = Asked(ask, room.now_s, hints_for(room.display.name))
+        self._asked = Asked(ask, room.now_s, hints_for(room.display.name), again)
         self.seconds = 0.0
 
     def left_unanswered(self) -> Question:
@@ -158,7 +158,7 @@ class MenuWatch(StepWatch):
 class Waiting(StepWatch):
     """A plate that stands there until somebody confirms it."""
 
-    phase = "reading"
+    phase = "waiting"
 
     def __init__(self, room: Room, read: Read, plate: Card) -> None:
         super().__init__(room, read)

@@ -80,9 +80,11 @@ def _respondent(options: RunSession, design: Design, part: str) -> Callable[[Ses
     """Who answers in a session, beside the participant. Errors: InputError for a model that cannot be used, before there is a session."""
     if options.simulate is None:
         return lambda session: Nobody()
+    from ..respondents.cohort import Population
     from ..respondents.simulated import Simulated, load_model, person_of
 
     model = load_model(options.simulate)
+    Population(model, design, part)  # raises where the model has no answer to what the study asks
     return lambda session: Simulated(model, design, part, design.seed, person_of(session.code), session.order)
 
 

@@ -129,7 +129,7 @@ class Sitting:
 
     def _answer(self, step: Ask) -> None:
         room = self.room
-        watch = self._pursue(lambda: Question(room, step))
+        watch = self._pursue(lambda: Question(room, step, self._asking_again))
         answer = room.store.answer(room.session, step, watch.value, watch.seconds, watch.by, self.about.get(step.key))
         room.done.add(step.key)
         self.answered = step

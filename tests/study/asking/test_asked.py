@@ -153,6 +153,19 @@ def test_up_is_more_on_a_line_and_further_up_in_a_list():
         assert asked.value == wanted
 
 
+def test_a_mouse_that_is_pushed_does_not_change_what_was_typed_and_a_click_does():
+    asked = asked_of(load_scale("grade"))
+    plate = asked.label()
+    places = [(u / 100, v / 100) for u in range(5, 96, 5) for v in range(5, 96, 5)]
+    there = next(place for place in places if plate.value_at(*place) == 4.0)
+    asked.obey(said(("digit", "2"), ("point", there)))
+    assert asked.value == 2.0
+    asked.obey(said("erase", ("point", there)))
+    assert asked.value == 4.0
+    asked.obey(said(("digit", "2"), ("press", there)))
+    assert asked.confirmed and asked.value == 4.0
+
+
 def test_the_plate_tells_no_condition_and_which_item_it_is():
     ssq = load_scale("ssq")
     assert asked_of(ssq).label().heading.endswith("item 1 of 16\nHow much does this affect you right now?")

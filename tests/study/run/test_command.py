@@ -43,8 +43,8 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     watchdog.start()
     try:
         for line in program.stderr:
-            if "about to begin: reading" in line:
-                program.stdin.write("agree\n")
+            if "about to begin: waiting" in line:
+                program.stdin.write("continue\n")
                 program.stdin.flush()
             if "trial 1 of 2: showing" in line:
                 break
@@ -74,7 +74,7 @@ def test_a_session_answered_at_the_desk_line_by_line(tmp_path):
     grades = iter(("answer 3,25", "skip"))
     try:
         for line in program.stderr:
-            typed = "agree" if "about to begin: reading" in line else next(grades) if "desk: asked: " in line else ""
+            typed = "continue" if "about to begin: waiting" in line else next(grades) if "desk: asked: " in line else ""
             if typed:
                 program.stdin.write(f"{typed}\n")
                 program.stdin.flush()
@@ -95,6 +95,7 @@ def test_a_session_answered_at_the_desk_line_by_line(tmp_path):
         (("--source", "nowhere"), 2, "--source nowhere: wanted auto, openxr, desktop, offscreen"),
         (("--source", "offscreen"), 2, "name a recorded one by --trace"),
         (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
+        (("--source", "offscreen", "--trace", "walk", "--simulate", "quick"), 2, "no mean for plainly-late"),
         (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),
         (("--resume", "--new-session"), 2, "leave one of the two out"),
         (("--desk", "chair", "--pilot"), 2, "--desk"),
