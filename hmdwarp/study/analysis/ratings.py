@@ -110,8 +110,9 @@ class Ratings:
         return tuple(dict.fromkeys(row.part for row in self.rows))
 
     def scales(self) -> tuple[str, ...]:
-        """Names of the measures that have rows, in order of appearance."""
-        return tuple(dict.fromkeys(row.scale for row in self.rows))
+        """Names of the measures that have rows, in the order of the measures: a plan names the one that matters most first."""
+        found = {row.scale for row in self.rows}
+        return tuple(name for name in self.measures if name in found)
 
     def of(self, part: str, scale: str) -> tuple[Rating, ...]:
         """The rows of a part on one scale."""

@@ -134,6 +134,8 @@ def of_reference(row: Row | None) -> str:
     """Whether people found the hidden reference good."""
     if row is None:
         return "There was no hidden reference, so nobody can tell from the ratings who judged with care."
+    if not row["rated"]:
+        return "Nobody rated the hidden reference."
     if not row["missed"]:
         return f"All {row['rated']} who rated the hidden reference put it in the better half of their ratings."
     return (

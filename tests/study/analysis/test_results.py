@@ -15,6 +15,7 @@ from hmdwarp.study.analysis import Measure, Ratings
 from hmdwarp.study.analysis.claims import load_claims
 from hmdwarp.study.analysis.copied import copied
 from hmdwarp.study.analysis.effects import order_effects
+from hmdwarp.study.analysis.sentences import of_reference
 from hmdwarp.study.analysis.whole import analyse
 from hmdwarp.study.design import Comparison, Family
 
@@ -186,3 +187,13 @@ def test_a_wrong_file_of_claims_is_told_with_its_line(tmp_path, text, told):
     path.write_text(text)
     with pytest.raises(InputError, match=told.replace(".", r"\.")):
         load_claims(path)
+
+
+def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
+    on_acr, on_grade = ratings_of({"x": [4.0]}, measure=ACR), ratings_of({"x": [2.0]})
+    both = Ratings(on_acr.rows + on_grade.rows, {"grade": GRADE, "acr": ACR, "slider": Measure("slider", "Other", low_is_good=False)})
+    assert both.scales() == ("grade", "acr")
+
+
+def test_a_reference_that_nobody_rated_is_not_praised():
+    assert of_reference({"rated": 0, "missed": []}) == "Nobody rated the hidden reference."
