@@ -7,10 +7,11 @@ import typer
 from . import analyse, export, measure, plan, power, run, withdraw
 
 app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
+
 app.command("plan")(plan.plan)
 app.command("run")(run.run)
+app.command("measure")(measure.measure)
 app.command("export")(export.export)
+app.command("analyse")(analyse.analyse)
 app.command("power")(power.power)
 app.command("withdraw")(withdraw.withdraw)
-app.command("analyse")(analyse.analyse)
-app.command("measure")(measure.measure)
