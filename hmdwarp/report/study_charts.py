@@ -51,7 +51,7 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
             _forest_line(axes, y, row)
         axes.set_yticks(range(len(shown)), [_comparison_label(row) for row in shown], parse_math=False)
         axes.set_ylim(len(shown) - 0.4, -0.7)
-        reach = max((abs(v) for row in shown for v in [*row["differences"].values(), row["low"], row["high"]]), default=1.0)
+        reach = max((abs(v) for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]), default=1.0)
         axes.set_xlim(-1.08 * max(reach, 1e-9), 1.08 * max(reach, 1e-9))
         axes.set_xlabel(f"difference in {unit}:  the second was rated worse  ←  0  →  better")
         figure.legend(handles=_forest_key(), loc="outside upper left", ncols=3, frameon=False, labelcolor=PAGE.ink)
@@ -174,9 +174,11 @@ def _rating_key(lines: bool) -> list[Any]:
 def _forest_line(axes: Axes, y: int, row: Row) -> None:
     values = np.array(list(row["differences"].values()))
     axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", color=PAGE.ink, alpha=0.45, markersize=3.2, markeredgewidth=0)
-    axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, solid_capstyle="butt")
+    if row["low"] is not None:
+        axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, solid_capstyle="butt")
     axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
-    axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, solid_capstyle="butt")
+    if row["shift_low"] is not None:
+        axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, solid_capstyle="butt")
     axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
 
 

@@ -10,7 +10,7 @@ from .page import environment
 from .study_charts import forest_chart, place_chart, ratings_chart
 from .study_predicted import prediction_of
 from .study_tables import comparison_lines, condition_lines, felt_lines
-from .study_words import counted, p_text, pair_text, plain, signed
+from .study_words import counted, interval, p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
@@ -74,8 +74,11 @@ def _missing(rows: Sequence[Row]) -> list[str]:
 
 
 def _said(rows: Sequence[Row]) -> str:
-    told = [(f"{row['part']} {row['a']} to {row['b']}", row["mean"], row["low"], row["high"]) for row in rows if row["n"]]
-    return "; ".join(f"{name}: mean {signed(mean)}, {signed(low)} to {signed(high)}" for name, mean, low, high in told)
+    return "; ".join(
+        f"{row['part']} {row['a']} to {row['b']}: mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".strip()
+        for row in rows
+        if row["n"]
+    )
 
 
 def _part(part: Row, rows: Sequence[Row], measure: Row) -> Row:

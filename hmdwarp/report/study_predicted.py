@@ -7,7 +7,7 @@ from typing import Any
 
 from .bench_page import Cell, Line, PageChart, PageTable
 from .study_charts import scatter_chart
-from .study_words import plain, signed
+from .study_words import interval, plain, signed
 
 _HEADS = (
     ("measure", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""), ("error taken off", "%"), ("95 %", ""), ("best in", "%"),
@@ -32,7 +32,7 @@ def _table(measures: list[Mapping[str, Any]]) -> PageTable:
         texts = [
             one["title"],
             signed(one["r"]),
-            f"{signed(one['low'])} .. {signed(one['high'])}",
+            interval(one["low"], one["high"]),
             signed(one["rank_r"]),
             _percent(one["skill"]),
             f"{_percent(one['skill_low'])} .. {_percent(one['skill_high'])}",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from .study_words import p_text, pair_text, plain, signed
+from .study_words import interval, p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 Heads = tuple[tuple[str, str], ...]
@@ -56,20 +56,24 @@ def _comparison(row: Row) -> list[str]:
     name = ": ".join([*filter(None, [row["part"]]), pair_text(row["a"], row["b"])])
     if not row["n"]:
         return [name, "0", *["–"] * 9]
-    level = f" ({100 * row['shift_level']:.1f} %)"
     return [
         name,
         pairs_text(row),
         signed(row["mean"], 3),
-        f"{signed(row['low'])} .. {signed(row['high'])}",
+        interval(row["low"], row["high"]),
         signed(row["shift"]),
-        f"{signed(row['shift_low'])} .. {signed(row['shift_high'])}{level}",
+        _exact(row["shift_low"], row["shift_high"], row["shift_level"]),
         f"{row['w_plus']:g}/{row['w_minus']:g}",
         p_text(row["p"]),
         p_text(row["holm"]),
         p_text(row["holm_all"]),
         signed(row["rank_biserial"]),
     ]
+
+
+def _exact(low: float | None, high: float | None, level: float | None, digits: int = 2) -> str:
+    """With how sure it really is: levels come in steps."""
+    return interval(low, high, digits) + ("" if level is None else f" ({100 * level:.1f} %)")
 
 
 def pairs_text(row: Row) -> str:
@@ -83,11 +87,9 @@ def felt_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     heads = tuple((name, "median" if name in ("before", "after") else "") for name in names)
     lines = []
     for row in rows:
-        change = row.get("change")
-        interval = "–" if change is None else f"{signed(row['low'], 1)} .. {signed(row['high'], 1)}"
         name = f"{row['scale']} {row['score']}"
-        middle = [plain(row["before"], 1), plain(row["after"], 1), signed(change, 1)]
-        lines.append([name, str(row["n"]), *middle, interval, p_text(row.get("p"))])
+        middle = [plain(row["before"], 1), plain(row["after"], 1), signed(row.get("change"), 1)]
+        lines.append([name, str(row["n"]), *middle, _exact(row.get("low"), row.get("high"), row.get("level"), 1), p_text(row.get("p"))])
     return heads, lines
 
 

@@ -33,6 +33,11 @@ def signed(value: float | None, digits: int = 2) -> str:
     return text[1:] if float(text) == 0 else text
 
 
+def interval(low: float | None, high: float | None, digits: int = 2) -> str:
+    """As "-0.16 .. +0.75"; a dash where there is none."""
+    return "–" if low is None or high is None else f"{signed(low, digits)} .. {signed(high, digits)}"
+
+
 def plain(value: float | None, digits: int = 2) -> str:
     """As "2.62"; a dash for None."""
     return "–" if value is None or math.isnan(value) else f"{value:.{digits}f}"

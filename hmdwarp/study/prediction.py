@@ -16,6 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..report.study_words import counted
 from .prediction_sums import (
     Sums,
     bca_intervals,
@@ -210,12 +211,13 @@ def _ranked(values: Array, who: NDArray[np.intp]) -> Array:
 
 def _refused(people: int, ratings: int, conditions: int, moving: Sequence[str]) -> str:
     if people < LEAST_PEOPLE:
-        return f"{people} people with at least {LEAST_ROWS} ratings and all measures: wanted {LEAST_PEOPLE}, to tell how sure anything is"
+        who = f"{counted(people, 'person')} with at least {LEAST_ROWS} ratings and all measures"
+        return f"{who}: wanted {LEAST_PEOPLE}, to tell how sure anything is"
     if conditions < LEAST_CONDITIONS:
-        return f"{conditions} conditions: wanted {LEAST_CONDITIONS}, for any measure fits a line through two"
+        return f"{counted(conditions, 'condition')}: wanted {LEAST_CONDITIONS}, for any measure fits a line through two"
     if not moving:
         return "no measure differs between the trials of a person"
-    return "" if ratings - people - 1 > 1 else f"{ratings} ratings of {people} people: too few for a slope"
+    return "" if ratings - people - 1 > 1 else f"{counted(ratings, 'rating')} of {counted(people, 'person')}: too few for a slope"
 
 
 def _all_alike(rows: Sequence[Row]) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
+
+from ..report.study_words import counted, listed
 
 if TYPE_CHECKING:
     from .prediction import Measure, Prediction
@@ -22,7 +23,7 @@ def sentences(found: Prediction) -> list[str]:
 def _winner(found: Prediction) -> str:
     first, rest = found.measures[0], found.candidates[1:]
     how = f"within-person r = {first.r:+.2f} (95 % {first.low:+.2f} .. {first.high:+.2f}, more is rated {_worse(first)})"
-    people = f"{found.people} people, {found.ratings} ratings"
+    people = f"{counted(found.people, 'person')}, {counted(found.ratings, 'rating')}"
     if len(found.measures) == 1:
         return f"Only one measure can be looked at: {first.title}, {how}; {people}."
     if not found.sure:
@@ -33,7 +34,7 @@ def _winner(found: Prediction) -> str:
     if not rest:
         return f"{_big(first.title)} predicts the ratings best: {how}, the best in {first.best:.0%} of the resamples; {people}."
     return (
-        f"Which measure predicts best cannot be told: {first.title} comes first with {how}, but {_list([one.title for one in rest])} "
+        f"Which measure predicts best cannot be told: {first.title} comes first with {how}, but {listed([one.title for one in rest])} "
         f"may be as good (p = {max(one.behind_p for one in rest):.2f} and less, by flipping people's signs); {people}."
     )
 
@@ -57,7 +58,7 @@ def _strength(found: Prediction) -> str:
 
 def _conditions(found: Prediction) -> str:
     first = found.measures[0]
-    many = f"These are {found.conditions} conditions and {len(found.measures)} measures"
+    many = f"These are {counted(found.conditions, 'condition')} and {counted(len(found.measures), 'measure')}"
     warning = "others may put another measure first" if len(found.measures) > 1 else "others may tell otherwise"
     if math.isnan(first.skill_condition):
         return f"{many}: {warning}."
@@ -79,7 +80,7 @@ def _alike(found: Prediction) -> list[str]:
     order = [one.title for one in found.measures]
     told = []
     for group in groups:
-        names = _list(sorted(group, key=order.index))
+        names = listed(sorted(group, key=order.index))
         told.append(f"In these conditions {names} move together (within-person correlation 0.95 and more): ratings cannot tell them apart.")
     age = next((one for one in found.measures if one.name == "actual_latency_ms_median"), None)
     if age is not None and found.measures[0] is not age and age in found.candidates:
@@ -90,16 +91,12 @@ def _alike(found: Prediction) -> list[str]:
 def _left_out(found: Prediction) -> list[str]:
     told = []
     if found.dropped:
-        told.append(f"{found.dropped} ratings had not all measures, or were a person's only one, and were left out.")
+        told.append(f"Left out: {counted(found.dropped, 'rating')} without all measures, or the only one of a person.")
     reasons: dict[str, list[str]] = {}
     for title, reason in found.left_out:
         reasons.setdefault(reason, []).append(title)
-    told += [f"Not looked at: {_list(titles)} ({reason})." for reason, titles in reasons.items()]
+    told += [f"Not looked at: {listed(titles)} ({reason})." for reason, titles in reasons.items()]
     return told
-
-
-def _list(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def _big(text: str) -> str:

@@ -23,7 +23,7 @@ from hmdwarp.study.power.simulation import differences
 from hmdwarp.study.respondents.cohort import Cohort, Population
 from hmdwarp.study.respondents.model import Model, SicknessModel
 from hmdwarp.study.respondents.simulated import load_model, person_of
-from hmdwarp.study.store import Contents, Store
+from hmdwarp.study.store import SIMULATED, Contents, Store
 
 from . import tiny
 from .killing import Nursery, live
@@ -137,7 +137,7 @@ def test_dropouts_are_listed(study):
 
 
 def test_the_export_reads_back(study):
-    own, exported = from_contents(study.contents, study.design), from_csv(study.made / "export" / "ratings.csv", Given())
+    own, exported = from_contents(study.contents, study.design, SIMULATED), from_csv(study.made / "export" / "ratings.csv", Given())
     assert exported.rows
     values = [
         {(row.participant, row.place, row.condition, row.previous): row.value for row in one.rows if row.value is not None}

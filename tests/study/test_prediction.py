@@ -203,7 +203,7 @@ def test_what_cannot_be_looked_at_is_named_with_its_reason():
     assert reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings" and reasons["flicker"] == "nobody measured it"
     assert found.dropped == 5 and found.ratings == 91
     text = " ".join(found.sentences())
-    assert "5 ratings had not all measures" in text and "flicker" in text
+    assert "Left out: 5 ratings without all measures" in text and "flicker" in text
 
 
 def test_too_little_is_refused_in_words():

@@ -13,32 +13,42 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 _Texts = list[str] | None
+_SOURCE = "A table with one row per rating (.csv, .tsv), a study's .toml file, or the name of a shipped study."
+_FAMILY = "Compare these pairs instead of the planned ones, corrected together; may be repeated, each a family."
 
 
 def analyse(
-    source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help="A long table (.csv, .tsv), a study's .toml file, or a shipped one.")],
-    out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/.")],
-    store: Annotated[Path | None, typer.Option("--store", help="The data; by default beside the file.", show_default=False)] = None,
-    scale: Annotated[str, typer.Option("--scale", help="What a table's ratings are on: grade, acr, ..", show_default=False)] = "",
+    source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help=_SOURCE)],
+    out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/*.csv.")],
+    store: Annotated[Path | None, typer.Option("--store", help="A study's data; by default beside its file.", show_default=False)] = None,
+    scale: Annotated[
+        str, typer.Option("--scale", help="The scale of a table that does not name it: grade, acr, ..", show_default=False)
+    ] = "",
     low_is_good: Annotated[
-        bool | None, typer.Option("--low-is-good/--high-is-good", help="Which way a table's ratings go.", show_default=False)
+        bool | None,
+        typer.Option("--low-is-good/--high-is-good", help="Which way a table's ratings go, where it does not say.", show_default=False),
     ] = None,
     column: Annotated[
-        _Texts, typer.Option("--column", metavar="ROLE=NAME", help="A table's column: rating=mos, ..", show_default=False)
+        _Texts,
+        typer.Option(
+            "--column", metavar="ROLE=NAME", help="Its column for a role: rating=mos, participant=who; may be repeated.", show_default=False
+        ),
     ] = None,
-    family: Annotated[
-        _Texts, typer.Option("--family", metavar="A:B;C:D", help="Compare these pairs, a family; may be repeated.", show_default=False)
-    ] = None,
+    family: Annotated[_Texts, typer.Option("--family", metavar="A:B;C:D", help=_FAMILY, show_default=False)] = None,
     claims: Annotated[
-        Path | None, typer.Option("--claims", help="A .toml file of published figures to check.", show_default=False)
+        Path | None, typer.Option("--claims", help="A .toml file of published figures to hold against the ratings.", show_default=False)
     ] = None,
-    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of participants.")] = False,
-    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of those of participants.")] = False,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the bootstrap.")] = 142,
-    resamples: Annotated[int, typer.Option("--resamples", min=100, max=10_000_000, help="Of the bootstrap.")] = 20_000,
+    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
+    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")] = False,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the bootstrap: the same one gives the same intervals.")] = 142,
+    resamples: Annotated[int, typer.Option("--resamples", min=100, max=10_000_000, help="Resamples of the bootstrap.")] = 20_000,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Say what ratings show and what they leave open: exact tests, intervals, order effects, missing ratings; tables, plots, one page."""
+    """Say what ratings show and what they leave open: exact tests, intervals, order effects, missing ratings; tables, plots, one page.
+
+    A study's sessions with people count; pilot and simulated ones are analysed by themselves, if asked for. The name of a shipped study
+    that has no sessions here stands for the ratings published with it ('thesis').
+    """
     import attrs
 
     from ...errors import InputError
@@ -71,12 +81,13 @@ def _columns(texts: _Texts) -> dict[str, str]:
 
 
 def _tell(data: dict[str, Any]) -> None:
+    from ...report.study_words import counted
     from .._show import console, paragraph
 
     screen = console()
     paragraph(typer.style(data["title"], bold=True))
-    people = f"{data['participants']} participants, {data['ratings']} ratings, {data['missing']} missing; from {data['source']}."
-    paragraph(people)
+    counts = f"{counted(data['participants'], 'participant')}, {counted(data['ratings'], 'rating')}, {data['missing']} missing"
+    paragraph(f"{counts}; from {data['source']}.")
     for note in data["notes"]:
         paragraph(f"note: {note}")
     for scale in data["scales"]:
@@ -116,15 +127,16 @@ def _tell_comparisons(screen: Any, scale: dict[str, Any]) -> None:
 
 def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
     from ...report.study_tables import condition_lines
+    from ...report.study_words import counted
 
     heads, lines = condition_lines(part["conditions"])
-    return _table(f"{part['part'] or 'Conditions'}: {measure['title']}, {part['participants']} participants", heads, lines)
+    return _table(f"{part['part'] or 'Conditions'}: {measure['title']}, {counted(part['participants'], 'participant')}", heads, lines)
 
 
 def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
     """What fits 80 columns; the page has the rest."""
     from ...report.study_tables import pairs_text
-    from ...report.study_words import p_text, pair_text, plain, signed
+    from ...report.study_words import interval, p_text, pair_text, plain, signed
 
     heads = [(name, "") for name in ("compared", "pairs +/0/-", "mean", "BCa 95 %", "p", "Holm", "all", "r")]
     lines = [
@@ -132,7 +144,7 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
             pair_text(row["a"], row["b"]),
             pairs_text(row),
             signed(row["mean"], 3) if row["n"] else "–",
-            f"{signed(row['low'])} .. {signed(row['high'])}" if row["n"] else "–",
+            interval(row["low"], row["high"]),
             *(p_text(row[name]) for name in ("p", "holm", "holm_all")),
             plain(row["rank_biserial"]),
         ]

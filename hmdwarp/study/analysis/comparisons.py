@@ -23,6 +23,8 @@ from ..statistics import (
 )
 from .ratings import Measure, Ratings, Table
 
+_LEAST_LEVEL = 0.5  # an exact interval that misses more often than that says nothing: that of one difference (0 %), not of two (50 %)
+
 
 @attrs.frozen
 class Resampling:
@@ -77,19 +79,25 @@ def _compared(table: Table, measure: Measure, family: str, comparison: Compariso
 
 _STATISTICS = (
     "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial", "shift", "shift_low", "shift_high", "shift_level",
-    "low", "high", "interval_is_a_point",
+    "low", "high",
 )  # fmt: skip
 
 
 def _statistics(values: np.ndarray, resampling: Resampling) -> dict[str, Any]:
-    test, shift = wilcoxon_exact(values), hodges_lehmann(values)
-    low, high = bca(values, resampling.seed, resampling.resamples)
+    test = wilcoxon_exact(values)
+    # One difference, or equal ones, have no spread to resample: a point is no interval.
+    low, high = (None, None) if is_degenerate(values) else bca(values, resampling.seed, resampling.resamples)
     found = (
         float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None, float(np.median(values)), test.w_plus, test.w_minus,
-        test.p, smallest_p(test.n), rank_biserial(values), shift.shift, shift.low, shift.high, attained_level(len(values)), low, high,
-        is_degenerate(values),
+        test.p, smallest_p(test.n), rank_biserial(values), *shift_of(values), low, high,
     )  # fmt: skip
     return dict(zip(_STATISTICS, found, strict=True))
+
+
+def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
+    """Hodges-Lehmann shift, low, high, and how sure that interval is; None for the last three where it is hardly sure of anything."""
+    shift, level = hodges_lehmann(values), attained_level(len(values))
+    return (shift.shift, None, None, None) if level < _LEAST_LEVEL else (shift.shift, shift.low, shift.high, level)
 
 
 def _correct(rows: list[dict[str, Any]]) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...report.study_words import counted
 from ..extra import needed
 from .ratings import Rating
 
@@ -51,7 +52,7 @@ def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) 
             return _effect(values, {**blocks, other: np.zeros((len(values), 0))}, name, other)
         return {"why_not": "it cannot be told from the conditions: everybody saw them in the same order"}
     if len(values) - _rank(whole) < _LEAST_REST:
-        return {"why_not": f"{len(values)} ratings are too few for it"}
+        return {"why_not": f"{counted(len(values), 'rating')} {'is' if len(values) == 1 else 'are'} too few for it"}
     api = needed("statsmodels.api", "statsmodels")
     full, reduced = api.OLS(values, whole).fit(), api.OLS(values, rest).fit()
     noise = float(full.ssr)

@@ -11,6 +11,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...report.study_words import counted
 from ..scales import RATING, load_scale, scale_names
 from .columns import MISSING, SETTINGS
 from .csv_lines import Line, lines_of, numbers_of, whole
@@ -44,7 +45,7 @@ def from_csv(path: Path, given: Given = Given()) -> Ratings:  # noqa: B008  (fro
     measures = _measures(lines, numbers, path, given, notes)
     rows, felt, used = _rows(lines, numbers, measures, path, header)
     if not rows:
-        raise InputError(f"{path}: holds no ratings: {len(lines)} rows, none of them on a rating scale")
+        raise InputError(f"{path}: holds no ratings: {counted(len(lines), 'row')}, none of them on a rating scale")
     repeated = sum(count > 1 for count in Counter((r.participant, r.part, r.condition, r.scale) for r in rows).values())
     if repeated:
         notes.append(f"{repeated} times a participant rated a condition more than once: the mean counts.")

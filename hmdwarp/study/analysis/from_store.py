@@ -8,13 +8,15 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...report.study_words import counted
 from ..design import Design
 from ..design._parts import ONLY_PART
 from ..design.read import design_from_text
 from ..export.rows import long_rows, of_origin
+from ..export.words import nobody
 from ..scales import RATING
 from ..steps import Ask, Show, steps_of
-from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, SIMULATED, STOPPED, Answer, Contents, Session
+from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
 from .ratings import Felt, Measure, Rating, Ratings, Sitting
 
 _WHY = {
@@ -27,17 +29,16 @@ _WHY = {
 _CANNOT_SAY = "the participant could not say"
 
 
-def from_contents(contents: Contents, design: Design, origin: str | None = None) -> Ratings:
+def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
     """The ratings of one origin, each with its place and the condition before it.
 
-    origin: "person", "pilot" or "simulated"; by default people, or simulated participants where there is nobody else. Every session is read
-    by the plan it was run by. What was not rated is there too, with the reason. Errors: InputError where there are no such sessions.
+    origin: "person", "pilot" or "simulated". Every session is read by the plan it was run by. What was not rated is there too, with the
+    reason. Errors: InputError where there are no such sessions.
     """
-    origin = origin or _origin_of(contents)
     # By their random words: who came first is nobody's business.
     sessions = sorted((one for one in contents.sessions if one.origin == origin), key=lambda one: (one.sub, one.number))
     if not sessions:
-        raise InputError(_nobody(contents, origin))
+        raise InputError(nobody(contents, origin, "analyse"))
     latest = _latest(contents.answers)
     rows: list[Rating] = []
     felt: list[Felt] = []
@@ -55,6 +56,7 @@ def from_contents(contents: Contents, design: Design, origin: str | None = None)
         rows=tuple(rows),
         measures={scale.name: Measure.of(scale) for scale in design.scales if scale.kind == RATING},
         families=design.families,
+        planned={part.name: tuple(one.name for one in part.conditions) for part in design.parts},
         origin=origin,
         source=f"the store of '{contents.name}'",
         title=design.title,
@@ -70,17 +72,7 @@ def _without_part(ratings: Ratings) -> Ratings:
     """The same under no name of a part: the plan has none, so nothing said of it needs one."""
     families = (attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons)) for one in ratings.families)
     lists = {name: tuple(attrs.evolve(one, part="") for one in getattr(ratings, name)) for name in ("rows", "sittings", "felt")}
-    return attrs.evolve(ratings, families=tuple(families), **lists)
-
-
-def _origin_of(contents: Contents) -> str:
-    there = {session.origin for session in contents.sessions}
-    return next((origin for origin in (PERSON, SIMULATED) if origin in there), PERSON)
-
-
-def _nobody(contents: Contents, origin: str) -> str:
-    others = ", ".join(sorted({session.origin for session in contents.sessions})) or "nobody"
-    return f"{contents.folder}: no sessions of origin '{origin}' (there are: {others}): run some, or say --pilot or --simulated"
+    return attrs.evolve(ratings, families=tuple(families), planned={"": ratings.planned[ONLY_PART]}, **lists)
 
 
 def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
@@ -144,7 +136,8 @@ def _notes(contents: Contents, sessions: list[Session], design: Design, origin: 
         yield f"Sessions of origin {' and '.join(sorted(others))} are left out: they never count together."
     changed = sum(session.plan != design.text for session in sessions)
     if changed:
-        yield f"The study's file was changed after {changed} of {len(sessions)} sessions; each is read by the plan it was run by."
+        those = f"{changed} of {counted(len(sessions), 'session')}"
+        yield f"The study's file was changed after {those}; each is read by the plan it was run by."
     again = len({session.sub for session in sessions if session.number > 1})
     if again:
         yield f"Participants with more than one session: {again}; their ratings of a condition are averaged over all of them."

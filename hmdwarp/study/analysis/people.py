@@ -10,7 +10,8 @@ import numpy as np
 
 from ...errors import InputError
 from ..scales import QUESTIONNAIRE, Scale, load_scale, scored
-from ..statistics import hodges_lehmann, wilcoxon_exact
+from ..statistics import wilcoxon_exact
+from .comparisons import shift_of
 from .ratings import Felt, Ratings
 
 
@@ -69,8 +70,7 @@ def questionnaires(ratings: Ratings, known: Callable[[str], Scale | None]) -> li
             row: dict[str, Any] = {"scale": name, "title": scale.title, "score": score, "n": len(changes)}
             row |= {"before": _median(before, score), "after": _median(after, score)}
             if len(changes):
-                shift = hodges_lehmann(changes)
-                row |= {"change": shift.shift, "low": shift.low, "high": shift.high, "p": wilcoxon_exact(changes).p}
+                row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True)) | {"p": wilcoxon_exact(changes).p}
             out.append(row)
     return out
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -89,7 +89,8 @@ class Felt:
 class Ratings:
     """All ratings of one origin: people, pilots and simulated participants never come together.
 
-    rows: in the order of the trials, as far as it is known. measures: by scale. families: the planned ones. source: where it all is from.
+    rows: in the order of the trials, as far as it is known. measures: by scale. families: the planned ones. planned: a plan's conditions by
+    part, both in its order; empty where there is no plan. source: where it all is from.
     felt: sickness and questionnaires. notes: what was noticed while reading. long: the rows of the long table, for what is joined with
     ratings.
     """
@@ -97,6 +98,7 @@ class Ratings:
     rows: tuple[Rating, ...]
     measures: Mapping[str, Measure]
     families: tuple[Family, ...] = ()
+    planned: Mapping[str, tuple[str, ...]] = attrs.field(factory=dict)
     origin: str = "person"
     source: str = ""
     title: str = ""
@@ -106,8 +108,8 @@ class Ratings:
     long: tuple[Mapping[str, Any], ...] = attrs.field(default=(), repr=False)
 
     def parts(self) -> tuple[str, ...]:
-        """Their names, in order of appearance."""
-        return tuple(dict.fromkeys(row.part for row in self.rows))
+        """Their names, in the order of the plan, else of appearance."""
+        return _in_order(dict.fromkeys(row.part for row in self.rows), tuple(self.planned))
 
     def scales(self) -> tuple[str, ...]:
         """Names of the measures that have rows, in the order of the measures: a plan names the one that matters most first."""
@@ -119,9 +121,11 @@ class Ratings:
         return tuple(row for row in self.rows if row.part == part and row.scale == scale)
 
     def conditions(self, part: str) -> tuple[str, ...]:
-        """A part's, as people would list them: by their settings where they are numbers (latency), else in order of appearance."""
+        """A part's that have rows, as people would list them: in the order of the plan (what it does not have comes last); without a
+        plan by their settings where they are numbers (latency), else in order of appearance."""
         names = dict.fromkeys(row.condition for row in self.rows if row.part == part)
-        return tuple(sorted(names, key=lambda name: _place_of(self.settings(part, name), name)))
+        by_settings = sorted(names, key=lambda name: _place_of(self.settings(part, name)))
+        return _in_order(by_settings, self.planned.get(part, ()))
 
     def settings(self, part: str, condition: str) -> Mapping[str, Any]:
         """Those of a condition, empty where none are known."""
@@ -136,7 +140,13 @@ class Ratings:
         return Table.of(self.of(part, scale), self.conditions(part))
 
 
-def _place_of(settings: Mapping[str, Any], name: str) -> tuple[Any, ...]:
+def _in_order(names: Iterable[str], planned: Sequence[str]) -> tuple[str, ...]:
+    """The names, planned ones first and as planned."""
+    place = {name: number for number, name in enumerate(planned)}
+    return tuple(sorted(names, key=lambda name: place.get(name, len(place))))
+
+
+def _place_of(settings: Mapping[str, Any]) -> tuple[Any, ...]:
     warp = str(settings.get("warp", ""))
     latency = settings.get("latency_ms", settings.get("latency"))
     return (latency is None, warp not in ("", "none"), warp if latency is not None else "", latency if latency is not None else 0.0)

@@ -29,7 +29,7 @@ def _votes(row: Row) -> str:
 
 def _size(row: Row, measure: Measure) -> str:
     mean = f"mean difference {signed(row['mean'])} {measure.unit}"
-    if row["interval_is_a_point"]:
+    if row["low"] is None:
         why = "there is only one" if row["n"] == 1 else "all differences are the same"
         return f"{mean} (no interval: {why})."
     return f"{mean} (95 % {signed(row['low'])} to {signed(row['high'])})."
@@ -136,9 +136,11 @@ def of_reference(row: Row | None) -> str:
         return "There was no hidden reference, so nobody can tell from the ratings who judged with care."
     if not row["rated"]:
         return "Nobody rated the hidden reference."
+    if not row["missed"] and row["rated"] == 1:
+        return "The only one who rated the hidden reference put it in the better half of their ratings."
     if not row["missed"]:
         return f"All {row['rated']} who rated the hidden reference put it in the better half of their ratings."
     return (
         f"{len(row['missed'])} of {row['rated']} rated the hidden reference worse than the middle one of their other ratings "
-        f"({listed(row['missed'])}). They are kept; what the comparisons are without them stands beside."
+        f"({listed(row['missed'])}). Their ratings are kept; what the comparisons are without them stands beside."
     )

@@ -8,7 +8,7 @@ import attrs
 
 from ...errors import InputError
 from ..design.read import READY, load_design
-from ..store import PILOT, Store, store_folder
+from ..store import PERSON, PILOT, Store, store_folder
 from ..store.folders import FILE
 from .claims import Claims, load_claims
 from .from_csv import Given, from_csv
@@ -35,7 +35,7 @@ def ratings_from(name: str, store: Path | None, given: Given) -> Ratings:
         raise InputError(f"{folder}: there is no data of '{design.name}' yet: run sessions first, or say --store where they are")
     with Store(folder, study=design.name) as data:
         contents = data.contents(pilot=given.origin == PILOT)
-    return from_contents(contents, design, given.origin or None)
+    return from_contents(contents, design, given.origin or PERSON)
 
 
 def claims_for(path: Path | None, ratings: Ratings, given: Given) -> tuple[Claims | None, str]:

@@ -4,21 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...report.study_words import counted
 from ...version import __version__
 from ..design import Design
 from ..scales import Scale
-from ..store import PERSON, PILOT, Contents
+from ..store import PERSON, PILOT, SIMULATED, Contents
 from .rows import Row
 
-_WHOSE = {PERSON: "people", PILOT: "pilots, who tried the study out", "simulated": "programs that answered instead of people"}
+_WHOSE = {
+    PERSON: ("a person", "people"),
+    PILOT: ("a pilot, who tried the study out", "pilots, who tried the study out"),
+    SIMULATED: ("a program that answered instead of a person", "programs that answered instead of people"),
+}
+_ONE = {PERSON: "person", PILOT: "pilot", SIMULATED: "simulated participant"}
 
 
 def counts_told(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
     """How many there are of everything."""
     people = len({one.sub for one in contents.sessions})
     given = sum(row["value"] is not None for row in ratings)
-    missing = f", {len(ratings) - given} more are missing" if len(ratings) > given else ""
-    return f"{people} participants ({_WHOSE[origin]}) in {len(contents.sessions)} sessions, {given} ratings{missing}"
+    missing = f", {len(ratings) - given} missing" if len(ratings) > given else ""
+    whose = _WHOSE[origin][people != 1]
+    return (
+        f"{counted(people, 'participant')} ({whose}) in {counted(len(contents.sessions), 'session')}, {counted(given, 'rating')}{missing}"
+    )
+
+
+def nobody(contents: Contents, origin: str, verb: str) -> str:
+    """That there are no sessions of that origin, and what to do. contents: of all that were asked for. verb: what is not done with them."""
+    there = {one.origin for one in contents.sessions} - {origin}
+    run = "run one with --pilot" if origin == PILOT else "run one"
+    hint = f"{run} first, or see whether --store is the right folder"
+    if PERSON in there:
+        hint = f"it holds sessions of people: leave --{origin} away"
+    elif there:
+        other = min(there)
+        hint = f"it holds {other} ones: say --{other}"
+    return f"{contents.folder}: no session of a {_ONE[origin]} to {verb}: {hint}"
 
 
 def readme(design: Design, contents: Contents, ratings: Sequence[Row], origin: str) -> str:

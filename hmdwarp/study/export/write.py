@@ -10,6 +10,7 @@ import attrs
 
 from ...errors import InputError
 from ...report.files import OutputFolder
+from ...report.study_words import counted
 from ..design import Design
 from ..scales import QUESTIONNAIRE, RATING
 from ..store import PERSON, Contents
@@ -18,7 +19,7 @@ from .columns import Column, columns_for
 from .parquet import HOW, has_parquet, write_parquet
 from .rows import Row, answer_rows, of_origin, revision_rows, score_rows
 from .text import csv_text, tsv_text
-from .words import counts_told, readme
+from .words import counts_told, nobody, readme
 
 EXTRA = ("phase", "kind")
 REMARKS = (
@@ -64,7 +65,7 @@ def export(
     options = options or ExportOptions()
     kept = of_origin(contents, options.origin)
     if not kept.sessions:
-        raise InputError(_nothing(contents, options.origin))
+        raise InputError(nobody(contents, options.origin, "export"))
     _refuse_full(out)
     answers = answer_rows(kept, design)
     ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] == RATING]
@@ -73,7 +74,7 @@ def export(
         told += _tables(folder, kept, design, answers, ratings, options)
         text = readme(design, kept, ratings, options.origin)
         left = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
-        told.append(f"bids/: a BIDS data set with {left.motions} recordings of head motion, which are personal data")
+        told.append(f"bids/: a BIDS data set with {counted(left.motions, 'recording')} of head motion: personal data")
         told += [f"left out: {why}" for why in left.why_not]
         folder.write_text("README", text)
     return Exported(Path(out), tuple(told))
@@ -92,11 +93,11 @@ def _tables(
     for name, rows in (("sickness", sickness), ("questionnaires", questionnaires)):
         if rows:
             folder.write_text(f"{name}.tsv", tsv_text(rows, _short(rows)))
-            told.append(f"{name}.tsv: {len(rows)} rows")
+            told.append(f"{name}.tsv: {counted(len(rows), 'row')}")
     if options.revisions:
         rows = revision_rows(contents, design)
         folder.write_text("revisions.tsv", tsv_text(rows, _short(rows)))
-        told.append(f"revisions.tsv: all {len(rows)} answers, those that were corrected later too")
+        told.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
     if options.remarks:
         told.append(_remarks(folder, contents))
     folder.write_json("columns.json", described(columns_for(answers, EXTRA), _scales(design)))
@@ -131,7 +132,7 @@ def _remarks(folder: OutputFolder, contents: Contents) -> str:
     ]
     # CSV alone: what people type may hold line ends, which TSV has no way to say.
     folder.write_bytes("remarks.csv", csv_text(rows, REMARKS).encode())
-    return f"remarks.csv: {len(rows)} remarks, as they were typed: read them before you pass them on, they may name somebody"
+    return f"remarks.csv: {counted(len(rows), 'remark')}, as typed: read them before you pass them on, they may name somebody"
 
 
 def _said(data: Any) -> Row:
@@ -144,9 +145,3 @@ def _refuse_full(out: Path) -> None:
             f"{out}: is there already and not empty: an older export may hold somebody who has withdrawn since; delete it, or name "
             "another folder by --out"
         )
-
-
-def _nothing(contents: Contents, origin: str) -> str:
-    others = sorted({one.origin for one in contents.sessions} - {origin})
-    hint = f"it holds {others[0]} ones (--{others[0]})" if others else "run one first, or see whether --store is the right folder"
-    return f"{contents.folder}: no session of a {origin} to export: {hint}"

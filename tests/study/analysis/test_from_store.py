@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import re
+
 import attrs
 import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
+from hmdwarp.report.study_page import render_study_report
 from hmdwarp.study.analysis import Given, from_csv
 from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.analysis.whole import analyse
@@ -125,8 +129,43 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
     assert people.origin == PERSON and any("simulated" in note and "left out" in note for note in people.notes)
     programs = from_contents(mixed, design, SIMULATED)
     assert {row.participant for row in programs.rows} == {first.sub} and any("not of people" in note for note in programs.notes)
-    with pytest.raises(InputError, match="no sessions of origin 'pilot'"):
+    with pytest.raises(InputError, match="no session of a pilot to analyse: it holds sessions of people: leave --pilot away"):
         from_contents(contents, design, PILOT)
+
+
+def test_programs_are_taken_only_where_they_are_asked_for(contents, design, tmp_path):
+    """Nobody reads numbers made up by a program for those of people: analysis and export refuse in the same words."""
+    programs = attrs.evolve(contents, sessions=tuple(attrs.evolve(one, origin=SIMULATED) for one in contents.sessions))
+    told = "no session of a person to {}: it holds simulated ones: say --simulated"
+    with pytest.raises(InputError, match=told.format("analyse")):
+        from_contents(programs, design)
+    with pytest.raises(InputError, match=told.format("export")):
+        export(programs, design, tmp_path / "out")
+    with pytest.raises(InputError, match="no session of a person to analyse: run one first"):
+        from_contents(attrs.evolve(contents, sessions=()), design)
+    assert from_contents(programs, design, SIMULATED).origin == SIMULATED
+
+
+def test_conditions_stand_in_the_order_of_the_plan(contents, design):
+    """Not in that of the latencies, and not in that in which somebody saw them first."""
+    found = from_contents(contents, design)
+    assert found.conditions("") == ("late", "warped", "reference")
+    (part,) = analyse(found)["scales"][0]["parts"]
+    assert [row["condition"] for row in part["conditions"]] == ["late", "warped", "reference"]
+    turned = attrs.evolve(found, planned={"": ("reference", "warped")})
+    assert turned.conditions("") == ("reference", "warped", "late")  # what the plan does not have (any more) comes last
+    assert attrs.evolve(found, planned={}).conditions("") == ("reference", "late", "warped")
+
+
+def test_one_person_is_one_person(contents, design):
+    """In the words of the page too; and of one difference no interval is printed, neither of ratings nor of questionnaires."""
+    sub = next(one.sub for one in contents.sessions if one.code == "p0")
+    alone = attrs.evolve(contents, sessions=tuple(one for one in contents.sessions if one.sub == sub))
+    data = analyse(from_contents(alone, design))
+    page = render_study_report(data, "")
+    assert not re.search(r"\b1 (people|participants|sessions|ratings|conditions|pairs)\b", page + json.dumps(data))
+    assert "1 participant" in page and "The only one who rated the hidden reference" in page
+    assert all(row["low"] is row["high"] is row["level"] is None for row in data["questionnaires"])
 
 
 def test_the_planned_family_is_compared(contents, design):

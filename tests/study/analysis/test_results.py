@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
+from hmdwarp.report.study_tables import comparison_lines
 from hmdwarp.study.analysis import Measure, Ratings
 from hmdwarp.study.analysis.claims import load_claims
 from hmdwarp.study.analysis.copied import copied
@@ -65,8 +66,17 @@ def test_nobody_rated_both():
 def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
     for late, warped in (([5], [3]), ([5, 4, 3], [4, 3, 2]), ([4, 4], [4, 4])):
         row = first(ratings_of({"late": late, "warped": warped}))
-        assert "no interval" in row["sentence"]
+        assert "no interval" in row["sentence"] and row["low"] is row["high"] is None
         json.dumps(row, allow_nan=False)
+        _, ((name, _, _, bca, _, exact, *_),) = comparison_lines([row])
+        assert name == "late → warped" and bca == "–" and (exact == "–") == (len(late) == 1)
+
+
+def test_an_exact_interval_is_given_where_it_is_sure_of_anything():
+    """Of one difference it is sure of nothing (0 %), of two by half (50 %): 1 - 2 / 2^n."""
+    one, two = (first(ratings_of({"late": late, "warped": [3, 3]})) for late in ([5, None], [5, 4]))
+    assert one["shift"] == 2.0 and one["shift_low"] is one["shift_high"] is one["shift_level"] is None
+    assert (two["shift_low"], two["shift_high"], two["shift_level"]) == (1.0, 2.0, 0.5)
 
 
 def test_a_planned_comparison_that_nobody_rated_counts_in_its_family():
