@@ -13,7 +13,8 @@ class Control:
     display does it by itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel; a "step" goes on
     while its key is held, as a number does. span: the least and most of a number. also: further keys for the same. value: what the command
     is given, where several keys are one control. buttons: of controllers, by their names in display/openxr/bindings.py. written: how the
-    help names its keys, "" for as they are.
+    help names its keys, "" for as they are. beside_plate: of the help: it is to be had only while a plate lies over the picture, and goes
+    with it, where nothing may be written over pictures.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Control:
     value: object = None
     buttons: tuple[str, ...] = ()
     written: str = ""
+    beside_plate: bool = False
 
 
 CONTROLS: tuple[Control, ...] = (
@@ -52,3 +54,8 @@ MOVING = (("mouse", "turn (click first)"), ("W A S D", "walk"), ("Q E", "down, u
 def control(name: str) -> Control:
     """The control of that name."""
     return next(one for one in CONTROLS if one.name == name)
+
+
+def help_goes(controls: tuple[Control, ...], plate: bool) -> bool:
+    """Whether a help that is open must be closed now. plate: whether a plate lies over the picture."""
+    return not plate and any(one.name == "help" and one.beside_plate for one in controls)

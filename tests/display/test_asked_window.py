@@ -129,6 +129,30 @@ def test_escape_is_the_menu_and_ends_nothing(asking):
     until(lambda: asking.commands()[-2:] == [("menu", None), ("skip", None)], "menu and skip")
 
 
+def halves(asking) -> list[int]:
+    """How many pixels of each eye's half of the window are not black."""
+    x, y, w, h = asking.geometry()
+    whole = asking.screen.picture()[y : y + h, x : x + w].max(axis=2) > 60
+    return [int(whole[:, : w // 2].sum()), int(whole[:, w // 2 :].sum())]
+
+
+def test_nothing_is_written_over_pictures(asking):
+    """The help is there beside a question, over the left eye, goes with it, and cannot be called over what is shown."""
+    asking.say("show")
+    asking.screen.do("key", "h", "r")
+    time.sleep(0.5)  # as long as a help would take to be drawn, and more
+    assert halves(asking) == [0, 0]
+    asking.say("ask")
+    left, right = halves(asking)
+    assert left == right > 0, "the question before both eyes: no help was waiting for it"
+    asking.screen.do("key", "h")
+    until(lambda: halves(asking)[0] != right, "the help")
+    asking.say("show")
+    assert halves(asking) == [0, 0]
+    asking.say("ask")
+    assert halves(asking) == [left, right]
+
+
 def marker(pictures: list[np.ndarray]) -> list[float]:
     """Where in each of two pictures of the left half something bright is that is not in the other: its middle, in pixels from the left."""
     first, second = (picture.astype(int).sum(axis=2) for picture in pictures)

@@ -67,7 +67,7 @@ class DesktopDisplay:
         self._presenter = Presenter(self.gpu)
         self._closers.append(self._presenter.close)
         keys = Keys(options.controls)
-        self._overlay = Overlay(self.gpu, self._presenter, self.now_ns, keys.help_text)
+        self._overlay = Overlay(self.gpu, self._presenter, self.now_ns, keys.controls, keys.help_text)
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
         self._walker = Walker(self.now_ns())
         self._hands = Hands(self._window.handle, self._walker, self.now_ns, keys)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from .. import Label
+from ..controls import Control, help_goes
 from ..notice import Notice
 from ..present import Presenter
 from .layout import Rectangle, Size, beside, viewports
@@ -15,10 +16,14 @@ SAID_NS = 4_000_000_000  # how long a remark stays
 
 
 class Overlay:
-    """help: whether the keys are explained over the picture, in place of anything else there. help_text: in which words."""
+    """help: whether the keys are explained over the picture, in place of anything else there. controls: which keys. help_text: in which
+    words."""
 
-    def __init__(self, gpu: Gpu, presenter: Presenter, now_ns: Callable[[], int], help_text: Callable[[], str]) -> None:
-        self._screen, self._presenter, self._now_ns, self._help_text = gpu.gl.screen, presenter, now_ns, help_text
+    def __init__(
+        self, gpu: Gpu, presenter: Presenter, now_ns: Callable[[], int], controls: tuple[Control, ...], help_text: Callable[[], str]
+    ) -> None:
+        self._screen, self._presenter, self._now_ns = gpu.gl.screen, presenter, now_ns
+        self._controls, self._help_text = controls, help_text
         self.help = False
         self._plates: list[tuple[Rectangle, Notice]] = []
         self._said, self._until_ns = "", 0
@@ -35,6 +40,7 @@ class Overlay:
         self._screen.clear(0.0, 0.0, 0.0, 1.0)
         said = self._said if self._now_ns() < self._until_ns else ""
         notice = self._presenter.notice("\n".join(filter(None, (label, said))) if isinstance(label, str) else label)
+        self.help = self.help and not help_goes(self._controls, plate=not isinstance(label, str))
         # The help before the first eye alone: beside it one sees what the keys do.
         notices = (self._presenter.notice(self._help_text()) if self.help else notice, notice)
         pictures = canvases or (None,) * count

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .. import Closed, Command, Label
-from ..controls import CONTROLS, Control
+from ..controls import CONTROLS, Control, help_goes
 from ..desktop.keys import Keys, label
 from ..desktop.opening import start
 from ..desktop.window import Window
@@ -85,6 +85,7 @@ class Mirror:
         self._screen.viewport = place
         self._screen.use()
         self._screen.clear()
+        self._help = self._help and not help_goes(self._keys.controls, plate=not isinstance(label, str))
         text = presenter.notice(help_text(self._keys.controls) if self._help else label)
         presenter.show(panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text)
         self._glfw.swap_buffers(self._window.handle)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import attrs
+
 from ...display.controls import Control, control
 
 _KEYPAD = {str(digit): (f"KP {digit}",) for digit in range(10)}
@@ -22,5 +24,5 @@ CONTROLS: tuple[Control, ...] = (
     Control("menu", "Escape", "menu: break, stop", "action", also=("M",), buttons=("menu",)),
     control("recentre"),
     control("full_screen"),
-    control("help"),
+    attrs.evolve(control("help"), beside_plate=True),  # a trial's picture is a trial's picture
 )

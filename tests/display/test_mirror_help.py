@@ -1,0 +1,57 @@
+"""The window beside a headset: a study's help is there beside a question alone."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from .desktop_program import ROOT
+
+PATIENCE_S = 120
+PROGRAM = """
+import glfw
+from hmdwarp.display.controls import CONTROLS as LIVE
+from hmdwarp.display.openxr.mirror import Mirror
+from hmdwarp.display.present import Presenter
+from hmdwarp.gpu.context import Gpu
+from hmdwarp.study.asking import CONTROLS, card
+
+class Noting(Presenter):
+    def notice(self, label):
+        self.last = label
+        return super().notice(label)
+
+def laid(controls, *does):
+    mirror = Mirror(controls)
+    gpu = Gpu(mirror.gl)
+    presenter = Noting(gpu)
+    for one in does:
+        if one == "H":
+            mirror._key(None, glfw.KEY_H, 0, glfw.PRESS, 0)
+            continue
+        mirror._drawn_ns = 0  # due
+        mirror.show(presenter, None, one)
+        is_help = isinstance(presenter.last, str) and "\\t" in presenter.last
+        print("help" if is_help else "plate" if presenter.last else "nothing", end=" ")
+    print()
+    presenter.close(); gpu.close(); mirror.close()
+
+plate = card("Ready?", "Sit comfortably.", "Enter: begin")
+laid(CONTROLS, "", "H", "", plate, "H", plate, "", plate)
+laid(LIVE, "", "H", "", "H", "")
+"""
+
+
+@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+def test_in_a_study_no_help_lies_over_what_the_headset_shows():
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYGLFW_LIBRARY_VARIANT": "x11"}
+    command = ["xvfb-run", "-a", sys.executable, "-W", "error", "-c", PROGRAM]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
+    assert done.returncode == 0, done.stderr
+    of_study, live = done.stdout.splitlines()
+    assert of_study.split() == ["nothing", "nothing", "plate", "help", "nothing", "plate"]
+    assert live.split() == ["nothing", "help", "nothing"]
