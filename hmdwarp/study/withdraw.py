@@ -1,6 +1,6 @@
 """Withdrawal: whoever took part may have everything erased, at any time and without a reason.
 
-What goes: ratings, showings with what was measured, events with remarks, sessions, the random id, head traces (they tell who somebody is).
+What goes: answers, showings with what was measured, events with remarks, sessions, the random id, head traces (they tell who somebody is).
 What stays: the code, so that nobody gets it again and nobody withdraws twice. The order is free for another participant.
 What this program cannot erase: earlier exports, reports and copies of the folder; snapshots and journals of a file system; blocks that a
 flash disk took out of use. An encrypted disk answers for the last two.
@@ -17,30 +17,32 @@ BEYOND = "Exports, reports, copies and backups made before still hold these data
 
 @attrs.frozen
 class Holdings:
-    """How much there is of a participant. ratings: of every revision. bytes: of the traces."""
+    """How much there is of a participant. code: as it was first written. answers: of every revision, to questionnaires too. bytes: of
+    the traces."""
 
+    code: str
     sessions: int
-    ratings: int
+    answers: int
     showings: int
     events: int
     traces: int
     bytes: int
 
     def words(self) -> str:
-        """As "1 session, 12 ratings, 6 showings, 40 events, 6 head traces (1.2 MB)"."""
+        """As "1 session, 12 answers (those given again counted), 6 showings, 40 events, 6 head traces (1.2 MB)"."""
         counts = (
-            (self.sessions, "session"), (self.ratings, "rating"), (self.showings, "showing"), (self.events, "event"),
-            (self.traces, "head trace"),
+            (self.sessions, "session", ""), (self.answers, "answer", " (those given again counted)"), (self.showings, "showing", ""),
+            (self.events, "event", ""), (self.traces, "head trace", ""),
         )  # fmt: skip
-        told = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts)
+        told = ", ".join(f"{count} {what}{'' if count == 1 else 's'}{more if count else ''}" for count, what, more in counts)
         return f"{told} ({self.bytes / 1e6:.1f} MB)" if self.traces else told
 
 
 def holdings(store: Store, code: str) -> Holdings:
     """What would be erased. Errors: InputError for a code that is not known or has withdrawn."""
-    sub, counts = store.holdings(code)
+    code, sub, counts = store.holdings(code)
     files = [path for path in store.traces.glob(f"*{sub}*") if path.is_file()]
-    return Holdings(**counts, traces=len(files), bytes=sum(path.stat().st_size for path in files))
+    return Holdings(code, **counts, traces=len(files), bytes=sum(path.stat().st_size for path in files))
 
 
 def was_cut_off(store: Store, code: str) -> bool:

@@ -26,13 +26,14 @@ def withdraw(
         if not yes and not was_cut_off(opened, code):
             if not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: say --yes, or use a terminal, where it is asked")
-            typer.echo(f"{folder} holds of participant {code}: {holdings(opened, code).words()}.")
+            found = holdings(opened, code)
+            typer.echo(f"{folder} holds of participant {found.code}: {found.words()}.")
             if not typer.confirm("Erase it for good?"):
                 typer.echo("Nothing was erased.")
                 return
         erased = go(opened, code)
-        told = "the rest of it" if erased is None else erased.words()
-    typer.echo(f"Participant {code} has withdrawn; erased: {told}. The code stays marked, and their order is free. {BEYOND}")
+        known, told = (code, "the rest of it") if erased is None else (erased.code, erased.words())
+    typer.echo(f"Participant {known} has withdrawn; erased: {told}. The code stays marked, and their order is free. {BEYOND}")
 
 
 def _where(study: str, store: Path | None) -> tuple[Path, str | None]:

@@ -107,9 +107,14 @@ def study_name(db: sqlite3.Connection) -> str:
     return db.execute("SELECT name FROM study").fetchone()[0]
 
 
+def code_of(db: sqlite3.Connection, participant: int) -> str:
+    """A participant's code, as it was first written: capitals and small letters are one when it is looked for."""
+    return db.execute("SELECT code FROM participant WHERE id = ?", (participant,)).fetchone()[0]
+
+
 def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:
     """How many rows there are of a participant."""
-    tables = {"ratings": "answer", "showings": "showing", "events": "event"}
+    tables = {"answers": "answer", "showings": "showing", "events": "event"}
     of = "WHERE session IN (SELECT id FROM session WHERE participant = ?)"
     out = {name: db.execute(f"SELECT count(*) FROM {table} {of}", (participant,)).fetchone()[0] for name, table in tables.items()}
     return {"sessions": db.execute("SELECT count(*) FROM session WHERE participant = ?", (participant,)).fetchone()[0], **out}

@@ -243,11 +243,12 @@ class Store:
         self._opened.lock()
         return self._opened.finished
 
-    def holdings(self, code: str) -> tuple[str, dict[str, int]]:
-        """A participant's sub and how many rows there are, by kind. Errors: InputError for one who is not known or has withdrawn."""
+    def holdings(self, code: str) -> tuple[str, str, dict[str, int]]:
+        """A participant's code as it was first written, the sub, and how many rows there are, by kind. Errors: InputError for one who is
+        not known or has withdrawn."""
         with told(self._opened.path):
             participant, sub = known(self._opened.db, code)
-            return sub, reading.counts(self._opened.db, participant)
+            return reading.code_of(self._opened.db, participant), sub, reading.counts(self._opened.db, participant)
 
     def withdraw(self, code: str) -> None:
         """Erase all that is there of a participant but the code; study/withdraw.py tells more. Errors: InputError for an unknown code."""

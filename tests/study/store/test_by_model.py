@@ -144,7 +144,7 @@ class StoreByModel(RuleBasedStateMachine):
             assert code in self.withdrawn or not self.of(code)
             return
         mine = self.of(code)
-        assert (held.sessions, held.ratings) == (len(mine), sum(len(one.answers) for one in mine))
+        assert (held.sessions, held.answers) == (len(mine), sum(len(one.answers) for one in mine))
         assert withdraw(self.store, code) == held
         self.withdrawn.add(code)
         self.told = {id_: one for id_, one in self.told.items() if one.code != code}

@@ -33,7 +33,7 @@ def codes(study) -> list[str]:
 
 
 def test_it_erases_and_says_what_it_cannot_reach(study):
-    done = ran(study, "P01", "--yes")
+    done = ran(study, "p01", "--yes")
     assert done.returncode == 0 and done.stderr == ""
     assert done.stdout.startswith("Participant P01 has withdrawn; erased: 1 session, ")
     assert "their order is free" in done.stdout and "Exports, reports, copies and backups" in done.stdout
@@ -48,7 +48,7 @@ def test_it_asks_on_a_terminal(study, answer, left, told):
     pexpect = pytest.importorskip("pexpect")
     words = ["-m", "hmdwarp", "study", "withdraw", str(study), "p01"]
     screen = pexpect.spawn(sys.executable, words, encoding="utf-8", timeout=120, dimensions=(24, 200))
-    screen.expect("holds of participant p01: 1 session, .*Erase it for good.*: ")
+    screen.expect("holds of participant P01: 1 session, .*those given again counted.*Erase it for good.*: ")
     screen.sendline(answer)
     screen.expect(told)
     screen.expect(pexpect.EOF)
