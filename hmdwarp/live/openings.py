@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
@@ -14,9 +15,11 @@ from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
 Watching = Callable[[str], AbstractContextManager[None]]
 
 
-def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], None], controls: tuple[Control, ...] = CONTROLS) -> Display:
+def open_display(
+    options: LiveOptions, watching: Watching, say: Callable[[str], None], controls: tuple[Control, ...] = CONTROLS, *, briefly: bool = False
+) -> Display:
     """The headset or the window, as asked for; for "auto" the headset if one answers, else the window. say: gets why it is no headset.
-    controls: what whoever looks may ask for.
+    controls: what whoever looks may ask for. briefly: say that in a clause, and leave the rest to the doctor.
 
     Errors: MachineError (and its kin) that says what is missing and what to do: for "auto" of both.
     """
@@ -35,8 +38,12 @@ def open_display(options: LiveOptions, watching: Watching, say: Callable[[str], 
         display = _desktop(wanted)
     except MachineError as error:
         raise MachineError(f"neither headset nor window: {why}; and {error}") from error
-    say(f"a window, as there is no headset: {why}")
+    say(f"a window, as there is no headset: {_first_clause(why) if briefly else why}")
     return display
+
+
+def _first_clause(why: str) -> str:
+    return f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
 
 
 def display_options(options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS) -> DisplayOptions:

@@ -131,3 +131,16 @@ def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong,
     monkeypatch.setattr(run, "open_display", lambda *_: pytest.fail("a display was opened"))
     with pytest.raises(InputError, match=told):
         run.live(LiveOptions(**{"scene": "planes", **wrong}))
+
+
+@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+def test_briefly_it_is_one_clause(tmp_path):
+    """As the desk of a study says it: how to get a runtime is no concern of a session that has begun."""
+    program = (
+        "from contextlib import nullcontext; from hmdwarp.live import LiveOptions; from hmdwarp.live.openings import open_display\n"
+        "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
+    command = ["xvfb-run", "-a", sys.executable, "-c", program]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S)
+    assert (done.returncode, done.stdout) == (0, "a window, as there is no headset: no OpenXR runtime (hmdwarp doctor tells more)\n"), done

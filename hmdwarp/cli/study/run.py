@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from .._signals import Ended
+
+if TYPE_CHECKING:
+    from ...study.run.options import RunSession
+    from ...study.store import Session
 
 INTERRUPTED = 130
 
@@ -43,7 +50,6 @@ def run(
 ) -> None:
     """Run a session: show each condition, ask after it, store every answer before the next thing happens."""
     from ...study.run.options import RunSession
-    from ...study.run.session import run_session
 
     options = RunSession(
         study=study,
@@ -58,9 +64,32 @@ def run(
         store=store,
         desk=desk,
     )
-    drawn = participant.lower() == "new"
-    session = run_session(options, (lambda text: None) if quiet else typer.echo)
-    if quiet and drawn:
-        typer.echo(session.code)
-    if session.status == "interrupted":
-        raise typer.Exit(INTERRUPTED)
+    _run(options, quiet)
+
+
+def _run(options: RunSession, quiet: bool) -> None:
+    """Leaves the program where the session was interrupted. What it left is told by then; the line for commands that leave nothing behind
+    would be wrong."""
+    from ...study.run.session import run_session
+
+    said: list[str] = []
+    ends: list[Session] = []
+    status = INTERRUPTED
+
+    def end(session: Session) -> None:
+        ends.append(session)
+        if quiet and options.participant.lower() == "new":
+            typer.echo(session.code)
+
+    try:
+        session = run_session(options, said.append if quiet else typer.echo, told=end)
+        if session.status != "interrupted":
+            return
+    except (KeyboardInterrupt, Ended) as error:
+        if not ends:
+            raise
+        if isinstance(error, Ended):
+            status = 128 + error.args[0]
+    if quiet:
+        typer.echo(f"hmdwarp: session interrupted: {ends[0].why}; what was answered is stored, {said[-1]}", err=True)
+    sys.exit(status)

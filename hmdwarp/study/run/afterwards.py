@@ -14,10 +14,13 @@ from .options import RunSession
 
 
 class Afterwards:
-    """session: None as long as there is none. recording: of the trial under way. quiet: an error tells it all."""
+    """session: None as long as there is none. recording: of the trial under way. quiet: an error tells it all. told: as run_session has
+    it."""
 
-    def __init__(self, options: RunSession, design: Design, store: Store, say: Callable[[str], None]) -> None:
-        self._options, self._design, self._store, self._say = options, design, store, say
+    def __init__(
+        self, options: RunSession, design: Design, store: Store, say: Callable[[str], None], told: Callable[[Session], None]
+    ) -> None:
+        self._options, self._design, self._store, self._say, self._told = options, design, store, say, told
         self.session: Session | None = None
         self.recording: Callable[[], Recorder | None] = lambda: None
         self.quiet = False
@@ -34,6 +37,7 @@ class Afterwards:
             return
         for line in self.lines():
             self._say(line)
+        self._told(self.session)
 
     def lines(self) -> list[str]:
         """What happened to whom, what is stored, and what is next."""

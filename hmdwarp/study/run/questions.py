@@ -122,12 +122,13 @@ class Break(StepWatch):
 
 
 class MenuWatch(StepWatch):
-    """The menu, which the experimenter's pause opens too. chosen: of asking.CONTINUE, BREAK, AGAIN, SKIP, STOP."""
+    """The menu, which the experimenter's pause opens too. during: what it came in between. chosen: of asking.CONTINUE, BREAK, AGAIN,
+    SKIP, STOP."""
 
     phase = "paused"
 
-    def __init__(self, room: Room, pause: Pause, offered: Sequence[str]) -> None:
-        super().__init__(room, pause)
+    def __init__(self, room: Room, pause: Pause, offered: Sequence[str], during: Step) -> None:
+        super().__init__(room, pause, during)
         self._menu = Menu(offered, hints_for(room.display.name))
 
     @property

@@ -39,10 +39,16 @@ Say = Callable[[str], None]
 
 
 def run_session(
-    options: RunSession, say: Say = lambda text: None, *, desk: Desk | None = None, respondent: Respondent | None = None
+    options: RunSession,
+    say: Say = lambda text: None,
+    *,
+    desk: Desk | None = None,
+    respondent: Respondent | None = None,
+    told: Callable[[Session], None] = lambda session: None,
 ) -> Session:
     """Run it, until it is over or interrupted; what it is then is in the session's status. say: gets what is to be told at the end, and
-    what nobody else was there to be told before. desk, respondent: None for what the options say.
+    what nobody else was there to be told before. desk, respondent: None for what the options say. told: gets the session when all of its
+    end has been said; not where an error says it. That comes before the signal which ended it is raised once more.
 
     Whatever ends it, what was answered is in the store, and a session that is not over can be gone on with.
     Errors: InputError for what was asked, before anything is opened; MachineError for what the machine lacks, and for a display that does
@@ -54,13 +60,13 @@ def run_session(
         store = stack.enter_context(Store(store_folder(design, options.store), create=True, study=design.name, say=say))
         part, design = _asked_for(options, design, store)
         answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
-        afterwards = Afterwards(options, design, store, say)
+        afterwards = Afterwards(options, design, store, say, told)
         stack.callback(afterwards.tell)
         desk = stack.enter_context(desk if desk is not None else make_desk(options.desk, f"study {design.name}"))
         first = design.part(part).conditions[0]
         live = live_options(first.settings, source=options.source, trace=options.trace)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [afterwards.last_words]))
-        display = stack.enter_context(closing(open_display(live, watchdog.watching, desk.say, CONTROLS)))
+        display = stack.enter_context(closing(open_display(live, watchdog.watching, desk.say, CONTROLS, briefly=True)))
         return _Program(options, design, part, ending, store, desk, afterwards, display, live, answers_for).run()
 
 

@@ -14,7 +14,7 @@ READY, MENU, ASKED_BREAK, SICK, END = "ready", "menu", "asked-break", "sick", "e
 def told(step: Step, steps: Sequence[Step]) -> str:
     """"trial 3 of 12", and the like."""
     if isinstance(step, Pause):
-        return "paused" if step.key == MENU else "break"
+        return "break"
     if isinstance(step, Read):
         return {READY: "about to begin", SICK: "the session ends", END: "over"}.get(step.key, "consent")
     if isinstance(step, Ask) and not step.about:
@@ -29,7 +29,7 @@ def trials(steps: Sequence[Step]) -> int:
 
 def _of_questionnaire(ask: Ask, steps: Sequence[Step]) -> str:
     items = ask.scale.items
-    return ask.scale.title if len(items) == 1 else f"{ask.scale.title}, question {items.index(ask.item) + 1} of {len(items)}"
+    return ask.scale.title if len(items) == 1 else f"{ask.scale.title}, item {items.index(ask.item) + 1} of {len(items)}"
 
 
 def turned_deg(pose: Pose) -> tuple[float, float, float]:

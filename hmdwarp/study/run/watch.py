@@ -20,18 +20,18 @@ LOST = "lost"
 class StepWatch(Watch):
     """intent: what ended it before its time, a value of INTENTS or LOST; "" as long as nothing did. by: who asked for that.
 
-    Subclasses say what else they take, when they are finished, and what lies over the picture. An intent is in the journal before it has
-    effect.
+    during: the step that is told of, where it is another: that which the menu came in between. Subclasses say what else they take, when
+    they are finished, and what lies over the picture. An intent is in the journal before it has effect.
     """
 
     pictures = False
     phase = ""
 
-    def __init__(self, room: Room, step: Step) -> None:
-        self.room, self.step = room, step
+    def __init__(self, room: Room, step: Step, during: Step | None = None) -> None:
+        self.room, self.step, self._told_of = room, step, during or step
         self.intent = self.by = ""
         self.began_ns = room.display.now_ns()
-        room.entitle(step)
+        room.entitle(self._told_of)
 
     @property
     def asked_s(self) -> float:
@@ -62,7 +62,7 @@ class StepWatch(Watch):
                 room.remark(by, command, self.step)
             elif not self.over():
                 self.hear(by, command)
-        room.tell(self.step, self.told, looks=not self.pictures)
+        room.tell(self._told_of, self.told, looks=not self.pictures)
         return False
 
     def hear(self, by: str, command: Command) -> None:

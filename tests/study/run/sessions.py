@@ -193,7 +193,7 @@ def run(monkeypatch, gpu, path: Path, person: Person | None = None, desk: Table 
     the display."""
     back_after = options.pop("back_after", 0)
     ran = Ran(Seat(gpu, person or Person(), at, back_after=back_after), desk or Table(), [])
-    monkeypatch.setattr(program, "open_display", lambda *_: ran.display)
+    monkeypatch.setattr(program, "open_display", lambda *_, **__: ran.display)
     options = {"participant": "P1", "source": "desktop", **options}
     try:
         ran.session = program.run_session(RunSession(study=str(path), **options), ran.said.append, desk=ran.desk, respondent=respondent)

@@ -42,6 +42,7 @@ def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu,
     (answer,) = [one for one in stored.answers if one.key == "trial/1/grade/grade"]
     assert answer.showing == next(one.id for one in stored.showings if one.complete)
     assert events(path, "pause", "continue") == [("pause", "trial/1"), ("continue", "menu")]
+    assert {one.step for one in ran.desk.states if one.phase == "paused"} == {"trial 1 of 2"}  # in the middle of what
     menu = next(plate for plate in ran.display.plates if isinstance(plate, Card) and plate.title == "Menu")
     assert "have a break" in repr(menu.choices)
 
