@@ -67,7 +67,7 @@ def coverage_table(root: Path) -> str:
 
 def power_told(folder: Path) -> str:
     """What `study power` says of half a grade in the shipped study."""
-    command = ["study", "power", "quick", "--effect", "0.5", "--out", str(folder / "power"), "--quiet"]
+    command = ["study", "power", "quick", "--effect", "0.5", "--out", str(folder / "power")]
     told = subprocess.run([sys.executable, "-m", "hmdwarp", *command], check=True, capture_output=True, text=True).stdout
     return f"```text\n{told.rstrip()}\n```"
 

@@ -31,7 +31,7 @@ def power(
     wanted: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="The power that is wanted.")] = 0.8,
     alpha: Annotated[float, typer.Option("--alpha", min=1e-6, max=0.5, help="Significance level, after Holm.")] = 0.05,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the simulation.")] = 1,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No progress bar.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate the whole study many times, people who leave and cannot answer included, and analyse each as `study analyse` does."""
     from ...report.files import OutputFolder
@@ -47,7 +47,8 @@ def power(
         with steps("Simulating", quiet=quiet) as (progress, _):
             found = power_of(people, design, chosen, counts, studies, alpha, seed, progress)
         _write(folder, found, wanted)
-    _tell(found, people, wanted, out)
+    if not quiet:
+        _tell(found, people, wanted, out)
 
 
 def _scale(design: Design, name: str | None) -> Scale:
