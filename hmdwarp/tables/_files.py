@@ -52,4 +52,13 @@ def _not_toml(path: Path | str, says: str) -> str:
     found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)
     if found is None:
         return f"{path}: this is no TOML: {says}"
-    return f"{path}:{found[2]}: this is no TOML: {found[1]} (column {found[3]})"
+    return f"{path}:{found[2]}: this is no TOML: {found[1]} (column {found[3]}){_several(found[1])}"
+
+
+def _several(says: str) -> str:
+    """What to write instead of [key] twice, where there may be several."""
+    found = re.fullmatch(r"Cannot declare \((.*)\) twice", says)
+    if found is None:
+        return ""
+    key = ".".join(part.strip().strip("'\"") for part in found[1].split(",") if part.strip())
+    return f"; where a file may have several of them, each begins with [[{key}]]"

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from hmdwarp.tables import KeyFault, Table
+from hmdwarp.errors import InputError
+from hmdwarp.tables import KeyFault, Table, parsed
 
 DATA = {
     "text": "x",
@@ -86,3 +87,11 @@ def test_keys_with_odd_characters_stay_on_the_line():
     with pytest.raises(KeyFault) as caught:
         Table({"a\nb": 1}).refuse_unread()
     assert str(caught.value).startswith(r"unknown key 'a\nb'")
+
+
+@pytest.mark.parametrize(("header", "wanted"), [("[condition]", "[[condition]]"), ('[part."my own"]', "[[part.my own]]")])
+def test_a_table_twice_is_told_how_several_are_written(header, wanted):
+    with pytest.raises(InputError) as caught:
+        parsed(f"{header}\nx = 1\n{header}\nx = 2\n", "some.toml", lambda table: table.keys())
+    assert str(caught.value).startswith("some.toml:3: this is no TOML: Cannot declare ")
+    assert str(caught.value).endswith(f"; where a file may have several of them, each begins with {wanted}")

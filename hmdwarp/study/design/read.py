@@ -15,7 +15,7 @@ from .nouns import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
 
 SCHEMA = 1
 READY = Path(__file__).resolve().parent.parent / "ready"
-_EXAMPLE = "hmdwarp/study/ready/thesis.toml"
+_EXAMPLE = "thesis.toml ('hmdwarp study plan thesis' tells where it lies)"
 
 
 def ready_names() -> list[str]:

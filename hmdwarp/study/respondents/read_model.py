@@ -14,7 +14,7 @@ from .model import Model, RatingModel, SicknessModel
 
 SCHEMA = 1
 _FOLDER = Path(__file__).resolve().parent
-_EXAMPLE = "hmdwarp/study/respondents/thesis.toml"
+_EXAMPLE = str(_FOLDER / "thesis.toml")
 _MOST_BYTES = 1_000_000
 
 

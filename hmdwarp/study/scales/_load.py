@@ -10,7 +10,7 @@ from ...tables import Table, parsed, text_of
 from ._model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 _FOLDER = Path(__file__).parent
-_EXAMPLE = "hmdwarp/study/scales/grade.toml"
+_EXAMPLE = str(_FOLDER / "grade.toml")
 _MOST_VALUES = 10_000  # of one answer: more cannot be told apart on any plate
 _MOST_ITEMS = 500
 

@@ -110,7 +110,7 @@ def test_what_windows_writes_is_read(tmp_path):
 BROKEN = [
     # found, put, what is said, the line: of `put`, or of the text given
     ("schema = 1", "schema = 2", "schema is 2: wanted 1", None),
-    ("schema = 1\n", "", "the key schema is missing; hmdwarp/study/ready/thesis.toml has them all", 1),
+    ("schema = 1\n", "", "the key schema is missing; thesis.toml ('hmdwarp study plan thesis' tells where it lies) has them all", 1),
     ('name = "whole"', 'name = "a whole"', "name is 'a whole': wanted a name of letters, digits", None),
     ('name = "whole"', 'name = "../whole"', "name is '../whole': wanted a name", None),
     ("title = ", "titel = ", "the key title is missing: is titel meant to be title?", None),
