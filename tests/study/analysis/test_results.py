@@ -76,6 +76,7 @@ def test_an_exact_interval_is_given_where_it_is_sure_of_anything():
     """Of one difference it is sure of nothing (0 %), of two by half (50 %): 1 - 2 / 2^n."""
     one, two = (first(ratings_of({"late": late, "warped": [3, 3]})) for late in ([5, None], [5, 4]))
     assert one["shift"] == 2.0 and one["shift_low"] is one["shift_high"] is one["shift_level"] is None
+    assert "(bootstrap +1.00 to +2.00, which is too short for 95 % with 2 pairs)" in two["sentence"]
     assert (two["shift_low"], two["shift_high"], two["shift_level"]) == (1.0, 2.0, 0.5)
 
 

@@ -172,7 +172,7 @@ def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_
     mixed = attrs.evolve(store.contents(), sessions=(*store.contents().sessions, *store.contents(pilot=True).sessions))
     export(mixed, design, tmp_path / "mixed")
     assert (tmp_path / "mixed/ratings.csv").read_bytes() == (people / "ratings.csv").read_bytes()
-    with pytest.raises(InputError, match="--person"):
+    with pytest.raises(InputError, match="it holds sessions of people: leave --simulated away"):
         export(store.contents(), design, tmp_path / "none", ExportOptions(origin=SIMULATED))
 
 
