@@ -205,6 +205,12 @@ def test_beside_the_plate_the_mouse_does_nothing(asking):
     assert not asking.now("caught")
 
 
+def stands_still(asking) -> bool:
+    before = asking.now("stands")
+    time.sleep(0.2)
+    return asking.now("stands") == before
+
+
 def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     asking.say("show")
     asking.to(0.5, 0.5)
@@ -218,7 +224,7 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     until(lambda: asking.now("stands") != stood, "a walk")
     asking.say("ask")  # in the middle of a walk
     asking.waits("caught", False)
-    time.sleep(0.5)  # it comes to a stop
+    until(lambda: stands_still(asking), "standing still")
     turned, stood = asking.now("turned"), asking.now("stands")
     asking.to(0.4, 0.525)
     asking.screen.do("keydown", "s")
