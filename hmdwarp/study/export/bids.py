@@ -21,7 +21,7 @@ from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
 from .columns import COLUMNS, Column, columns_for, label_of
 from .motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
-from .rows import Row
+from .rows import Row, scales_asked
 from .text import tsv_text
 
 VERSION = "1.9.0"
@@ -54,7 +54,7 @@ class Left:
 
 def write_bids(out: OutputFolder, contents: Contents, design: Design, rows: Sequence[Row], readme: str, progress: Progress) -> Left:
     """contents: of one origin. rows: all answers (rows.answer_rows and the scores), which are distributed over the sessions."""
-    tree = _Tree(out, contents, design, label_of(design.name))
+    tree = _Tree(out, contents, design, label_of(design.name), scales_asked(contents, design))
     tree.head(readme)
     count, motions, why_not = sum(_has_motion(one) for one in contents.showings), 0, []
     for session in contents.sessions:
@@ -81,6 +81,7 @@ class _Tree:
     contents: Contents
     design: Design
     task: str
+    scales: dict[str, Scale]
 
     def head(self, readme: str) -> None:
         """What stands above the participants."""
@@ -116,8 +117,7 @@ class _Tree:
         name = f"beh/{self._stem(session)}_beh"
         columns = columns_for(rows, ("phase", "kind"))
         self._text(f"{self._folder(session)}/{name}.tsv", tsv_text(rows, columns))
-        scales = {scale.name: scale for scale in self._scales()}
-        self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **described(columns, scales)})
+        self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **described(columns, self.scales)})
         return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
 
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
@@ -151,11 +151,6 @@ class _Tree:
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
-
-    def _scales(self) -> tuple[Scale, ...]:
-        design = self.design
-        sickness = () if design.sickness is None else (design.sickness.scale,)
-        return (*design.scales, *sickness, *design.before, *design.after)
 
     def _folder(self, session: Session) -> str:
         return f"sub-{session.sub}/ses-{session.number:02d}"

@@ -10,8 +10,9 @@ import attrs
 
 from ...errors import InputError
 from ..design import Design
+from ..design.read import design_from_text
 from ..design.settings import DISPLAY, FILES, live_options
-from ..scales import QUESTIONNAIRE, RATING, scored
+from ..scales import QUESTIONNAIRE, RATING, Scale, scored
 from ..steps import Ask, Show, steps_of
 from ..store import COMPLETE, PERSON, Answer, Contents, Session, Showing
 from .columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
@@ -22,10 +23,11 @@ _FIELDS = {"latency_ms": "latency_ms", "warp": "warp", "fill": "fill", "scene": 
 
 @attrs.frozen(eq=False)
 class Sitting:
-    """One session with everything that belongs to it. asks: all questions it was to have, by key; shows alike. answers: every revision, by
-    key, the first one first. showings: by id."""
+    """One session with everything that belongs to it. plan: the one it was run by. asks: all questions it was to have, by key; shows alike.
+    answers: every revision, by key, the first one first. showings: by id."""
 
     session: Session
+    plan: Design
     asks: Mapping[str, Ask]
     shows: Mapping[str, Show]
     answers: Mapping[str, tuple[Answer, ...]]
@@ -33,8 +35,25 @@ class Sitting:
 
 
 def sittings(contents: Contents, design: Design) -> tuple[Sitting, ...]:
-    """All sessions, in the order they began. Errors: InputError for a session of another plan."""
-    return tuple(_sitting(contents, design, session) for session in contents.sessions)
+    """All sessions, as contents has them, each by the plan it was run by. design: the present plan, which has to know their conditions.
+    Errors: InputError for a session of another plan."""
+    read: dict[str, Design] = {design.text: design}
+    for session in contents.sessions:
+        if session.plan not in read:
+            read[session.plan] = plan_of(session, design)
+    return tuple(_sitting(contents, design, session, read[session.plan]) for session in contents.sessions)
+
+
+def plan_of(session: Session, design: Design) -> Design:
+    """What the session was run by: the file as it was then, where that is another than the present one. Errors: InputError."""
+    return design if session.plan == design.text else design_from_text(session.plan, design.path, checked=False)
+
+
+def scales_asked(contents: Contents, design: Design) -> dict[str, Scale]:
+    """Every scale of the plan and of the sessions, by name. Errors: as sittings."""
+    asked = {ask.scale.name: ask.scale for sitting in sittings(contents, design) for ask in sitting.asks.values()}
+    sickness = () if design.sickness is None else (design.sickness.scale,)
+    return {scale.name: scale for scale in (*design.scales, *sickness, *design.before, *design.after)} | asked
 
 
 def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
@@ -74,7 +93,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
     """What the questionnaires come to: a row for each score, `item` being its name, `kind` "score"."""
     rows: list[Row] = []
     for sitting in sittings(contents, design):
-        for phase, scales in (("before", design.before), ("after", design.after)):
+        for phase, scales in (("before", sitting.plan.before), ("after", sitting.plan.after)):
             for scale in scales:
                 asked = [ask for ask in sitting.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
                 last = [(ask, _last(sitting, ask)) for ask in asked]
@@ -92,9 +111,10 @@ def questionnaire_rows(contents: Contents, design: Design) -> list[Row]:
     return answers + score_rows(contents, design)
 
 
-def _sitting(contents: Contents, design: Design, session: Session) -> Sitting:
+def _sitting(contents: Contents, design: Design, session: Session, plan: Design) -> Sitting:
     try:
-        steps = steps_of(design, session.order, session.part)
+        steps_of(design, session.order, session.part)
+        steps = steps_of(plan, session.order, session.part)
     except StopIteration as error:
         raise InputError(
             f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that this plan has not: "
@@ -105,6 +125,7 @@ def _sitting(contents: Contents, design: Design, session: Session) -> Sitting:
         answers.setdefault(answer.key, []).append(answer)
     return Sitting(
         session,
+        plan,
         {step.key: step for step in steps if isinstance(step, Ask)},
         {step.key: step for step in steps if isinstance(step, Show)},
         {key: tuple(given) for key, given in answers.items()},

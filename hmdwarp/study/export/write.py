@@ -17,7 +17,7 @@ from ..store import PERSON, Contents
 from .bids import described, write_bids
 from .columns import Column, columns_for
 from .parquet import HOW, has_parquet, write_parquet
-from .rows import Row, answer_rows, of_origin, revision_rows, score_rows
+from .rows import Row, answer_rows, of_origin, revision_rows, scales_asked, score_rows
 from .text import csv_text, tsv_text
 from .words import counts_told, nobody, readme
 
@@ -71,6 +71,8 @@ def export(
     ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] == RATING]
     with OutputFolder(out, last="README") as folder:
         told = [counts_told(kept, ratings, options.origin)]
+        if changed := sum(session.plan != design.text for session in kept.sessions):
+            told.append(f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it was run by")
         told += _tables(folder, kept, design, answers, ratings, options)
         text = readme(design, kept, ratings, options.origin)
         left = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
@@ -100,18 +102,13 @@ def _tables(
         told.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
     if options.remarks:
         told.append(_remarks(folder, contents))
-    folder.write_json("columns.json", described(columns_for(answers, EXTRA), _scales(design)))
+    folder.write_json("columns.json", described(columns_for(answers, EXTRA), scales_asked(contents, design)))
     return [text for text in told if text]
 
 
 def _short(rows: Sequence[Row]) -> tuple[Column, ...]:
     """Without what was shown meanwhile: the ratings have that."""
     return tuple(c for c in columns_for(rows, EXTRA) if not c.name.startswith(("actual_", "measured_")))
-
-
-def _scales(design: Design) -> dict[str, Any]:
-    sickness = () if design.sickness is None else (design.sickness.scale,)
-    return {scale.name: scale for scale in (*design.scales, *sickness, *design.before, *design.after)}
 
 
 def _parquet(folder: OutputFolder, rows: Sequence[Row], columns: Sequence[Column], design: Design, wanted: bool | None) -> str:

@@ -189,3 +189,13 @@ def test_another_plan_is_refused(store, design, tmp_path):
     with pytest.raises(InputError, match="this plan has not"):
         export(store.contents(), other, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(store, design, tmp_path):
+    before = export(store.contents(), design, tmp_path / "before").folder
+    text = TEXT.replace("latency = 400", "latency = 700").replace('"grade"', '"acr"').replace('"vrsq"', '"ssq"')
+    made = export(store.contents(), design_from_text(text, "late.toml"), tmp_path / "after")
+    for name in ("ratings.csv", "sickness.tsv", "questionnaires.tsv"):
+        assert (before / name).read_bytes() == (made.folder / name).read_bytes()
+    told = json.loads((made.folder / "columns.json").read_text(encoding="utf-8"))
+    assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(made.told)
