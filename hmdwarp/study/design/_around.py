@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...tables import Table, text_of, told
-from ..scales import QUESTIONNAIRE, Scale
+from ..scales import QUESTIONNAIRE, RATING, Scale
 from ._parts import Checker
 from ._scales import scale_at, scales_of
 from .nouns import Breaks, Condition, Consent, Sickness
@@ -41,6 +41,8 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
     scale = scale_at(table, "scale", table.text("scale"), folder)
     if scale.kind == QUESTIONNAIRE:
         raise table.fault("scale", f"has '{scale.name}', a questionnaire of {len(scale.items)} items: wanted what is asked in a moment")
+    if scale.kind == RATING:
+        raise table.fault("scale", f"has '{scale.name}', a rating, and would stand among those of the trials: wanted fms, misc or the like")
     stop_at = table.within("stop_at", scale.least, scale.most, None)
     if stop_at is not None and scale.badness(stop_at) <= 0:
         raise table.fault("stop_at", f"is {stop_at:g}, the best answer of '{scale.name}': wanted a worse one, or everybody is stopped")

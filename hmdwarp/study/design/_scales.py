@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...tables import Table
-from ..scales import QUESTIONNAIRE, Scale, load_scale
+from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 
 
 def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
@@ -30,4 +30,7 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
         made.append(scale)
     if not made and not questionnaires:
         raise table.fault(key, "is empty: wanted one scale at least; 'hmdwarp list scales' shows those there are")
+    if not questionnaires and all(scale.kind != RATING for scale in made):
+        # Tables of ratings and the analysis are of that kind alone.
+        raise table.fault(key, f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; [sickness] asks the others")
     return tuple(made)
