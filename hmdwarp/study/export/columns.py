@@ -128,6 +128,8 @@ MEASURED_COLUMNS = (
     *(Column(f"measured_{name}", NUMBER, f"Afterwards, mean of the measured pictures: {_MEASURED_TOLD.get(name, name)}",
              "dB" if name.endswith("_db") else "") for name in MEASURED),
     Column("measured_refreshes", WHOLE, "How many refreshes were measured afterwards, both eyes of each"),
+    Column("measured_every", WHOLE, "Every how many-th refresh was measured; figures of different steps are not to be compared"),
+    Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; figures of different sizes are not to be compared"),
 )  # fmt: skip
 _SETTING_COLUMNS = tuple(
     Column(name, NUMBER if name == "latency_ms" else TEXT, _SETTING_TOLD[name], "ms" if name == "latency_ms" else "") for name in SETTINGS

@@ -84,6 +84,14 @@ def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
     assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:18], "guard", *LONG_COLUMNS[18:]]
 
 
+def test_how_the_pictures_were_measured_stands_beside_what_was_measured(store, design, tmp_path):
+    showing = next(one for one in store.contents().showings if one.trial)
+    store.measured(showing.id, {"flip": 0.25, "refreshes": 5, "every": 10, "size": "48x60"})
+    out = export(store.contents(), design, tmp_path / "out").folder
+    (row,) = [row for row in read(out / "ratings.csv", ",") if row["measured_flip"] != "n/a"]
+    assert (row["measured_flip"], row["measured_every"], row["measured_size"]) == ("0.25", "10", "48x60")
+
+
 def test_a_files_folder_is_not_told(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
