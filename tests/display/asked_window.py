@@ -1,7 +1,8 @@
 """A window that shows nothing and asks one question, on a virtual screen: python -m display.asked_window.
 
-Reads "ask" (a new question), "show" (none) and "end" from stdin, a line each. Prints a line of JSON for each command that came by hand,
-with what the question made of it, and after each line from stdin and each change of where the head is or who has the mouse.
+Reads "ask" (a new question), "show" (none), "wait" (as it is) and "end" from stdin, a line each. Prints a line of JSON for each command
+that came by hand, with what the question made of it, two refreshes after each line from stdin, and after each change of where the head is
+or who has the mouse.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ class AskedWindow:
         self._lines: list[str] = []
         self._asked: Asked | None = None
         self._last: dict[str, object] = {}
+        self._drawn: list[tuple[str, int]] = []  # lines that were done, and how many refreshes ago
 
     def _listen(self) -> None:
         for line in sys.stdin:
@@ -45,18 +47,31 @@ class AskedWindow:
             line = self._lines.pop(0)
             if line == "end":
                 return False
-            scale = load_scale("grade")
-            ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
-            self._asked = Asked(ask, lambda: self._display.now_ns() * 1e-9) if line == "ask" else None
-            self._tell(line=line)
+            if line != "wait":
+                self._ask(line == "ask")
+            self._drawn.append((line, 0))
         if self._display.wait() is not None:
             self._display.show(None, self._asked.label() if self._asked is not None else "")
+            self._count_drawn()
         for command in self._display.commands():
             if self._asked is not None:
                 self._asked.obey([command])
             self._tell(command=command.control, given=command.value)
         self._tell()
         return True
+
+    def _ask(self, is_asked: bool) -> None:
+        scale = load_scale("grade")
+        ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
+        self._asked = Asked(ask, lambda: self._display.now_ns() * 1e-9) if is_asked else None
+
+    def _count_drawn(self) -> None:
+        """The first of two refreshes may have been sent and not be on the screen yet."""
+        counted = [(line, count + 1) for line, count in self._drawn]
+        self._drawn = [one for one in counted if one[1] < 2]
+        for line, count in counted:
+            if count == 2:
+                self._tell(line=line)
 
     def _tell(self, **more: object) -> None:
         head = self._display.source.head_at(self._display.now_ns()).pose

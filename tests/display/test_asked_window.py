@@ -49,12 +49,12 @@ class Asking:
         return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
 
     def say(self, line: str) -> None:
-        """To the program; waits until it has done it."""
+        """To the program; waits until it has done it, and has drawn it twice since."""
         before = sum(one.get("line") == line for one in self.told)
         self._process.stdin.write(f"{line}\n")
         self._process.stdin.flush()
         until(lambda: sum(one.get("line") == line for one in self.told) > before, line)
-        time.sleep(0.2)  # a refresh or two, after which it is on the screen
+        time.sleep(0.2)  # after which it is on the screen
 
     def commands(self) -> list[tuple[str, object]]:
         """All so far."""
@@ -172,7 +172,7 @@ def test_the_mouse_answers(asking, full_screen):
         before = len(asking.commands())
         places.append(asking.to(across, 0.525)[0] - asking.geometry()[0])
         until(lambda before=before: len(asking.commands()) > before, "a point")
-        time.sleep(0.3)  # drawn
+        asking.say("wait")
         x, y, w, h = asking.geometry()
         pictures.append(asking.screen.picture()[y : y + h, x : x + w // 2].copy())
         values.append(asking.now("value"))
@@ -182,7 +182,7 @@ def test_the_mouse_answers(asking, full_screen):
     assert np.allclose(marker(pictures), places, atol=step / 2 + 2)
     asking.to(1.62, 0.525)  # the same place before the right eye
     until(lambda: asking.commands()[-1][1][0] > 0, "a point")
-    time.sleep(0.3)
+    asking.say("wait")
     assert asking.now("value") == values[1]
     asking.screen.do("click", "4")
     asking.waits("value", values[1] + 0.25)
