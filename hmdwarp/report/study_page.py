@@ -38,7 +38,7 @@ def _tiles(data: Row) -> list[Row]:
     shown = sum(row["holm"] <= 0.05 for row in rows)
     parts = len(data["scales"][0]["parts"]) if data["scales"] else 0
     texts = [
-        ("Participants", str(data["participants"]), f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who rated anything"),
+        ("Participants", str(data["participants"]), f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"),
         ("Ratings", str(data["ratings"]), f"{data['missing']} missing, listed below" if data["missing"] else "none missing"),
         ("Differences shown", f"{shown} of {len(rows)}", "comparisons with p ≤ .05 after Holm in their family"),
     ]

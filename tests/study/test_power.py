@@ -168,8 +168,9 @@ def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
     ("asked", "says"),
     [
         ({"n": "12-40"}, "--n 12-40: wanted a range like 6..40"),
-        ({"n": "0"}, "wanted numbers of people, from 1 to 2000"),
-        ({"n": "9..5"}, "wanted numbers of people, from 1 to 2000"),
+        ({"n": "0"}, "wanted numbers of people, from 1 to 1000"),
+        ({"n": "6..1001"}, "wanted numbers of people, from 1 to 1000"),
+        ({"n": "9..5"}, "wanted numbers of people, from 1 to 1000"),
         ({"effect": float("nan")}, "--effect nan"),
         ({"effect": 1.0, "sd": 0.0}, "--sd 0: wanted a number above 0"),
         ({"sd": 1.0}, "wanted --effect and --sd"),

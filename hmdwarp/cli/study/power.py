@@ -91,20 +91,24 @@ def _counts(text: str, design: Design) -> list[int]:
 
     from ...errors import InputError
     from ...study.orders import rows_for
+    from ...study.statistics import MOST_PAIRS
 
-    many = 2000
+    many = MOST_PAIRS  # a person is a pair at most
+    wanted = f"wanted numbers of people, from 1 to {many}"
     listed = re.fullmatch(r"\d+(,\d+)*", text)
     if listed:
         counts = sorted({int(one) for one in text.split(",")})
     elif found := re.fullmatch(r"(\d+)\.\.(\d+)", text):
-        least, most = int(found[1]), min(int(found[2]), many + 1)
+        least, most = int(found[1]), int(found[2])
+        if most > many:
+            raise InputError(f"--n {text}: {wanted}")
         step = lcm(*(len(rows_for(design, part.name)) for part in design.parts))
         balanced = [count for count in range(step, most + 1, step) if count >= least]
         counts = balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
     else:
         raise InputError(f"--n {text}: wanted a range like 6..40, or a list like 10,12,15")
     if not counts or counts[0] < 1 or counts[-1] > many:
-        raise InputError(f"--n {text}: wanted numbers of people, from 1 to {many}")
+        raise InputError(f"--n {text}: {wanted}")
     return counts
 
 

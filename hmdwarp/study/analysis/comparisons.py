@@ -8,8 +8,10 @@ from typing import Any
 import attrs
 import numpy as np
 
+from ...errors import InputError
 from ..design import Comparison, Family
 from ..statistics import (
+    MOST_PAIRS,
     RESAMPLES,
     SEED,
     attained_level,
@@ -84,6 +86,8 @@ _STATISTICS = (
 
 
 def _statistics(values: np.ndarray, resampling: Resampling) -> dict[str, Any]:
+    if len(values) > MOST_PAIRS:
+        raise InputError(f"{len(values)} participants rated both of two conditions: the exact test is for {MOST_PAIRS} at most")
     test = wilcoxon_exact(values)
     # One difference, or equal ones, have no spread to resample: a point is no interval.
     low, high = (None, None) if is_degenerate(values) else bca(values, resampling.seed, resampling.resamples)

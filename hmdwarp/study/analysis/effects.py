@@ -60,7 +60,7 @@ def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) 
         return {"why_not": "the ratings leave no noise to compare it with"}
     f, p, _ = full.compare_f_test(reduced)
     found: dict[str, Any] = {"f": float(f), "df": df, "df_rest": int(full.df_resid), "p": float(p)}
-    if effect.shape[1] == 1:
+    if name == "place":
         low, high = full.conf_int()[-1]
         found |= {"slope": float(full.params[-1]), "low": float(low), "high": float(high)}
     return found

@@ -31,7 +31,7 @@ def families_for(ratings: Ratings, asked: Sequence[str] = ()) -> tuple[tuple[Fam
             found.append(Family(f"{part}: {sentence}" if part else sentence, tuple(Comparison(part, a, b) for a, b in pairs)))
             why.append(sentence)
     told = "; ".join(dict.fromkeys(why)) or "nothing, as there is one condition only"
-    return tuple(found), f"Compared: {told}. The table holds no plan; --family says another."
+    return tuple(found), f"Compared: {told}. No comparison was planned there; --family says another."
 
 
 def _asked(text: str, ratings: Ratings) -> list[Family]:

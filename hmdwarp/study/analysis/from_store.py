@@ -11,10 +11,9 @@ from ...errors import InputError
 from ...report.study_words import counted
 from ..design import Design
 from ..design._parts import ONLY_PART
-from ..design.read import design_from_text
-from ..export.rows import long_rows, of_origin
+from ..export.rows import long_rows, of_origin, plan_of
 from ..export.words import nobody
-from ..scales import RATING
+from ..scales import RATING, Scale
 from ..steps import Ask, Show, steps_of
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
 from .ratings import Felt, Measure, Rating, Ratings, Sitting
@@ -44,11 +43,12 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
     felt: list[Felt] = []
     sittings: list[Sitting] = []
     for session in sessions:
-        plan = _plan_of(session, design)
+        plan = plan_of(session, design)
         known = latest.get(session.id, {})
         found = _ratings(session, plan, known)
         rows += found
-        felt += [_felt(session, one) for one in known.values() if one.scale not in {scale.name for scale in plan.scales}]
+        rating = {scale.name for scale in plan.scales if scale.kind == RATING}
+        felt += [_felt(session, one) for one in known.values() if one.scale not in rating]
         trials = sum(len(names) for names in session.order)
         rated = len({row.place for row in found if row.value is not None})
         sittings.append(Sitting(session.sub, session.part, session.number, session.status, session.why, rated, trials))
@@ -62,10 +62,16 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         title=design.title,
         sittings=tuple(sittings),
         felt=tuple(felt),
+        others=_others(design),
         notes=tuple(_notes(contents, sessions, design, origin)),
         long=tuple(long_rows(of_origin(contents, origin), design)),
     )
     return _without_part(found) if [part.name for part in design.parts] == [ONLY_PART] else found
+
+
+def _others(design: Design) -> dict[str, Scale]:
+    asked = (*design.scales, *design.before, *design.after, *(() if design.sickness is None else (design.sickness.scale,)))
+    return {scale.name: scale for scale in asked}
 
 
 def _without_part(ratings: Ratings) -> Ratings:
@@ -83,11 +89,6 @@ def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
         if one.key not in of or of[one.key].revision < one.revision:
             of[one.key] = one
     return found
-
-
-def _plan_of(session: Session, design: Design) -> Design:
-    """What the session was run by: the file as it was then, where that is another."""
-    return design if session.plan == design.text else design_from_text(session.plan, design.path, checked=False)
 
 
 def _ratings(session: Session, plan: Design, known: Mapping[str, Answer]) -> list[Rating]:

@@ -91,8 +91,8 @@ class Ratings:
 
     rows: in the order of the trials, as far as it is known. measures: by scale. families: the planned ones. planned: a plan's conditions by
     part, both in its order; empty where there is no plan. source: where it all is from.
-    felt: sickness and questionnaires. notes: what was noticed while reading. long: the rows of the long table, for what is joined with
-    ratings.
+    felt: sickness and questionnaires. others: their scales by name, as the plan has them. notes: what was noticed while reading. long: the
+    rows of the long table, for what is joined with ratings.
     """
 
     rows: tuple[Rating, ...]
@@ -104,6 +104,7 @@ class Ratings:
     title: str = ""
     sittings: tuple[Sitting, ...] = ()
     felt: tuple[Felt, ...] = ()
+    others: Mapping[str, Scale] = attrs.field(factory=dict)
     notes: tuple[str, ...] = ()
     long: tuple[Mapping[str, Any], ...] = attrs.field(default=(), repr=False)
 

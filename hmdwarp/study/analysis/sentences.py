@@ -44,7 +44,8 @@ def _size(row: Row, measure: Measure) -> str:
 def _verdict(row: Row, measure: Measure) -> str:
     after = f"After Holm over {counted(row['holm_of'], 'comparison')}" if row["holm_of"] > 1 else "By the exact test"
     if row["holm"] <= ALPHA:
-        way = "better" if row["shift"] > 0 else "worse"
+        # Not by the shift: it is 0 where more than half of the pairs are alike, which the test leaves out.
+        way = "better" if row["w_plus"] > row["w_minus"] else "worse"
         return f"{after} {p_is(row['holm'])}: '{row['b']}' was rated {way}."
     if row["smallest_p"] > ALPHA:
         least = p_is(row["smallest_p"])
@@ -109,10 +110,13 @@ def of_copied(row: Row) -> str:
         f"Drawn independently that many would come about in {100 * row['by_chance']:.2g} % of studies; within the parts "
         f"{row['within']} of {row['within_of']} pairs of people are alike."
     )
+    if row["by_chance"] <= ALPHA:
+        verdict = "Such rows were most likely copied, or are of the same people: the parts are not independent, and are not pooled here."
+    else:
+        verdict = "That is no sign that any were copied; the parts are not pooled here."
     return (
         f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} conditions that both parts have "
-        f"equal those of somebody in {first} ({second} = {first}: {doubles}). {chance} Such rows were most likely copied, or are of the "
-        "same people: the parts are not independent, and are not pooled here."
+        f"equal those of somebody in {first} ({second} = {first}: {doubles}). {chance} {verdict}"
     )
 
 

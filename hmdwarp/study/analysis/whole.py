@@ -9,6 +9,7 @@ import attrs
 
 from ...version import __version__
 from ..design import Family
+from ..scales import Scale
 from . import sentences as say
 from .claims import Claims, checked
 from .comparisons import Resampling, compared
@@ -33,6 +34,10 @@ def analyse(
     """
     ratings = attrs.evolve(ratings, rows=tuple(sorted(ratings.rows, key=_key)))
     families, why = families_for(ratings, asked)
+
+    def known(name: str) -> Scale | None:
+        return ratings.others.get(name) or scale_or_none(name)
+
     scales = [_on_scale(ratings, name, families, resampling, claims) for name in ratings.scales()]
     return {
         "schema": SCHEMA,
@@ -49,8 +54,8 @@ def analyse(
         "missing": sum(row.value is None for row in ratings.rows),
         "scales": scales,
         "sittings": sittings(ratings),
-        "sickness": sickness(ratings, scale_or_none),
-        "questionnaires": questionnaires(ratings, scale_or_none),
+        "sickness": sickness(ratings, known),
+        "questionnaires": questionnaires(ratings, known),
     }
 
 

@@ -3,9 +3,10 @@
 from .bca import RESAMPLES, SEED, Interval, bca, is_degenerate
 from .several import Friedman, friedman, holm, kendalls_w
 from .shift import Shift, attained_level, hodges_lehmann
-from .wilcoxon import Wilcoxon, rank_biserial, smallest_p, wilcoxon_exact
+from .wilcoxon import MOST_PAIRS, Wilcoxon, rank_biserial, smallest_p, wilcoxon_exact
 
 __all__ = [
+    "MOST_PAIRS",
     "RESAMPLES",
     "SEED",
     "Friedman",

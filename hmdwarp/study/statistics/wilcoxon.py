@@ -80,10 +80,14 @@ def _doubled_sums(differences: ArrayLike) -> tuple[tuple[int, tuple[int, ...]], 
     return (plus, tuple(sorted(ranks.tolist()))), minus
 
 
-@functools.lru_cache(maxsize=4096)  # a simulation of thousands of studies meets the same ranks again and again
 def _upper_tails(doubled_ranks: tuple[int, ...]) -> NDArray[np.float64]:
     return np.cumsum(signed_rank_null(doubled_ranks)[::-1])[::-1]
 
 
+# A simulation of thousands of studies meets the same ranks again and again. Of many pairs few are kept: with 1000 one takes 8 MB.
+_FEW = 40
+_of_few, _of_many = functools.lru_cache(maxsize=4096)(_upper_tails), functools.lru_cache(maxsize=32)(_upper_tails)
+
+
 def _tail(doubled_ranks: tuple[int, ...], at_least: int) -> float:
-    return _upper_tails(doubled_ranks)[at_least]
+    return (_of_few if len(doubled_ranks) <= _FEW else _of_many)(doubled_ranks)[at_least]

@@ -16,6 +16,7 @@ from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.analysis.whole import analyse
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.export import ExportOptions, export
+from hmdwarp.study.scales._load import _FOLDER
 from hmdwarp.study.steps import Ask, Show, steps_of
 from hmdwarp.study.store import PERSON, PILOT, SIMULATED, Store
 
@@ -183,6 +184,21 @@ def test_who_misses_the_reference_is_named_and_kept(contents, design):
     assert sub in part["reference_sentence"] and sub in part["conditions"][0]["ratings"]
     (without,) = part["without"]
     assert without["n"] == analyse(from_contents(contents, design))["scales"][0]["comparisons"][0]["n"] - 1
+
+
+def test_scales_of_ones_own_are_told_as_the_shipped_ones_are(tmp_path):
+    """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale of each trial."""
+    for name in ("fms", "vrsq"):
+        (tmp_path / f"my-{name}.toml").write_text((_FOLDER / f"{name}.toml").read_text())
+    text = TEXT.replace('"fms"', '"my-fms.toml"').replace('["vrsq"]', '["my-vrsq.toml"]').replace('["grade"]', '["grade", "misc"]')
+    design = design_from_text(text, str(tmp_path / "late.toml"))
+    with Store(tmp_path / "data", create=True) as store:
+        sit(store, design, "one")
+        sit(store, design, "two", seed=1)
+        data = analyse(from_contents(store.contents(), design))
+    assert {one["scale"] for one in data["sickness"]} == {"my-fms", "misc"}
+    assert {one["scale"] for one in data["questionnaires"]} == {"my-vrsq"}
+    assert [one["measure"]["name"] for one in data["scales"]] == ["grade"]
 
 
 def test_sickness_and_questionnaires_are_told(contents, design):

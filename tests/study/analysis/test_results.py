@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study_tables import comparison_lines
-from hmdwarp.study.analysis import Measure, Ratings
+from hmdwarp.study.analysis import Measure, Rating, Ratings
 from hmdwarp.study.analysis.claims import load_claims
 from hmdwarp.study.analysis.copied import copied
 from hmdwarp.study.analysis.effects import order_effects
-from hmdwarp.study.analysis.sentences import of_reference
+from hmdwarp.study.analysis.sentences import of_copied, of_reference
 from hmdwarp.study.analysis.whole import analyse
 from hmdwarp.study.design import Comparison, Family
 
@@ -45,6 +45,24 @@ def test_a_shown_difference_is_said_plainly():
     said = first(ratings_of({"late": LATE, "warped": WARPED}))["sentence"]
     assert said.startswith("8 of 8 rated 'warped' better than 'late', 0 worse; mean difference +1.56 grades (95 % ")
     assert said.endswith("By the exact test p = .0078: 'warped' was rated better.")
+
+
+@pytest.mark.parametrize(("late", "warped", "way"), [(5, 4, "better"), (4, 5, "worse")])
+def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way):
+    """Seven pairs one way, nineteen alike: p = 2/2^7, though the shift, which counts the nineteen, is 0."""
+    row = first(ratings_of({"late": [late] * 7 + [4] * 19, "warped": [warped] * 7 + [4] * 19}))
+    assert row["shift"] == 0 and row["p"] == 2 / 2**7
+    assert row["sentence"].endswith(f"'warped' was rated {way}.")
+
+
+def test_more_people_than_the_exact_test_takes_are_told_so():
+    with pytest.raises(InputError, match="1001 participants rated both of two conditions: the exact test is for 1000 at most"):
+        compared_many(1001)
+
+
+def compared_many(people: int) -> None:
+    rows = [Rating(f"p{k}", "", name, "grade", 3.0) for k in range(people) for name in ("late", "warped")]
+    analyse(Ratings(tuple(rows), {"grade": GRADE}, families=PAIR))
 
 
 def test_a_difference_that_is_not_shown_is_not_called_none():
@@ -139,6 +157,18 @@ def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
     assert found["previous"]["f"] == pytest.approx(table.loc["C(before)", "F"], rel=1e-9)
 
 
+def test_what_came_before_is_no_slope_per_trial():
+    """One condition shown four times: before it was nothing, or itself. One column, but not of numbers."""
+    rows = [row for k in range(6) for row in repeated(k)]
+    found = order_effects(rows)
+    assert "slope" in found["place"] and found["previous"]["df"] == 1 and "slope" not in found["previous"]
+
+
+def repeated(person: int) -> list[Rating]:
+    grades = np.random.default_rng(person).integers(1, 7, 4).tolist()
+    return [Rating(f"p{person}", "", "c", "grade", float(v), place=k, previous="c" * (k > 1)) for k, v in enumerate(grades, 1)]
+
+
 def test_one_order_for_all_cannot_be_told_from_the_conditions():
     rows = [row for row in in_order() if row.participant in ("p0", "p4", "p8", "p12")]  # the square has four rows
     found = order_effects(rows)
@@ -172,6 +202,7 @@ def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
     made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
     (found,) = copied(Ratings(tuple(r for one in made for r in one.rows), {"grade": GRADE}), "grade", 1)
     assert found["by_chance"] > 0.5 and found["within"] > 0
+    assert "no sign that any were copied" in of_copied(found) and "most likely" not in of_copied(found)
 
 
 # --- claims ---------------------------------------------------------------------------------------------------------------
