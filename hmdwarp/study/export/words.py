@@ -54,8 +54,9 @@ Asked after each trial: {scales}.
 Conditions, by part of the study:
 {conditions}
 
-ratings.csv, ratings.tsv, ratings.parquet: one row for each rating, missing ones among them, with what was shown. The same three times.
-sickness.tsv: how sick people felt between the trials. questionnaires.tsv: answers and scores before and after.
+ratings.csv, ratings.tsv: one row for each rating, missing ones among them, with what was shown. The same twice, and a third time as
+ratings.parquet where that was written. Where they were asked: sickness.tsv, how sick people felt between the trials, and
+questionnaires.tsv, answers and scores before and after.
 columns.json: what each column is, its units and its values. bids/: the same as a BIDS data set, with the motion of the heads.
 Missing is n/a, in Parquet null. Numbers have decimal points. Of answers that were corrected the last one counts.
 
