@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,7 +21,8 @@ def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
     """Of the place of a trial (a slope per trial) and of the condition before it, beside participants and conditions (type II F tests by
     ordinary least squares). rows: of one part on one scale.
 
-    An effect that the ratings cannot tell is {"why_not": sentence}: the order is not recorded, or it is the same for everybody.
+    Where the two cannot be told from one another each is estimated without the other, and names it ("or"). An effect that the ratings
+    cannot tell is {"why_not": sentence}: the order is not recorded, or it is the same for everybody.
     """
     rated = [row for row in rows if row.value is not None]
     if not any(row.place for row in rated):
@@ -49,12 +51,16 @@ def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) 
     df = _rank(whole) - _rank(rest)
     if df == 0:
         if _rank(np.hstack([blocks["base"], effect])) > _rank(blocks["base"]):
-            return _effect(values, {**blocks, other: np.zeros((len(values), 0))}, name, other)
+            alone = _effect(values, {**blocks, other: np.zeros((len(values), 0))}, name, other)
+            return alone if "why_not" in alone else alone | {"or": other}
         return {"why_not": "it cannot be told from the conditions: everybody saw them in the same order"}
     if len(values) - _rank(whole) < _LEAST_REST:
         return {"why_not": f"{counted(len(values), 'rating')} {'is' if len(values) == 1 else 'are'} too few for it"}
     api = needed("statsmodels.api", "statsmodels")
-    full, reduced = api.OLS(values, whole).fit(), api.OLS(values, rest).fit()
+    with warnings.catch_warnings():
+        # The least squares of least norm: sums of squares, ranks and the slope are the same whichever of the solutions is taken.
+        warnings.filterwarnings("ignore", "The design matrix is rank-deficient")
+        full, reduced = api.OLS(values, whole).fit(), api.OLS(values, rest).fit()
     noise = float(full.ssr)
     if noise <= 1e-20 * max(float((values**2).sum()), 1e-300):
         return {"why_not": "the ratings leave no noise to compare it with"}

@@ -42,8 +42,8 @@ def from_csv(path: Path, given: Given = Given()) -> Ratings:  # noqa: B008  (fro
     numbers, comma = numbers_of(lines, path)
     if comma:
         notes.append("Ratings have a decimal comma: 3,25 was read as 3.25.")
-    measures = _measures(lines, numbers, path, given, notes)
-    rows, felt, used = _rows(lines, numbers, measures, path, header)
+    measures, unnamed = _measures(lines, numbers, path, given, notes)
+    rows, felt, used = _rows(lines, numbers, measures, unnamed, path, header)
     if not rows:
         raise InputError(f"{path}: holds no ratings: {counted(len(lines), 'row')}, none of them on a rating scale")
     repeated = sum(count > 1 for count in Counter((r.participant, r.part, r.condition, r.scale) for r in rows).values())
@@ -66,16 +66,19 @@ def _of_one_origin(lines: list[Line], path: Path, wanted: str) -> tuple[list[Lin
     return [line for line in lines if (line.fields.get("origin") or "person") == origin], origin, notes
 
 
-def _measures(lines: Sequence[Line], numbers: Sequence[float | None], path: Path, given: Given, notes: list[str]) -> dict[str, Measure]:
-    """What each scale is: of its name where it is known, else as the user or the table says."""
+def _measures(
+    lines: Sequence[Line], numbers: Sequence[float | None], path: Path, given: Given, notes: list[str]
+) -> tuple[dict[str, Measure], str]:
+    """What each scale is: of its name where it is known, else as the user or the table says. And which one rows without a name are on."""
     names = dict.fromkeys(line.fields.get("scale", "") for line in lines)
-    found = {}
+    found, unnamed = {}, ""
     for name in names:
         own = [(line, value) for line, value in zip(lines, numbers, strict=True) if line.fields.get("scale", "") == name]
         measure = _measure(name, own, path, given, notes)
         if measure is not None:
             found[name or measure.name] = measure
-    return found
+            unnamed = unnamed if name else measure.name
+    return found, unnamed
 
 
 def _measure(name: str, own: list[tuple[Line, float | None]], path: Path, given: Given, notes: list[str]) -> Measure | None:
@@ -114,13 +117,17 @@ def _check_range(own: list[tuple[Line, float | None]], measure: Measure, path: P
 
 
 def _rows(
-    lines: Sequence[Line], numbers: Sequence[float | None], measures: Mapping[str, Measure], path: Path, header: Mapping[str, str]
+    lines: Sequence[Line],
+    numbers: Sequence[float | None],
+    measures: Mapping[str, Measure],
+    unnamed: str,
+    path: Path,
+    header: Mapping[str, str],
 ) -> tuple[list[Rating], list[Felt], list[Line]]:
     """Ratings, what else was answered, and the lines that the ratings stand in."""
     rows: list[Rating] = []
     felt: list[Felt] = []
     used: list[Line] = []
-    only = next(iter(measures)) if len(measures) == 1 else ""
     for line, value in zip(lines, numbers, strict=True):
         fields = line.fields
         if fields["participant"].lower() in MISSING:
@@ -128,7 +135,7 @@ def _rows(
         place = whole(line, "place", path, 0)
         part = _part(fields.get("part", ""), header.get("part", ""))
         session = whole(line, "session", path, 1)
-        scale = fields.get("scale", "") or only
+        scale = fields.get("scale", "") or unnamed
         if scale not in measures:
             phase = "trial" if place else fields.get("=phase", "")
             felt.append(Felt(fields["participant"], part, session, phase, place, scale, fields.get("item", ""), value))

@@ -49,7 +49,8 @@ def _verdict(row: Row, measure: Measure) -> str:
         return f"{after} {p_is(row['holm'])}: '{row['b']}' was rated {way}."
     if row["smallest_p"] > ALPHA:
         least = p_is(row["smallest_p"])
-        return f"{_pairs(row)} can give no smaller p than {least[4:]}, so this comparison shows nothing either way, whatever the ratings."
+        always = "" if row["equal"] else ", whatever the ratings"
+        return f"{_pairs(row)} can give no smaller p than {least[4:]}, so this comparison shows nothing either way{always}."
     low, high, level = row["shift_low"], row["shift_high"], f"{100 * row['shift_level']:.0f} %"
     if row["p"] <= ALPHA:
         return (
@@ -90,12 +91,17 @@ def of_order(effects: Mapping[str, Row], measure: Measure) -> list[str]:
     return [_of_effect(name, row, measure) for name, row in effects.items()]
 
 
+_EFFECTS = {"place": "The place of a trial", "previous": "The condition shown before"}
+
+
 def _of_effect(name: str, row: Row, measure: Measure) -> str:
-    what = {"place": "The place of a trial", "previous": "The condition shown before"}[name]
+    what = _EFFECTS[name]
     if "why_not" in row:
         return f"{what}: its effect cannot be estimated, {row['why_not']}."
     test = f"F({row['df']}, {row['df_rest']}) = {row['f']:.2f}, {p_is(row['p'])}"
     verdict = "it changed the ratings" if row["p"] <= ALPHA else "no effect is shown"
+    if "or" in row:
+        verdict += f"; here it cannot be told apart from {_EFFECTS[row['or']].lower()}"
     slope = ""
     if "slope" in row:
         slope = f"; {signed(row['slope'], 3)} {measure.unit} per trial (95 % {signed(row['low'], 3)} to {signed(row['high'], 3)})"

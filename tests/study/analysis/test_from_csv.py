@@ -33,6 +33,13 @@ def test_columns_are_found_by_name_whatever_is_between_them(tmp_path, delimiter,
     assert found.rows[2].why_missing == "empty in line 4"
 
 
+@pytest.mark.parametrize("named", ["acr", "stars"])
+def test_rows_without_the_name_of_a_scale_are_not_lost(tmp_path, named):
+    rows = [{"participant": str(k), "condition": "late", "scale": named if k % 2 else "", "rating": "3"} for k in range(6)]
+    found = from_csv(written(tmp_path / "table.csv", rows), Given(low_is_good=True))
+    assert len(found.rows) == 6 and found.scales() == ("rating", named) and not found.felt
+
+
 def test_a_decimal_comma_is_understood_and_told(tmp_path):
     rows = [row | {"Score": row["Score"].replace(".", ",")} for row in ROWS]
     found = from_csv(written(tmp_path / "german.csv", rows, ";"))

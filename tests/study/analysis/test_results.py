@@ -16,7 +16,7 @@ from hmdwarp.study.analysis import Measure, Rating, Ratings
 from hmdwarp.study.analysis.claims import load_claims
 from hmdwarp.study.analysis.copied import copied
 from hmdwarp.study.analysis.effects import order_effects
-from hmdwarp.study.analysis.sentences import of_copied, of_reference
+from hmdwarp.study.analysis.sentences import of_copied, of_order, of_reference
 from hmdwarp.study.analysis.whole import analyse
 from hmdwarp.study.design import Comparison, Family
 
@@ -63,6 +63,11 @@ def test_more_people_than_the_exact_test_takes_are_told_so():
 def compared_many(people: int) -> None:
     rows = [Rating(f"p{k}", "", name, "grade", 3.0) for k in range(people) for name in ("late", "warped")]
     analyse(Ratings(tuple(rows), {"grade": GRADE}, families=PAIR))
+
+
+def test_pairs_that_are_alike_are_not_too_few_people():
+    said = first(ratings_of({"late": [4] * 8, "warped": [4] * 7 + [3]}))["sentence"]
+    assert "1 unequal pair can give no smaller p than 1.000" in said and "whatever the ratings" not in said
 
 
 def test_a_difference_that_is_not_shown_is_not_called_none():
@@ -167,6 +172,21 @@ def test_what_came_before_is_no_slope_per_trial():
 def repeated(person: int) -> list[Rating]:
     grades = np.random.default_rng(person).integers(1, 7, 4).tolist()
     return [Rating(f"p{person}", "", "c", "grade", float(v), place=k, previous="c" * (k > 1)) for k, v in enumerate(grades, 1)]
+
+
+def test_two_effects_that_cannot_be_told_apart_say_so():
+    """Of two conditions shown once each, "second" and "after the other one" are the same trials."""
+    random, rows = np.random.default_rng(3), []
+    for person in range(12):
+        order = "ab" if person % 2 else "ba"
+        for place, name in enumerate(order, 1):
+            value = float(3 + place + random.normal(0, 0.3))
+            rows.append(Rating(f"p{person}", "", name, "grade", value, place=place, previous=order[0] if place == 2 else ""))
+    found = order_effects(rows)
+    assert found["place"]["f"] == pytest.approx(found["previous"]["f"]) and found["place"]["p"] < 0.05
+    said = of_order(found, GRADE)
+    assert said[0].endswith("it changed the ratings; here it cannot be told apart from the condition shown before.")
+    assert said[1].endswith("it changed the ratings; here it cannot be told apart from the place of a trial.")
 
 
 def test_one_order_for_all_cannot_be_told_from_the_conditions():
