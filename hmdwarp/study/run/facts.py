@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 from ...display import Display
@@ -15,7 +16,10 @@ PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "prompt-t
 
 
 def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
-    """versions, machine, gpu, display, seed. No name of a host or a user: what is kept of a session may be passed on."""
+    """versions, machine, gpu, display, seed. No name of a host or a user: what is kept of a session may be passed on.
+
+    trace: as given; a file's name is kept, not the folders it lies in.
+    """
     gpu = display.gpu
     return {
         "hmdwarp": __version__,
@@ -28,7 +32,7 @@ def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
         "headset": display.headset.name if display.headset is not None else display.about.get("headset", ""),
         "rate_hz": display.rate_hz,
         "seed": design.seed,
-        "trace": trace,
+        "trace": Path(trace).name,
     }
 
 

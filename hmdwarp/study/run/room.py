@@ -24,7 +24,8 @@ TRACKING_LOST = "tracking lost"
 class Room:
     """session: as it was begun or gone on with. steps: all of it. done: keys of those that are over. heading: for the desk. status: what
     the window's title tells, never a condition. shown: what was last shown. break_due: whether a break
-    was asked for that comes once the trial is over. head: as it was last seen, None before.
+    was asked for that comes once the trial is over. late: what was asked for, and by whom, when its step had just ended, and is for the
+    next. head: as it was last seen, None before.
     """
 
     design: Design
@@ -38,6 +39,7 @@ class Room:
     status: Status = attrs.field(factory=Status)
     shown: Show | None = None
     break_due: bool = False
+    late: list[tuple[str, Command]] = attrs.field(factory=list)
     head: PoseSample | None = None
     _begun_ns: int = attrs.field(init=False)
     _told_ns: int | None = None

@@ -117,7 +117,11 @@ class _Program:
             status = sitting.run()
             self.afterwards.session = self.store.end(session, status, sitting.why)
         except (Broken, Closed) as ended:
-            self._interrupt(session, str(ended))
+            try:
+                self._interrupt(session, str(ended))
+            except HmdwarpError as error:
+                self._give_up(session, ended)
+                raise self.afterwards.explained(error) from error
         except HmdwarpError as error:
             self._give_up(session, error)
             raise self.afterwards.explained(error) from error

@@ -216,6 +216,7 @@ class Sitting:
                     self._ask_after()
                     raise Over(ENDED_SICK)
                 self._between(watch.intent, watch.step)
+            self.why = ""  # it was a slip, and is corrected
         except Over:
             raise Over(ENDED_SICK) from None
 

@@ -9,7 +9,7 @@ from ...display import Command
 from ...live.driver import Watch
 from ..steps import Step
 from .room import Room
-from .voices import BREAK, INTENTS, REMARK
+from .voices import BREAK, INTENTS, REMARK, STOP
 
 if TYPE_CHECKING:
     from ...loop import Refresh
@@ -55,15 +55,26 @@ class StepWatch(Watch):
         return bool(self.intent) or self.finished()
 
     def obey(self, commands: Sequence[Command]) -> bool:
-        """As Watch.obey. What comes after the end of a step is not for the next one: it was meant for this."""
+        """As Watch.obey. What comes after the end of a step is not for the next one: it was meant for this. But who wants to stop, or to
+        rest, is not passed over for having asked at the refresh at which a step ended."""
         room = self.room
-        for by, command in room.voices.heard(commands, self.step, room.shown, self.asked_s):
+        late, room.late = room.late, []
+        for by, command in (*late, *room.voices.heard(commands, self.step, room.shown, self.asked_s)):
             if command.control == REMARK:
                 room.remark(by, command, self.step)
             elif not self.over():
                 self.hear(by, command)
+            else:
+                self._hear_late(by, command)
         room.tell(self._told_of, self.told, looks=not self.pictures)
         return False
+
+    def _hear_late(self, by: str, command: Command) -> None:
+        """Something asked for when it had just ended. A menu that was closed does not open again for one press too many."""
+        if command.control == BREAK:
+            self.room.plan_break(by, self.step)
+        elif command.control == STOP or (command.control in INTENTS and not self.intent and self.phase != "paused"):
+            self.room.late.append((by, command))
 
     def hear(self, by: str, command: Command) -> None:
         """Something asked for while it goes on."""

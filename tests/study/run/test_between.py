@@ -125,6 +125,30 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
     assert ran.display.plates[-1].title == "Thank you"
 
 
+@pytest.mark.parametrize(
+    ("phase", "commands", "answers"),
+    [("asking", [Command("answer", 3.0), Command("stop")], [3.0]), ("showing", [Command("pause"), Command("stop")], [])],
+)
+def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tmp_path, phase, commands, answers):
+    """Both are there at one refresh, as after one that took long: the answer is kept, and the end is not passed over."""
+    path = study(tmp_path)
+    idle = Person(lambda plate: () if phase == "asking" and getattr(plate, "heading", "") == "trial 1" else None)
+    ran = run(monkeypatch, gpu, path, idle, at_phase(phase, "trial 1 of 2", *commands))
+    assert ran.session.status == STOPPED
+    assert [one.value for one in contents(path).answers] == answers
+    assert len(events(path, "stop")) == 1
+
+
+def test_a_break_and_the_menu_that_come_with_an_answer_are_for_the_next_step(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    idle = Person(lambda plate: () if getattr(plate, "heading", "") == "trial 1" else None)
+    desk = at_phase("asking", "trial 1 of 2", Command("answer", 3.0), Command("break"), Command("pause"))
+    ran = run(monkeypatch, gpu, path, idle, desk)
+    assert ran.session.status == COMPLETE
+    assert [kind for kind, _ in events(path, "break", "pause", "continue")] == ["break", "pause", "continue"]
+    assert "A break" in [getattr(plate, "title", "") for plate in ran.display.plates]
+
+
 def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tmp_path):
     def own(plate):
         if isinstance(plate, QuestionPlate):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study.design.read import load_design
 from hmdwarp.study.run import actual
+from hmdwarp.study.run.facts import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
 from . import sessions
@@ -153,6 +155,20 @@ def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypat
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
+def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkeypatch, gpu, tmp_path):
+    def full(*_):
+        raise MachineError("no room is left on the disk")
+
+    path = study(tmp_path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Store, "end", full)
+        ran = run(patch, gpu, path, at={5: closing()})
+    assert isinstance(ran.error, MachineError)
+    assert "what was answered before is stored, go on with:" in str(ran.error)
+    assert ran.said == []  # the error says it all
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+
+
 def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
     """The recording meets it first; the same words, whatever does."""
     from hmdwarp.live.lines import Lines
@@ -252,3 +268,10 @@ def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
     assert len(ran.session.code) == 5
 
 
+
+
+def test_where_a_recorded_head_lies_is_not_kept(gpu, tmp_path):
+    """Folders are named after people."""
+    facts = facts_of(sessions.Seat(gpu, Person()), load_design(str(study(tmp_path))), "/home/jane/heads/walk.csv")
+    assert facts["trace"] == "walk.csv"
+    assert "jane" not in repr(facts)

@@ -100,7 +100,7 @@ def test_a_slip_at_the_sickness_scale_can_be_corrected(monkeypatch, gpu, tmp_pat
     desk = Table(lambda state: [again.pop()] if again and state.step == "the session ends" else [])
     person = feeling("0", "16", "1", own=lambda plate: () if getattr(plate, "title", "") == "We stop here" else None)
     ran = run(monkeypatch, gpu, path, person, desk)
-    assert ran.session.status == "complete"
+    assert (ran.session.status, ran.session.why) == ("complete", "")
     values = [(one.revision, one.value) for one in contents(path).answers if one.key == "trial/1/fms/fms"]
     assert values == [(1, 16.0), (2, 1.0)]
 
