@@ -138,13 +138,14 @@ def _rungs(options: LiveOptions, headset: Headset) -> tuple[Rung, ...]:
 
 
 def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
-    """The same settings, names with _, and files as they lie from `folder`."""
+    """The same settings, names with _, and files by their whole path, so that they are found from any working folder. folder: that the
+    file's own names of files count from."""
     return {name: _placed(folder, name, value) for _, name, value in _named(settings)}
 
 
 def _placed(folder: Path, name: str, value: object) -> object:
     is_file = name in FILES or (isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value)))
-    return str(folder / value) if is_file and isinstance(value, str) else value
+    return str(folder.absolute() / value) if is_file and isinstance(value, str) else value
 
 
 def _is_scene_file(name: str, value: str) -> bool:

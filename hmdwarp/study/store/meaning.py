@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from ..design import Condition, Design
@@ -10,23 +12,26 @@ from ..scales import Scale
 
 
 def meaning(design: Design, part: str) -> dict[str, Any]:
-    """As JSON has it. Titles, comments, breaks, the consent's text, the families and other parts are not in it: they may change."""
+    """As JSON has it. Titles, comments, breaks, the consent's text, the families and other parts are not in it: they may change.
+    So may the folder that the file lies in, with the files it names beside it."""
+    folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     return {
-        "conditions": [_condition(one) for one in design.part(part).conditions],
+        "conditions": [_condition(one, folder) for one in design.part(part).conditions],
         "seconds": float(design.seconds),
         "repeats": design.repeats,
         "order": design.order,
         "seed": design.seed,
         "scales": [_scale(one) for one in design.scales],
-        "practice": None if design.practice is None else [_condition(design.practice), float(design.practice_seconds)],
+        "practice": None if design.practice is None else [_condition(design.practice, folder), float(design.practice_seconds)],
         "sickness": _sickness(design),
         "before": [_scale(one) for one in design.before],
         "after": [_scale(one) for one in design.after],
     }
 
 
-def _condition(condition: Condition) -> dict[str, Any]:
-    return {"name": condition.name, "settings": dict(sorted(condition.settings.items())), "reference": condition.reference}
+def _condition(condition: Condition, folder: str) -> dict[str, Any]:
+    settings = {name: value.removeprefix(folder) if isinstance(value, str) else value for name, value in sorted(condition.settings.items())}
+    return {"name": condition.name, "settings": settings, "reference": condition.reference}
 
 
 def _scale(scale: Scale) -> dict[str, Any]:

@@ -96,7 +96,7 @@ def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
     design = load_design("studies/study.toml")
     assert design.consent is not None and design.consent.text == "Read me.\n"
     assert design.scales[1].name == "mine"
-    assert design.part("run-2").condition("b").settings["delay_trace"] == "studies/delays.csv"
+    assert design.part("run-2").condition("b").settings["delay_trace"] == str(folder / "delays.csv")
 
 
 def test_what_windows_writes_is_read(tmp_path):

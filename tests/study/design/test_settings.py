@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import sys
+from pathlib import Path
 
 import attrs
 import pytest
@@ -132,4 +133,5 @@ def test_files_are_found_from_the_study_file(tmp_path):
         "bench": "/b.json",
         "warp": "mesh",
     }
+    assert at(Path("beside"), {"scene": "mine.glb"}) == {"scene": str(Path.cwd() / "beside" / "mine.glb")}  # wherever one works later
     assert at(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}
