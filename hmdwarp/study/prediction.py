@@ -48,7 +48,7 @@ MEASURES = {
     "actual_period_ms_p95": "95th percentile between pictures",
     "actual_angular_speed_deg_s_median": "speed of the turning head",
 }
-LEAST_PEOPLE = 5  # fewer, drawn anew, are too few different draws: 4 people give 35
+LEAST_PEOPLE = 6  # with 5 no association can be sure: flipping signs gives p = 2/32 at least; and 4 people drawn anew give but 35 draws
 LEAST_ROWS = 2  # of a person: a single rating has no mean to differ from
 LEAST_CONDITIONS = 3  # two give a line through two points, whatever is measured
 MOST_MISSING = 0.5  # of the ratings; a measure that is missing more often is left out rather than the ratings

@@ -87,7 +87,7 @@ def _invite(power: Power, wanted: float) -> list[str]:
     said = f"{1 - power.complete_share:.0%} of these people do not come to the end; the numbers above are people who begin."
     needed = people_for(reached.n, power.complete_share)
     if needed is not None:
-        said += f" Plan for {needed} to end with {reached.n} (nine times in ten)."
+        said += f" Whoever wants {reached.n} complete sessions plans for {needed} people (enough nine times in ten)."
     return [said]
 
 
