@@ -79,7 +79,9 @@ def _asked_for(options: RunSession, design: Design, store: Store) -> tuple[str, 
     if session.origin != options.origin:  # made-up answers must not get into somebody's session
         how = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}.get(session.origin, "leave --pilot and --simulate away")
         raise InputError(f"participant {session.code} is a {session.origin} here, not a {options.origin}: {how} to go on")
-    return session.part, design if session.plan == design.text else design_from_text(session.plan, design.path)
+    began_with = design if session.plan == design.text else design_from_text(session.plan, design.path)
+    store.check_same(session, began_with)
+    return session.part, began_with
 
 
 def _respondent(options: RunSession, design: Design, part: str) -> Callable[[Session], Respondent]:

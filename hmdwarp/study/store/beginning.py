@@ -136,6 +136,19 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
     return latest is not None and latest[0] != design.text
 
 
+def check_same(db: sqlite3.Connection, design: Design, session: Session) -> None:
+    """Errors: InputError where a session's plan, read once more, means something else: the text is kept, but not the scales of one's own
+    that it names. Pilots may change what they like."""
+    if session.origin == PILOT:
+        return
+    was = db.execute("SELECT plan.meaning FROM session s JOIN plan ON plan.id = s.plan WHERE s.id = ?", (session.id,)).fetchone()[0]
+    different = differences(from_json(was), from_json(to_json(meaning(design, session.part))))
+    if different:
+        raise InputError(
+            f"{design.path or design.name}: what it names has changed since the session began ({', '.join(different)}): put it back"
+        )
+
+
 def new_session(
     db: sqlite3.Connection, design: Design, part: str, participant: int, origin: str, facts: Mapping[str, Any], started_utc: str
 ) -> int:

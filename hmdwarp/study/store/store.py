@@ -120,6 +120,11 @@ class Store:
         with told(self._opened.path):
             return beginning.to_resume(self._opened.db, code, part)
 
+    def check_same(self, session: Session, design: Design) -> None:
+        """Errors: InputError where `design`, read from the session's plan, means something else than it did when the session began."""
+        with told(self._opened.path):
+            beginning.check_same(self._opened.db, design, session)
+
     def resume(self, code: str, part: str | None = None, facts: Mapping[str, Any] | None = None) -> Session:
         """Go on with the interrupted session of a participant. facts: of this run of the program, kept with the event.
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study import scales
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.run import actual
 from hmdwarp.study.run.facts import facts_of
@@ -209,6 +212,21 @@ def test_an_interrupted_session_goes_on_with_the_plan_it_began_with(monkeypatch,
     ran = run(monkeypatch, gpu, path, resume=True)
     assert ran.session.status == COMPLETE
     assert all(one.actual["seconds"] < 0.15 for one in contents(path).showings if one.complete)
+
+
+def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatch, gpu, tmp_path):
+    """The plan's text is kept, not the file that it names: half in quarter steps and half in whole ones would be no session."""
+    path, own = study(tmp_path), tmp_path / "own.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace('"grade"', '"own.toml"'), encoding="utf-8")
+    was = (Path(scales.__file__).parent / "grade.toml").read_text(encoding="utf-8")
+    own.write_text(was, encoding="utf-8")
+    assert run(monkeypatch, gpu, path, at={15: closing()}).session.status == INTERRUPTED
+    own.write_text(was.replace("step = 0.25", "step = 1"), encoding="utf-8")
+    ran = run(monkeypatch, gpu, path, resume=True)
+    assert isinstance(ran.error, InputError)
+    assert "(scales): put it back" in str(ran.error)
+    own.write_text(was, encoding="utf-8")
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
 def test_what_is_refused_is_refused_before_a_display_is_opened(monkeypatch, gpu, tmp_path):
