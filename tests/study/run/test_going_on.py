@@ -290,6 +290,6 @@ def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
 
 def test_where_a_recorded_head_lies_is_not_kept(gpu, tmp_path):
     """Folders are named after people."""
-    facts = facts_of(sessions.Seat(gpu, Person()), load_design(str(study(tmp_path))), "/home/jane/heads/walk.csv")
+    facts = facts_of(sessions.Seat(gpu, Person()), load_design(str(study(tmp_path))), "/srv/jane/heads/walk.csv")
     assert facts["trace"] == "walk.csv"
     assert "jane" not in repr(facts)
