@@ -156,9 +156,17 @@ def _number(row: Row, name: str) -> float | None:
     return None if value is None or isinstance(value, str) or not np.isfinite(value) else float(value)
 
 
+def _was_measured(row: Row) -> bool:
+    return any(_number(row, name) is not None for name in MEASURES if name.startswith("measured_"))
+
+
 def _often_enough(rated: Sequence[Row], there: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
     usable, left_out = [], [(MEASURES[name], "nobody measured it") for name in MEASURES if name not in there]
+    unlike = len({(row.get("measured_size"), row.get("measured_every")) for row in rated if _was_measured(row)}) > 1
     for name in there:
+        if unlike and name.startswith("measured_"):
+            left_out.append((MEASURES[name], "measured with several sizes or steps: 'study measure' with one --size makes them alike"))
+            continue
         missing = sum(_number(row, name) is None for row in rated)
         if missing > MOST_MISSING * len(rated):
             left_out.append((MEASURES[name], f"missing with {missing} of {len(rated)} ratings"))

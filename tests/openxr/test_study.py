@@ -36,7 +36,7 @@ def until_showing(folder: Path, key: str, process: subprocess.Popen) -> None:
 
 def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
     study, model = tiny.write(tmp_path, pause=0.0, again=0.0, missing=0.0)
-    study.write_text(study.read_text().replace("rate = 20\n", "reconnect = 1\n").replace("[trial]\nseconds = 0.2", "[trial]\nseconds = 2"))
+    study.write_text(study.read_text().replace("rate = 20\n", "reconnect = 1\n").replace("[trial]\nseconds = 0.2", "[trial]\nseconds = 5"))
     command = [sys.executable, "-m", "hmdwarp", "study", "run", str(study), "--participant", "one", "--simulate", str(model)]
     command += ["--source", "openxr", "--desk", "none"]
     monado = runtime(WOBBLING, UNSEEN)

@@ -219,6 +219,14 @@ def test_too_little_is_refused_in_words():
         assert word in found.refused and found.measures == () and word in found.sentences()[0]
 
 
+def test_pictures_measured_in_different_ways_are_not_compared():
+    alike = [one | {"measured_size": "320x400", "measured_every": 20} for one in made_up(4, {FLIP: 0.5, HOLES: 0.2})]
+    assert few(alike).measures == few(made_up(4, {FLIP: 0.5, HOLES: 0.2})).measures
+    for other in ({"measured_size": "640x800"}, {"measured_every": 10}):
+        found = few([one | other if k % 2 else one for k, one in enumerate(alike)])
+        assert found.measures == () and "one --size" in dict(found.left_out)[MEASURES[FLIP]]
+
+
 def test_missing_ratings_and_other_scales_are_left_alone():
     rows = made_up(4, {FLIP: 0.5, HOLES: 0.2})
     more = [one | {"value": None} for one in rows[:5]] + [one | {"scale": "acr", "low_is_good": False} for one in rows]

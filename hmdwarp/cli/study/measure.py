@@ -29,7 +29,7 @@ def measure(
     from ...study.store import Store, store_folder
     from .._show import steps
 
-    design = load_design(study)
+    design = load_design(study, checked=False)  # nothing but its name is needed
     options = MeasureOptions(every=every, size=None if size is None else parse_size(size), again=again, pilot=pilot, workers=workers)
     with Store(store_folder(design, store), study=design.name) as data, steps("refreshes", quiet=quiet) as (progress, screen):
         found = measure_study(data, options, progress, *([] if quiet else [screen.print]))
