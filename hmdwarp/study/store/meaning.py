@@ -35,8 +35,14 @@ def _condition(condition: Condition, folder: str) -> dict[str, Any]:
 
 
 def _scale(scale: Scale) -> dict[str, Any]:
-    items = [item.key for item in scale.items]
-    return {"name": scale.name, "items": items, "range": [scale.least, scale.most, scale.step], "low_is_good": scale.low_is_good}
+    """What is asked, in which words, and what may be answered."""
+    return {
+        "name": scale.name,
+        "asked": [scale.prompt, *([item.key, item.text] for item in scale.items)],
+        "range": [scale.least, scale.most, scale.step],
+        "anchors": {f"{value:g}": words for value, words in sorted(scale.anchors.items())},
+        "low_is_good": scale.low_is_good,
+    }
 
 
 def _sickness(design: Design) -> dict[str, Any] | None:

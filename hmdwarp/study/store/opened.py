@@ -130,9 +130,11 @@ class Opened:
     def event(self, session: Session, kind: str, key: str = "", data: Mapping[str, Any] | None = None) -> None:
         """A line of the journal, within a transaction; before it, one that tells so where the clock was set back."""
         now, mono_ns = self.now(), self.clock.mono_ns()
-        latest = self.db.execute("SELECT at_utc FROM event ORDER BY id DESC LIMIT 1").fetchone()
+        latest = self.db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
         insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, ?, ?, ?, ?, ?)"
         if latest is not None and (back_s := seconds_back(latest[0], now)) >= BACK_S:
-            self.db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json({"before": latest[0], "back_s": back_s})))
+            # When another session was is not told here: this line stays when that one's participant withdraws.
+            told = {"before": latest[0], "back_s": back_s} if latest[1] == session.id else {}
+            self.db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json(told)))
             self.say(f"the machine's clock was set back by {back_s:.0f} s: nothing is lost, what is stored is in order without it")
         self.db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))
