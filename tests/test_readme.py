@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from display.virtual_screen import VirtualScreen
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCKS = re.findall(r"```(sh|shell|python)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
@@ -44,11 +45,14 @@ def test_the_page_runs_from_top_to_bottom(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("xvfb-run") is None, reason="no virtual screen (Debian: xvfb xauth)")
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no virtual screen (Debian: xvfb)")
 @pytest.mark.parametrize("command", LIVE)
 def test_the_live_commands_open_a_window(command, tmp_path):
     small = " --frames 3 --size 96x120 --scene planes"  # of an option given twice the last counts
-    run(["xvfb-run", "-a", "sh", "-ec", command + small], tmp_path)
+    kept = tmp_path / "screen"
+    kept.mkdir()
+    with VirtualScreen(kept) as screen:
+        run(["env", f"DISPLAY={screen.display}", "sh", "-ec", command + small], tmp_path)
 
 
 def test_there_are_the_two_commands_and_fourteen_examples():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -10,8 +9,8 @@ import sys
 import pytest
 
 from .desktop_program import ROOT
+from .virtual_screen import PATIENCE_S, VirtualScreen
 
-PATIENCE_S = 120
 PROGRAM = """
 import glfw
 from hmdwarp.display.controls import CONTROLS as LIVE
@@ -46,11 +45,12 @@ laid(LIVE, "", "H", "", "H", "")
 """
 
 
-@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
-def test_in_a_study_no_help_lies_over_what_the_headset_shows():
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYGLFW_LIBRARY_VARIANT": "x11"}
-    command = ["xvfb-run", "-a", sys.executable, "-W", "error", "-c", PROGRAM]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
+@pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+def test_in_a_study_no_help_lies_over_what_the_headset_shows(tmp_path):
+    with VirtualScreen(tmp_path) as screen:
+        environment = {**screen.environment, "PYTHONPATH": str(ROOT), "PYGLFW_LIBRARY_VARIANT": "x11"}
+        command = [sys.executable, "-W", "error", "-c", PROGRAM]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
     assert done.returncode == 0, done.stderr
     of_study, live = done.stdout.splitlines()
     assert of_study.split() == ["nothing", "nothing", "plate", "help", "nothing", "plate"]

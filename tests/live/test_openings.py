@@ -11,6 +11,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
+from display.virtual_screen import VirtualScreen
 
 from hmdwarp.codec import Coding
 from hmdwarp.errors import InputError, MachineError
@@ -95,9 +96,18 @@ def test_a_display_is_told_what_it_must_know():
 
 def live(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
     """hmdwarp live as a program, without any runtime."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
-    command = [*(["xvfb-run", "-a"] if screen else []), sys.executable, "-m", "hmdwarp", "live", *arguments]
-    return subprocess.run(command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S)
+    return python("-m", "hmdwarp", "live", *arguments, screen=screen, tmp_path=tmp_path)
+
+
+def python(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
+    """Before a virtual screen or without any."""
+    kept = tmp_path / "screen"
+    kept.mkdir()
+    with VirtualScreen(kept) if screen else nullcontext() as shown:
+        environment = shown.environment if shown is not None else os.environ
+        environment = {**environment, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
+        command = [sys.executable, *arguments]
+        return subprocess.run(command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S)
 
 
 def test_the_program_ends_with_3_and_one_line(tmp_path):
@@ -108,7 +118,7 @@ def test_the_program_ends_with_3_and_one_line(tmp_path):
     assert "no OpenXR runtime" in done.stderr and "no window" in done.stderr
 
 
-@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+@pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
 def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
     done = live("--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -133,14 +143,12 @@ def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong,
         run.live(LiveOptions(**{"scene": "planes", **wrong}))
 
 
-@pytest.mark.skipif(not shutil.which("xvfb-run"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+@pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
 def test_briefly_it_is_one_clause(tmp_path):
     """As the desk of a study says it: how to get a runtime is no concern of a session that has begun."""
     program = (
         "from contextlib import nullcontext; from hmdwarp.live import LiveOptions; from hmdwarp.live.openings import open_display\n"
         "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"
     )
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
-    command = ["xvfb-run", "-a", sys.executable, "-c", program]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S)
+    done = python("-c", program, screen=True, tmp_path=tmp_path)
     assert (done.returncode, done.stdout) == (0, "a window, as there is no headset: no OpenXR runtime (hmdwarp doctor tells more)\n"), done

@@ -20,6 +20,16 @@ ON_SCREEN = {"XRT_COMPOSITOR_NULL": "0", "XRT_COMPOSITOR_FORCE_XCB": "1"}
 START_S = 20.0
 
 
+def listens(socket: Path) -> bool:
+    """Whether somebody takes connections there: the file is there a moment before that. Source: proc(5), /proc/net/unix; the fourth
+    column is __SO_ACCEPTCON."""
+    for line in Path("/proc/net/unix").read_text(encoding="utf-8").splitlines()[1:]:
+        fields = line.split()
+        if fields[-1] == str(socket) and int(fields[3], 16) & 0x10000:
+            return True
+    return False
+
+
 class Monado:
     """One service after the other on one runtime folder. Use as a context manager; it is started by `start`.
 
@@ -52,7 +62,7 @@ class Monado:
                 ["monado-service"], env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT
             )
         until = time.monotonic() + START_S
-        while not socket.exists():
+        while not listens(socket):
             if self._process.poll() is not None or time.monotonic() > until:
                 self.kill()
                 raise RuntimeError(f"monado-service did not start:\n{self.log.read_text(errors='replace')[-4000:]}")
