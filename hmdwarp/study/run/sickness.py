@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from ..design import Sickness
 from ..store import Answer
 
+AFTER = "after"
+
 
 def counting(answers: Iterable[Answer]) -> dict[str, Answer]:
     """The answers that count, by the key of their question, in the order the questions were first answered: each one's newest revision."""
@@ -22,11 +24,12 @@ def why_sick(rule: Sickness | None, answers: Iterable[Answer]) -> str:
     """What the stop rule says of a session's answers, in words; "" as long as it may go on.
 
     The newest answer of the rule's scale decides, so that one corrected at once does not end the session; "cannot say" decides nothing.
-    A rise is counted from the first answer of the session.
+    A rise is counted from the first answer of the session. What is asked after all trials ends nothing any more.
     """
     if rule is None:
         return ""
-    given = [one.value for one in counting(answers).values() if one.scale == rule.scale.name and one.value is not None]
+    asked = [one for one in counting(answers).values() if one.scale == rule.scale.name and one.phase != AFTER]
+    given = [one.value for one in asked if one.value is not None]
     if not given:
         return ""
     first, last = given[0], given[-1]

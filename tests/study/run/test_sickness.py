@@ -45,6 +45,13 @@ def test_what_the_rule_says(values, stop_at, rise, is_sick):
     assert bool(why_sick(Sickness(FMS, stop_at=stop_at, rise=rise), answers(*values))) is is_sick
 
 
+def test_what_is_asked_after_all_trials_ends_nothing():
+    rule = Sickness(FMS, stop_at=15)
+    afterwards = attrs.evolve(answers(18)[0], key="after/fms/fms", phase="after", trial=0)
+    assert not why_sick(rule, [*answers(3), afterwards])
+    assert why_sick(rule, [*answers(16), afterwards])
+
+
 def test_a_scale_that_counts_downwards_is_turned():
     rule = Sickness(WORSE_BELOW, stop_at=5, rise=4)
     assert why_sick(rule, answers(5))
