@@ -9,11 +9,12 @@ import attrs
 
 from ..metrics.regions import REGIONS
 from .bench_bars import region_parts, regions_chart, row_name, traffic, traffic_chart
-from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, name_pieces, sequence_text
+from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, sequence_text
 from .bench_charts import pareto_chart, pareto_text
 from .bench_displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
 from .bench_style import css_variables, markers_of
 from .bench_tables import DECISION, choice_terms
+from .page import environment
 
 MEASURES = ("flip", "psnr_db")
 _CLOCKS = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
@@ -61,17 +62,11 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
 
     Sections without data (no grid, no fused rows, no budget) are left out. All text from the data is escaped.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["pieces"] = name_pieces
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
     grid = list(data.get("grid") or ())
     passes = traffic(rows)
-    return environment.get_template("bench.html").render(
+    return environment().get_template("bench.html").render(
         title=_title(rows, groups),
         facts=_facts(rows, groups),
         command=data.get("command") or "",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..metrics.worst import Kept
+from .bench_cases import name_pieces
 from .charts import Series, time_series
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
@@ -119,9 +120,11 @@ def environment() -> Environment:
     """What turns templates into pages: everything is escaped, and a name that is missing is an error."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    return Environment(
+    made = Environment(
         loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    made.filters["pieces"] = name_pieces
+    return made
 
 
 def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[Tile]:
