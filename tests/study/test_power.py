@@ -23,11 +23,11 @@ from hmdwarp.study.power.effects import planned_model, with_effect
 from hmdwarp.study.power.simulation import _holm, differences, significant
 from hmdwarp.study.power.told import sentences
 from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.made_up import simulate_study
 from hmdwarp.study.respondents.read_model import load_model
 from hmdwarp.study.statistics import holm
 
 from . import tiny
+from .made_up import simulate_study
 
 DESIGN, THESIS = load_design("quick"), load_design("thesis")
 GRADE = DESIGN.scales[0]

@@ -7,9 +7,7 @@ import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from .columns import FLAG, MISSING, NUMBER, WHOLE, Column
-
-_READ = {"true": True, "false": False}
+from .columns import MISSING, Column
 
 
 def field_text(value: Any) -> str:
@@ -40,18 +38,3 @@ def _text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], **dialec
     writer.writerow([column.name for column in columns])
     writer.writerows([field_text(row.get(column.name)) for column in columns] for row in rows)
     return stream.getvalue()
-
-
-def read_table(text: str, columns: Sequence[Column], delimiter: str = ",") -> list[dict[str, Any]]:
-    """Back to rows, by the types of the columns; None for n/a. Errors: KeyError for a column that is not among them, ValueError."""
-    types = {column.name: column.type for column in columns}
-    reader = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter)
-    return [{name: _value(types[name], value) for name, value in row.items()} for row in reader]
-
-
-def _value(type_: str, text: str) -> Any:
-    if text == MISSING:
-        return None
-    if type_ == FLAG:
-        return _READ[text]
-    return {NUMBER: float, WHOLE: int}.get(type_, str)(text)

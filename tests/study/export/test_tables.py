@@ -14,10 +14,11 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.export import COLUMNS, LONG_COLUMNS, ExportOptions, columns_for, export, long_rows
 from hmdwarp.study.export.columns import FLAG, NUMBER, WHOLE
-from hmdwarp.study.export.text import csv_text, field_text, read_table, tsv_text
+from hmdwarp.study.export.text import csv_text, field_text, tsv_text
 from hmdwarp.study.store import PILOT, SIMULATED
 
 from .conftest import NASTY, TEXT
+from .reading import read_table
 
 VALUES = {
     NUMBER: st.floats(allow_nan=False, allow_infinity=False),

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from hmdwarp.study.design import Sickness
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.made_up import simulate_study
 from hmdwarp.study.respondents.model import RatingModel, SicknessModel
 from hmdwarp.study.respondents.read_model import load_model
 from hmdwarp.study.respondents.simulated import Simulated
@@ -21,6 +20,8 @@ from hmdwarp.study.run.sickness import why_sick
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.steps import Ask, Show, steps_of
 from hmdwarp.study.store import Answer
+
+from ..made_up import simulate_study
 
 DESIGN, MODEL = load_design("quick"), load_model("quick")
 PART = DESIGN.parts[0].name

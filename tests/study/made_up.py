@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..analysis import Measure, Rating, Ratings, Sitting
-from ..design import Design
-from ..store import COMPLETE, SICK, SIMULATED
-from .cohort import Cohort, Population
-from .model import Model
+from hmdwarp.study.analysis import Measure, Rating, Ratings, Sitting
+from hmdwarp.study.design import Design
+from hmdwarp.study.respondents.cohort import Cohort, Population
+from hmdwarp.study.respondents.model import Model
+from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
 
 
 def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
