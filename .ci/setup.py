@@ -52,14 +52,22 @@ def say(text: str) -> None:
 
 def environment() -> dict[str, str]:
     """The user's own (proxy, PIP_*), less what would let packages from elsewhere pass for installed ones."""
-    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")}
+    kept = {
+        name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+    }
     return {**kept, "PIP_USER": "0", "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_NO_INPUT": "1"}
 
 
 def run(command: list[str | Path]) -> subprocess.CompletedProcess[str]:
     try:
         return subprocess.run(
-            command, check=False, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
+            command,
+            check=False,
+            env=environment(),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
         )
     except OSError as error:  # a dead link or a foreign machine's binary
         return subprocess.CompletedProcess(command, 127, "", str(error))
@@ -84,7 +92,9 @@ def line_to_type(packages: list[str]) -> str:
 def apt_install(packages: list[str], why: str) -> None:
     """Through apt as root or by passwordless sudo. Raises Lacking with the line to type where that cannot be."""
     if not shutil.which("apt-get"):
-        raise Lacking(f"{why}, and there is no apt-get here: install what Debian calls {' '.join(packages)}, then run make again")
+        raise Lacking(
+            f"{why}, and there is no apt-get here: install what Debian calls {' '.join(packages)}, then run make again"
+        )
     ask = f"{why}. Type this, then run make again:\n{line_to_type(packages)}"
     if os.geteuid() == 0:
         rights = []
@@ -103,7 +113,9 @@ def apt_install(packages: list[str], why: str) -> None:
         # Without a network `apt-get update` warns and ends with 0: its first warning is the reason worth showing.
         complaints = [x for x in (update.stderr + result.stderr).splitlines() if x.startswith(("W: Failed", "E:"))]
         reason = complaints[0] if complaints else f"apt-get ended with {result.returncode}"
-        raise Lacking(f"{why}, and apt could not help ({reason}). When that is mended, run make again or type:\n{line_to_type(packages)}")
+        raise Lacking(
+            f"{why}, and apt could not help ({reason}). When that is mended, run make again or type:\n{line_to_type(packages)}"
+        )
 
 
 def can_load(library: str) -> bool:
@@ -128,7 +140,9 @@ def install_system_packages() -> None:
     packages, reasons = [], []
     if importlib.util.find_spec("ensurepip") is None and not works(PYTHON, "-m", "pip", "--version") and not any_pip():
         if not sys._base_executable.startswith("/usr/bin/"):
-            raise Lacking(f"{sys._base_executable} has neither ensurepip nor pip: choose another, make PYTHON=/path/to/python3.12 setup")
+            raise Lacking(
+                f"{sys._base_executable} has neither ensurepip nor pip: choose another, make PYTHON=/path/to/python3.12 setup"
+            )
         packages.append(f"python{VERSION}-venv")
         reasons.append(f"Python {VERSION} here has no pip")
     if not (can_load("libEGL.so.1") and can_load("libGL.so.1")):
@@ -136,7 +150,10 @@ def install_system_packages() -> None:
         reasons.append("there is no OpenGL (libEGL) here")
     headers = Path(sysconfig.get_path("include"), "Python.h").is_file()
     if sys.version_info >= (3, 14) and state() != wanted_state() and not (headers and shutil.which("c++")):
-        packages += ["g++", f"python{VERSION}-dev"]  # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here
+        packages += [
+            "g++",
+            f"python{VERSION}-dev",
+        ]  # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here
         reasons.append(f"one package has to be compiled for Python {VERSION}")
     if packages:
         apt_install(packages, " and ".join(reasons))
@@ -146,7 +163,11 @@ def install_for_ci() -> None:
     """make is needed; without the others only the tests that use them are skipped, which pytest then says."""
     if not shutil.which("make"):
         apt_install(["make"], "there is no make here")
-    lacking = [(package, f"there is no {program} for {tests}") for program, package, tests in FOR_TESTS if not shutil.which(program)]
+    lacking = [
+        (package, f"there is no {program} for {tests}")
+        for program, package, tests in FOR_TESTS
+        if not shutil.which(program)
+    ]
     groups = [lacking] if lacking else []
     if not any(shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome")):
         groups.append([("chromium", "there is no browser for the report test")])
@@ -190,7 +211,9 @@ def make_environment() -> None:
     # Without pip it can be made even where Debian's python3-venv is missing. A fresh process: this one may be .venv's own Python.
     result = run([sys._base_executable, "-I", "-m", "venv", "--without-pip", VENV])
     if result.returncode:
-        raise Lacking(f"no virtual environment could be made in .venv: {(result.stderr.strip().splitlines() or ['no message'])[-1]}")
+        raise Lacking(
+            f"no virtual environment could be made in .venv: {(result.stderr.strip().splitlines() or ['no message'])[-1]}"
+        )
 
 
 def get_pip() -> None:
@@ -207,9 +230,13 @@ def pip(command: list[str | Path], *arguments: str | Path) -> None:
     # Without a network pip speaks of conflicting versions; only its log tells that it reached nobody.
     network = NETWORK_TROUBLE.search(LOG.read_text(encoding="utf-8", errors="replace") if LOG.exists() else "")
     if network:
-        raise Lacking(f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again")
+        raise Lacking(
+            f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again"
+        )
     lines = result.stderr.splitlines()
-    errors = [x for x in lines if x.startswith("ERROR")] or [x.strip() for x in lines[::-1] if "Error: " in x] or lines[-1:]
+    errors = (
+        [x for x in lines if x.startswith("ERROR")] or [x.strip() for x in lines[::-1] if "Error: " in x] or lines[-1:]
+    )
     raise Lacking(f"pip failed: {errors[0] if errors else 'no message'} (all it said: {LOG.relative_to(ROOT)})")
 
 
@@ -236,12 +263,16 @@ def check_gl() -> None:
     result = run([PYTHON, "-c", GL_PROBE])
     if result.returncode:
         last = (result.stderr.strip().splitlines() or [f"ended with status {result.returncode}"])[-1]
-        raise Lacking(f"OpenGL 4.3 does not start here though {' '.join(MESA)} are installed ({last}); .venv/bin/hmdwarp doctor says more")
+        raise Lacking(
+            f"OpenGL 4.3 does not start here though {' '.join(MESA)} are installed ({last}); .venv/bin/hmdwarp doctor says more"
+        )
 
 
 def main(options: list[str]) -> None:
     with contextlib.suppress(OSError):  # some network file systems lock no folders
-        fcntl.flock(os.open(ROOT, os.O_RDONLY), fcntl.LOCK_EX)  # two makes at once: the second waits and finds everything done
+        fcntl.flock(
+            os.open(ROOT, os.O_RDONLY), fcntl.LOCK_EX
+        )  # two makes at once: the second waits and finds everything done
     install_system_packages()
     if not usable():
         make_environment()

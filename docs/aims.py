@@ -30,7 +30,12 @@ def _lines_of_case(trace: str, rows: list[dict]) -> list[str]:
     affordable = min((row for row in rows if _figures(row)[0] <= ms), key=lambda row: _figures(row)[2])
     gain, share = _figures(affordable)[1] - psnr, _figures(affordable)[2] / flip
     lines = [
-        _line(trace, f"best within the time of `forward` + `interpolate`: PSNR + 3 dB ({_name(affordable)})", f"{gain:+.2f} dB", gain >= 3),
+        _line(
+            trace,
+            f"best within the time of `forward` + `interpolate`: PSNR + 3 dB ({_name(affordable)})",
+            f"{gain:+.2f} dB",
+            gain >= 3,
+        ),
         _line(trace, f"the same: half its FLIP ({_name(affordable)})", f"{share:.2f} of it", share <= 0.5),
     ]
     enough = [row for row in rows if _figures(row)[1] >= psnr + 3]
@@ -59,5 +64,9 @@ def table(data: dict) -> str:
     for case in cases(row for row in data["rows"] if row["latency_ms"] == LATENCY_MS):
         lines += _lines_of_case(case.rows[0]["trace"], list(case.rows))
     for row in data["fused"]:
-        lines.append(_line("", f"`{row['warp']}` fused with the lens: 1.3x faster", f"{row['speedup']:.2f}x", row["speedup"] >= 1.3))
+        lines.append(
+            _line(
+                "", f"`{row['warp']}` fused with the lens: 1.3x faster", f"{row['speedup']:.2f}x", row["speedup"] >= 1.3
+            )
+        )
     return "\n".join(lines)

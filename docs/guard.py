@@ -19,7 +19,20 @@ from hmdwarp.poses.synth import EYE_HEIGHT_M, write_synthetic
 LATENCIES = ("200", "400", "800")
 GUARDS = ("1", "1.5", "2", "auto")
 SIZE = (240, 300)
-USUAL = ("--scene", "room", "--warp", "forward", "--size", "240x300", "--start", "2", "--seconds", "3", "--metrics-every", "15")
+USUAL = (
+    "--scene",
+    "room",
+    "--warp",
+    "forward",
+    "--size",
+    "240x300",
+    "--start",
+    "2",
+    "--seconds",
+    "3",
+    "--metrics-every",
+    "15",
+)
 # Peaks of a sine: between the median (30 deg/s) and the 95th percentile (113) of recorded heads, and half a walking pace.
 TURNING_DEG, TURNING_DEG_S = 45.0, 60.0
 SIDEWAYS_M, SIDEWAYS_M_S = 0.5, 0.6
@@ -38,7 +51,9 @@ def motion(kind: str, seconds: float = 8.0) -> PoseTrack:
     else:
         place[:, 0] = SIDEWAYS_M * np.sin(SIDEWAYS_M_S / SIDEWAYS_M * t)
     turned = Rotation.from_rotvec(yaw[:, None] * (0.0, 1.0, 0.0)).as_quat()
-    return PoseTrack(np.rint(t * 1e9).astype(np.int64), place, turned, name=kind, origin=f"made up by docs/guard.py: {kind}")
+    return PoseTrack(
+        np.rint(t * 1e9).astype(np.int64), place, turned, name=kind, origin=f"made up by docs/guard.py: {kind}"
+    )
 
 
 def traces(folder: Path) -> dict[str, str]:
@@ -76,9 +91,21 @@ def band_table(rows: list[dict]) -> str:
     for row in rows:
         size = row["link"]["frame_bytes"]
         pixels = size / (2 * BYTES_PER_PIXEL * SIZE[0] * SIZE[1])
-        guard = f"auto: {row['guard']:g}" if row["choice"] == "auto" else "1 and wide" if row["choice"] == "wide" else f"{row['guard']:g}"
+        guard = (
+            f"auto: {row['guard']:g}"
+            if row["choice"] == "auto"
+            else "1 and wide"
+            if row["choice"] == "wide"
+            else f"{row['guard']:g}"
+        )
         border, empty = 100 * row["quality"]["border_share"]["mean"], 100 * row["filled"]["empty"]
-        told = (f"{pixels:.2f}x", f"{size / 1e6:.1f}", f"{border:.2f}", f"{empty:.2f}", f"{row['quality']['psnr_db']['mean']:.2f}")
+        told = (
+            f"{pixels:.2f}x",
+            f"{size / 1e6:.1f}",
+            f"{border:.2f}",
+            f"{empty:.2f}",
+            f"{row['quality']['psnr_db']['mean']:.2f}",
+        )
         lines.append(f"| {row['trace']} | {row['latency_ms']:g} | {guard} | {' | '.join(told)} |")
     return "\n".join(lines)
 

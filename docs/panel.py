@@ -18,7 +18,19 @@ import numpy as np
 from PIL import Image
 
 SCREEN = (1280, 800)
-RUN = ("--source", "desktop", "--full-screen", "--scene", "room", "--size", "320x400", "--latency", "200", "--fill", "pyramid")
+RUN = (
+    "--source",
+    "desktop",
+    "--full-screen",
+    "--scene",
+    "room",
+    "--size",
+    "320x400",
+    "--latency",
+    "200",
+    "--fill",
+    "pyramid",
+)
 WALK_S = 20.0  # the plots hold the last 240 refreshes
 
 
@@ -27,7 +39,18 @@ def panel_picture(path: Path) -> None:
     width, height = SCREEN
     with tempfile.TemporaryDirectory() as folder:
         read, write = os.pipe()
-        screen = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-fbdir", folder]
+        screen = [
+            "Xvfb",
+            "-displayfd",
+            str(write),
+            "-screen",
+            "0",
+            f"{width}x{height}x24",
+            "-nolisten",
+            "tcp",
+            "-fbdir",
+            folder,
+        ]
         server = subprocess.Popen(screen, pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         try:

@@ -24,7 +24,17 @@ SMALL = (
     "--metrics-every",
     "4",
 )  # mirrors are drawn slowly
-LONG = (*COMMON, "--rate", "20", "--start", "2", "--seconds", "6", "--metrics-every", "15")  # the head comes back to what it saw
+LONG = (
+    *COMMON,
+    "--rate",
+    "20",
+    "--start",
+    "2",
+    "--seconds",
+    "6",
+    "--metrics-every",
+    "15",
+)  # the head comes back to what it saw
 FILLS = (
     "none",
     "interpolate",
@@ -71,11 +81,35 @@ def effects_table(run: Run, scenes: list[tuple[str, list[str]]]) -> str:
             for left_out in ("", *effects, *(("all",) if len(effects) > 1 else ())):
                 asked = {"": "auto", "all": "none"}.get(left_out, f"no-{left_out}")
                 got = run(
-                    "walk", *SMALL, "--scene", scene, "--latency", latency, "--effects", asked, "--warp", "iterative", "--fill", "pyramid"
+                    "walk",
+                    *SMALL,
+                    "--scene",
+                    scene,
+                    "--latency",
+                    latency,
+                    "--effects",
+                    asked,
+                    "--warp",
+                    "iterative",
+                    "--fill",
+                    "pyramid",
                 )
-                figures = (f"{_quality(got, 'psnr_db'):.2f}", f"{_quality(got, 'flip'):.3f}", f"{_quality(got, 'flicker'):.3f}")
+                figures = (
+                    f"{_quality(got, 'psnr_db'):.2f}",
+                    f"{_quality(got, 'flip'):.3f}",
+                    f"{_quality(got, 'flicker'):.3f}",
+                )
                 ms, size = got["time_ms"]["effects"]["median"], got["link"]["frame_bytes"] / 1e6
-                rows.append(_line(f"`{scene}`", latency, left_out and f"`{left_out}`" or "nothing", *figures, f"{ms:.1f}", f"{size:.1f}"))
+                rows.append(
+                    _line(
+                        f"`{scene}`",
+                        latency,
+                        left_out and f"`{left_out}`" or "nothing",
+                        *figures,
+                        f"{ms:.1f}",
+                        f"{size:.1f}",
+                    )
+                )
     return "\n".join(rows)
 
 
@@ -105,7 +139,15 @@ def fills_table(run: Run) -> str:
 def memory_table(run: Run) -> str:
     """What a memory is worth to a head that comes back, without a guard band and with one."""
     rows = _head(
-        "guard", "fill", "PSNR in former holes", "FLIP in former holes", "PSNR dB", "FLIP", "flicker", "fill ms an eye", "left empty %"
+        "guard",
+        "fill",
+        "PSNR in former holes",
+        "FLIP in former holes",
+        "PSNR dB",
+        "FLIP",
+        "flicker",
+        "fill ms an eye",
+        "left empty %",
     )
     for guard in ("1", "1.5"):
         for fill in ("pyramid", "memory+pyramid"):
@@ -115,9 +157,22 @@ def memory_table(run: Run) -> str:
 
 
 def _fill_figures(got: Summary) -> list[str]:
-    holes, empty = got["regions"]["holes"], got["filled"]["empty"] if len(got["filled"]) > 1 else got["regions"]["holes"]["share"]
-    figures = [f"{holes['psnr_db']:.2f}", f"{holes['flip']:.3f}", f"{_quality(got, 'psnr_db'):.2f}", f"{_quality(got, 'flip'):.3f}"]
-    return [*figures, f"{_quality(got, 'flicker'):.3f}", f"{got['time_ms']['fill']['median']:.1f}", f"{100 * empty:.2f}"]
+    holes, empty = (
+        got["regions"]["holes"],
+        got["filled"]["empty"] if len(got["filled"]) > 1 else got["regions"]["holes"]["share"],
+    )
+    figures = [
+        f"{holes['psnr_db']:.2f}",
+        f"{holes['flip']:.3f}",
+        f"{_quality(got, 'psnr_db'):.2f}",
+        f"{_quality(got, 'flip'):.3f}",
+    ]
+    return [
+        *figures,
+        f"{_quality(got, 'flicker'):.3f}",
+        f"{got['time_ms']['fill']['median']:.1f}",
+        f"{100 * empty:.2f}",
+    ]
 
 
 def link_table(run: Run) -> str:

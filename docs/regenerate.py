@@ -31,7 +31,20 @@ ROOT = Path(__file__).resolve().parents[1]
 README, RESULTS, LIVE = ROOT / "README.md", ROOT / "docs" / "results.md", ROOT / "docs" / "live.md"
 STUDY = ROOT / "docs" / "study.md"
 FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
-SMALL = ("--scene", "room", "--fill", "interpolate", "--size", "480x600", "--start", "2", "--seconds", "6", "--metrics-every", "12")
+SMALL = (
+    "--scene",
+    "room",
+    "--fill",
+    "interpolate",
+    "--size",
+    "480x600",
+    "--start",
+    "2",
+    "--seconds",
+    "6",
+    "--metrics-every",
+    "12",
+)
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
 
 
@@ -52,7 +65,12 @@ def cells(summary: dict) -> str:
     """One row of figures, in the order of HEAD."""
     q = summary["quality"]
     shares = (100 * q[name]["mean"] for name in ("hole_share", "border_share"))
-    quality = [f"{q['psnr_db']['mean']:.2f}", f"{q['ssim']['mean']:.3f}", f"{q['flip']['mean']:.3f}", *(f"{s:.1f}" for s in shares)]
+    quality = [
+        f"{q['psnr_db']['mean']:.2f}",
+        f"{q['ssim']['mean']:.3f}",
+        f"{q['flip']['mean']:.3f}",
+        *(f"{s:.1f}" for s in shares),
+    ]
     return " | ".join([*quality, f"{q['flicker']['mean']:.3f}"]) + " |"
 
 
@@ -75,11 +93,26 @@ def replace(path: Path, name: str, text: str) -> None:
 def opening_picture(folder: Path) -> None:
     """docs/opening.png: truth, late frame, warped, error, of one refresh of `look-around`."""
     out = folder / "opening"
-    options = ["--start", "1.1", "--seconds", "0.1", "--metrics-every", "1000", "--images", "1", "--guard", "1.5", "--size", "640x640"]
+    options = [
+        "--start",
+        "1.1",
+        "--seconds",
+        "0.1",
+        "--metrics-every",
+        "1000",
+        "--images",
+        "1",
+        "--guard",
+        "1.5",
+        "--size",
+        "640x640",
+    ]
     options += ["--headset", "flat-90", "--fill", "interpolate", "--against", "", "--quiet", "--out", str(out)]
     subprocess.run([sys.executable, "-m", "hmdwarp", "replay", "look-around", *options], check=True)
     strip = Image.open(out / "images" / "frame-000000-left.png")
-    late, warped, truth, error = (strip.crop((k * strip.width // 4, 0, (k + 1) * strip.width // 4, strip.height)) for k in range(4))
+    late, warped, truth, error = (
+        strip.crop((k * strip.width // 4, 0, (k + 1) * strip.width // 4, strip.height)) for k in range(4)
+    )
     ordered = Image.new("RGB", strip.size, "white")
     for k, part in enumerate((truth, late, warped, error)):
         ordered.paste(part, (k * strip.width // 4, 0))
@@ -100,11 +133,22 @@ def bench(folder: Path, *ready: str) -> None:
     machine = f"{data['machine']['gl_renderer']}, {data['machine']['cpu_count']} cores"
     clock = "GPU timers" if data["clock"] == "gpu" else "wall clock after every pass"
     minutes = f"the bench with its defaults took {data['seconds'] / 60:.1f} minutes"
-    told = (f"hmdwarp {data['hmdwarp']}", machine, data["machine"]["gl_version"], clock, f"{data['copy_gb_s']:.1f} GB/s copied", minutes)
+    told = (
+        f"hmdwarp {data['hmdwarp']}",
+        machine,
+        data["machine"]["gl_version"],
+        clock,
+        f"{data['copy_gb_s']:.1f} GB/s copied",
+        minutes,
+    )
     replace(RESULTS, "machine", "; ".join(told) + ".")
     for group in cases(rows):
         name = f"bench {group.rows[0]['trace']} {group.rows[0]['latency_ms']:g}"
-        replace(RESULTS, name, markdown_table(group.ordered(), ("warp", "fill", "total_ms", "total_ms_p95", *FIGURES), mark="flip"))
+        replace(
+            RESULTS,
+            name,
+            markdown_table(group.ordered(), ("warp", "fill", "total_ms", "total_ms_p95", *FIGURES), mark="flip"),
+        )
     regions = [row for case in cases(at_200) for row in case.ordered() if row["fill"] == "none"]
     wanted = ("holes_share", "holes_flip", "edges_share", "edges_flip", "elsewhere_share", "elsewhere_flip")
     replace(RESULTS, "regions", markdown_table(regions, ("trace", "warp", *wanted)))
@@ -129,7 +173,11 @@ def short_table(rows: list[dict]) -> str:
 def displacement_table(grid: list[dict]) -> str:
     """FLIP of each warp by how far the head moved, the mean of both directions and of the axes of one kind."""
     steps = [("xyz", 0.1), ("xyz", 0.2), ("xyz", 0.3), ("turn", 10), ("turn", 20), ("turn", 30)]
-    lines = ["| warp | " + " | ".join(f"{step * 100:.0f} cm" if kind == "xyz" else f"{step} degrees" for kind, step in steps) + " |"]
+    lines = [
+        "| warp | "
+        + " | ".join(f"{step * 100:.0f} cm" if kind == "xyz" else f"{step} degrees" for kind, step in steps)
+        + " |"
+    ]
     lines.append("|" + " --- |" * (len(steps) + 1))
     for warp in dict.fromkeys(row["warp"] for row in grid):
         means = []
@@ -137,7 +185,9 @@ def displacement_table(grid: list[dict]) -> str:
             found = [
                 row["flip"]
                 for row in grid
-                if row["warp"] == warp and (row["axis"] in "xyz") == (kind == "xyz") and abs(abs(row["offset"]) - step) < 1e-6
+                if row["warp"] == warp
+                and (row["axis"] in "xyz") == (kind == "xyz")
+                and abs(abs(row["offset"]) - step) < 1e-6
             ]
             means.append(f"{sum(found) / len(found):.3f}")
         lines.append(f"| `{warp}` | " + " | ".join(means) + " |")
@@ -146,11 +196,16 @@ def displacement_table(grid: list[dict]) -> str:
 
 def fused_table(rows: list[dict]) -> str:
     """Warp and lens in one resample against two."""
-    lines = ["| warp | one resample ms | two ms | faster | PSNR dB one / two | FLIP one / two | sharpness one / two |", "|" + " --- |" * 7]
+    lines = [
+        "| warp | one resample ms | two ms | faster | PSNR dB one / two | FLIP one / two | sharpness one / two |",
+        "|" + " --- |" * 7,
+    ]
     for row in rows:
         pairs = [(row[name]["fused"], row[name]["separate"]) for name in ("psnr_db", "flip", "sharpness")]
         told = [f"{a:.{digits}f} / {b:.{digits}f}" for (a, b), digits in zip(pairs, (2, 3, 2), strict=True)]
-        lines.append(f"| `{row['warp']}` | {row['fused_ms']:.1f} | {row['separate_ms']:.1f} | {row['speedup']:.2f}x | {' | '.join(told)} |")
+        lines.append(
+            f"| `{row['warp']}` | {row['fused_ms']:.1f} | {row['separate_ms']:.1f} | {row['speedup']:.2f}x | {' | '.join(told)} |"
+        )
     return "\n".join(lines)
 
 
@@ -182,7 +237,10 @@ def border(folder: Path) -> None:
 def prediction(folder: Path) -> None:
     """A server that draws for the predicted pose."""
     rows = [
-        ((latency, predict), run(folder, "look-around", "--latency", latency, "--warp", "forward", "--predict", predict))
+        (
+            (latency, predict),
+            run(folder, "look-around", "--latency", latency, "--warp", "forward", "--predict", predict),
+        )
         for latency in ("200", "400")
         for predict in ("none", "constant_velocity")
     ]
@@ -283,7 +341,9 @@ def link(folder: Path) -> None:
 
 def speed(_: Path) -> None:
     """The output of the benchmark against OpenCV; wants a machine that does nothing else."""
-    told = subprocess.run([sys.executable, str(ROOT / "tests" / "bench_quick.py")], check=True, capture_output=True, text=True).stdout
+    told = subprocess.run(
+        [sys.executable, str(ROOT / "tests" / "bench_quick.py")], check=True, capture_output=True, text=True
+    ).stdout
     replace(RESULTS, "speed", f"```text\n{told.rstrip()}\n```")
 
 
@@ -311,7 +371,9 @@ def live_cost(_: Path) -> None:
     parts = []
     for options in ((), ("--gc",)):
         command = [sys.executable, str(ROOT / "tests" / "bench_live.py"), *options]
-        done = subprocess.run(command, check=False, capture_output=True, text=True, env={**os.environ, "COLUMNS": "110"})
+        done = subprocess.run(
+            command, check=False, capture_output=True, text=True, env={**os.environ, "COLUMNS": "110"}
+        )
         if done.returncode not in (0, 1):  # 1: the limit is not kept, which the table says
             raise SystemExit(done.stderr)
         parts.append(f"```text\n{done.stdout.rstrip()}\n```")

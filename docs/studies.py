@@ -36,7 +36,9 @@ def keys_table() -> str:
     lines = ["| key | what it does |", "| --- | --- |"]
     for one in CONTROLS:
         if one.what:
-            keys = ", ".join(f"`{key}`" for key in (one.written or one.key, *(key for key in one.also if "KP" not in key)))
+            keys = ", ".join(
+                f"`{key}`" for key in (one.written or one.key, *(key for key in one.also if "KP" not in key))
+            )
             lines.append(f"| {keys} | {one.what} |")
     lines.append("| mouse | points at the scale, the wheel moves, a click answers |")
     return "\n".join(lines)
@@ -54,7 +56,11 @@ def thesis_table(folder: Path, program: Program) -> str:
             float(row[name]) for name in ("mean", "low", "high", "shift", "shift_low", "shift_high", "rank_biserial")
         )
         p, holm, holm_all = (p_text(float(row[name])) for name in ("p", "holm", "holm_all"))
-        figures = (f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})", f"{mean:+.3f}", f"{low:+.2f} .. {high:+.2f}")
+        figures = (
+            f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})",
+            f"{mean:+.3f}",
+            f"{low:+.2f} .. {high:+.2f}",
+        )
         figures += (f"{shift:+.2f} ({from_:+.2f} .. {to:+.2f})", p, f"{holm} / {holm_all}", f"{r:+.2f}")
         lines.append(f"| {row['part']} | {row['a']} - {row['b']} | " + " | ".join(figures) + " |")
     return "\n".join(lines)
@@ -62,14 +68,20 @@ def thesis_table(folder: Path, program: Program) -> str:
 
 def coverage_table(root: Path) -> str:
     """1000 studies of people whose effects are known."""
-    return subprocess.run([sys.executable, "-m", "tests.study.coverage"], cwd=root, check=True, capture_output=True, text=True).stdout
+    return subprocess.run(
+        [sys.executable, "-m", "tests.study.coverage"], cwd=root, check=True, capture_output=True, text=True
+    ).stdout
 
 
 def power_told(folder: Path) -> str:
     """What `study power` says of half a grade in the shipped study."""
     command = ["study", "power", "quick", "--effect", "0.5", "--out", str(folder / "power")]
-    told = subprocess.run([sys.executable, "-m", "hmdwarp", *command], check=True, capture_output=True, text=True).stdout
-    lines = [line for line in told.rstrip().splitlines() if not line.startswith("Table and plot:")]  # where this run put them
+    told = subprocess.run(
+        [sys.executable, "-m", "hmdwarp", *command], check=True, capture_output=True, text=True
+    ).stdout
+    lines = [
+        line for line in told.rstrip().splitlines() if not line.startswith("Table and plot:")
+    ]  # where this run put them
     return "\n".join(["```text", *lines, "```"])
 
 

@@ -73,7 +73,10 @@ def openxr() -> None:
         instance = xr.create_instance(xr.InstanceCreateInfo(application_info=application, enabled_extension_names=[]))
         try:
             properties = xr.get_instance_properties(instance)
-            known |= {"runtime": _text(properties.runtime_name), "runtime_version": str(xr.Version(properties.runtime_version))}
+            known |= {
+                "runtime": _text(properties.runtime_name),
+                "runtime_version": str(xr.Version(properties.runtime_version)),
+            }
             advance("headset")
             system = xr.get_system(instance, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
             known["headset"] = _text(xr.get_system_properties(instance, system).system_name)
@@ -112,7 +115,13 @@ def window() -> None:
             return
         monitor = glfw.get_primary_monitor()
         mode = glfw.get_video_mode(monitor) if monitor else None
-        tell({"stage": "done", "size": list(mode.size) if mode else None, "refresh_hz": mode.refresh_rate if mode else None})
+        tell(
+            {
+                "stage": "done",
+                "size": list(mode.size) if mode else None,
+                "refresh_hz": mode.refresh_rate if mode else None,
+            }
+        )
     finally:
         glfw.terminate()
 

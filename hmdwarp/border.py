@@ -36,7 +36,9 @@ class Guard:
 
     def __str__(self) -> str:
         flat = math.isfinite(self.wanted)
-        needed = f"a picture {self.wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
+        needed = (
+            f"a picture {self.wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
+        )
         told = f"Guard auto: to lose nothing at {QUANTILE:.0%} of the refreshes takes {needed}"
         if self.wanted <= MOST:
             return f"{told}; {self.factor:g} is drawn."
@@ -61,7 +63,9 @@ def guard_for(headset: Headset, track: PoseTrack, times: Timetable, options: Run
     """
     age_ns = expected_age_ns(options, times.age_ns)
     stride = -(-times.count // MOST_INSTANTS)
-    shown_ns = np.array([times.first_ns + round(k * 1e9 / times.rate_hz) for k in range(0, times.count, stride)], dtype=np.int64)
+    shown_ns = np.array(
+        [times.first_ns + round(k * 1e9 / times.rate_hz) for k in range(0, times.count, stride)], dtype=np.int64
+    )
     shown = track.sample_many(shown_ns)
     drawn = [_drawn_for(track, t - age_ns, age_ns, options) for t in shown_ns.tolist()]
     needed = needed_factors(
@@ -91,10 +95,14 @@ def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Ar
     return needed
 
 
-def _needed(fov: Fov, head_from_eye: Array, inverse_depth: float, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
+def _needed(
+    fov: Fov, head_from_eye: Array, inverse_depth: float, drawn: tuple[Array, Array], shown: tuple[Array, Array]
+) -> Array:
     left, right, down, up = fov.tangents
     middles = np.array([(left, 0, -1), (right, 0, -1), (0, down, -1), (0, up, -1)])
-    eyes = [position + rotate(turned, np.broadcast_to(head_from_eye, position.shape)) for position, turned in (drawn, shown)]
+    eyes = [
+        position + rotate(turned, np.broadcast_to(head_from_eye, position.shape)) for position, turned in (drawn, shown)
+    ]
     moved = (eyes[1] - eyes[0]) * inverse_depth
     most = np.ones(len(moved))
     for middle in middles:

@@ -66,7 +66,10 @@ def _fill_row(fill: type[Fill]) -> dict[str, str]:
 def _effects() -> list[dict[str, str]]:
     from .client.effects import effects
 
-    return [{"name": e.name, "summary": e.summary, "pass": e.made_by.name, "without": e.without, "source": e.source} for e in effects]
+    return [
+        {"name": e.name, "summary": e.summary, "pass": e.made_by.name, "without": e.without, "source": e.source}
+        for e in effects
+    ]
 
 
 def _lenses() -> list[dict[str, str]]:
@@ -79,7 +82,9 @@ def _scenes() -> list[dict[str, str]]:
     from .scenes import scenes
     from .scenes.effects import effect_names
 
-    return [{"name": s.name, "summary": s.summary, "effects": ", ".join(effect_names(s.effects)) or "none"} for s in scenes]
+    return [
+        {"name": s.name, "summary": s.summary, "effects": ", ".join(effect_names(s.effects)) or "none"} for s in scenes
+    ]
 
 
 def _headsets() -> list[dict[str, str]]:
@@ -95,7 +100,9 @@ def _headset_row(headset: Headset) -> dict[str, str]:
         "summary": headset.summary,
         "eye_size": "x".join(map(str, headset.eye_size_px)),
         "refresh_hz": f"{headset.refresh_hz:g}",
-        "left_fov_deg": ", ".join(f"{side} {angle:.1f}" for side, angle in zip(("left", "right", "down", "up"), angles, strict=True)),
+        "left_fov_deg": ", ".join(
+            f"{side} {angle:.1f}" for side, angle in zip(("left", "right", "down", "up"), angles, strict=True)
+        ),
         "lens": "radial" if headset.lens is not None else "none",
         "source": headset.source,
     }

@@ -160,7 +160,12 @@ class Coder:
 
 def _other_layers(eyes: tuple[EyeImage, ...]) -> list[moderngl.Texture]:
     """All but colour and inverse depth of the pictures themselves."""
-    return [texture for eye in eyes for texture in eye.textures() if texture is not eye.colour and texture is not eye.inverse_depth]
+    return [
+        texture
+        for eye in eyes
+        for texture in eye.textures()
+        if texture is not eye.colour and texture is not eye.inverse_depth
+    ]
 
 
 def _milliseconds_since(started_ns: int) -> float:

@@ -48,7 +48,18 @@ class Finding:
 def examine() -> list[Finding]:
     """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
     headset, desktop = openxr(), window()
-    return [python(), packages(), *opengl(), *headset, desktop, live(headset, desktop), panel(), study(), video(), codecs()]
+    return [
+        python(),
+        packages(),
+        *opengl(),
+        *headset,
+        desktop,
+        live(headset, desktop),
+        panel(),
+        study(),
+        video(),
+        codecs(),
+    ]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
@@ -62,13 +73,22 @@ def ask(question: str, seconds: float = PROBE_SECONDS) -> dict[str, object]:
     command = [sys.executable, "-P", "-m", "hmdwarp._probes", question]
     try:
         done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
-        stdout, stderr, trouble = done.stdout, done.stderr, f"ended with status {done.returncode}" if done.returncode else ""
+        stdout, stderr, trouble = (
+            done.stdout,
+            done.stderr,
+            f"ended with status {done.returncode}" if done.returncode else "",
+        )
     except subprocess.TimeoutExpired as expired:
         stdout, stderr, trouble = expired.stdout or b"", expired.stderr or b"", f"gave no answer within {seconds:g} s"
     known = _last_object(stdout.decode(errors="replace"))
     if trouble or not known:
         said = stderr.decode(errors="replace").strip().splitlines()
-        return {"stage": "start", **known, "error": "died", "message": f"{trouble or 'said nothing'}{f' ({said[-1]})' if said else ''}"}
+        return {
+            "stage": "start",
+            **known,
+            "error": "died",
+            "message": f"{trouble or 'said nothing'}{f' ({said[-1]})' if said else ''}",
+        }
     return known
 
 
@@ -86,7 +106,9 @@ def _last_object(text: str) -> dict[str, object]:
 def python() -> Finding:
     """The interpreter and the machine it runs on."""
     detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
-    return Finding("Python", State.OK, detail, facts={"version": platform.python_version(), "cpu_count": os.cpu_count()})
+    return Finding(
+        "Python", State.OK, detail, facts={"version": platform.python_version(), "cpu_count": os.cpu_count()}
+    )
 
 
 def packages() -> Finding:
@@ -94,7 +116,12 @@ def packages() -> Finding:
     try:
         declared = importlib.metadata.requires("hmdwarp") or []
     except importlib.metadata.PackageNotFoundError:
-        return Finding("packages", State.OPTIONAL, "hmdwarp runs from a folder, not installed: its packages were not checked", "make setup")
+        return Finding(
+            "packages",
+            State.OPTIONAL,
+            "hmdwarp runs from a folder, not installed: its packages were not checked",
+            "make setup",
+        )
     found, absent = {}, []
     for name in sorted(re.match(r"[\w.-]+", line)[0] for line in declared if "extra ==" not in line):
         try:
@@ -102,7 +129,9 @@ def packages() -> Finding:
         except importlib.metadata.PackageNotFoundError:
             absent.append(name)
     if absent:
-        return Finding("packages", State.MISSING, f"not installed: {', '.join(absent)}", f"pip install {' '.join(absent)}", found)
+        return Finding(
+            "packages", State.MISSING, f"not installed: {', '.join(absent)}", f"pip install {' '.join(absent)}", found
+        )
     detail = f"hmdwarp {__version__}; " + ", ".join(f"{name} {version}" for name, version in found.items())
     return Finding("packages", State.OK, detail, facts=found)
 
@@ -118,8 +147,15 @@ def opengl() -> list[Finding]:
         f"pictures up to {known['max_texture_size']} px a side, work groups up to {known['max_work_group_invocations']}, "
         f"storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, 64-bit atomics {'yes' if known['atomic_int64'] else 'no'}"
     )
-    timers = "GPU timer queries" if known["clock"] == "gpu" else "wall clock around finished work: this driver's own timers measure nothing"
-    return [Finding("OpenGL", State.OK, detail, facts=known), Finding("timers", State.OK, timers, facts={"clock": known["clock"]})]
+    timers = (
+        "GPU timer queries"
+        if known["clock"] == "gpu"
+        else "wall clock around finished work: this driver's own timers measure nothing"
+    )
+    return [
+        Finding("OpenGL", State.OK, detail, facts=known),
+        Finding("timers", State.OK, timers, facts={"clock": known["clock"]}),
+    ]
 
 
 def openxr() -> list[Finding]:
@@ -128,7 +164,9 @@ def openxr() -> list[Finding]:
     if known["stage"] in ("start", "binding"):
         trouble = _one_line(known.get("message", known.get("error")))
         return [Finding("OpenXR loader", State.OPTIONAL, trouble, f"{APT} libgl1, and pip install pyopenxr", known)]
-    loader = Finding("OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}")
+    loader = Finding(
+        "OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}"
+    )
     return [loader, _runtime(known)]
 
 
@@ -149,7 +187,9 @@ def window() -> Finding:
     """Whether a desktop window can be opened; optional, as replay wants none."""
     remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then put xvfb-run -a before the command"
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return Finding("desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy)
+        return Finding(
+            "desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy
+        )
     known = ask("window")
     if "error" in known:
         return Finding("desktop window", State.OPTIONAL, _one_line(known.get("message", known["error"])), remedy, known)
@@ -163,7 +203,9 @@ def live(headset: list[Finding], desktop: Finding) -> Finding:
     if lack is None:
         return Finding("live", State.OK, f"takes the headset: {headset[-1].detail}", facts={"source": "openxr"})
     if desktop.state is State.OK:
-        return Finding("live", State.OK, f"takes the window, as there is no headset: {lack.detail}", facts={"source": "desktop"})
+        return Finding(
+            "live", State.OK, f"takes the window, as there is no headset: {lack.detail}", facts={"source": "desktop"}
+        )
     why = f"shows nothing: no headset ({lack.detail}), no window ({desktop.detail})"
     return Finding("live", State.OPTIONAL, why, "do what one of the two lines above says", {"source": None})
 
@@ -173,7 +215,12 @@ def panel() -> Finding:
     try:
         version = importlib.metadata.version("imgui-bundle")
     except importlib.metadata.PackageNotFoundError:
-        return Finding("panel", State.OPTIONAL, "not installed: the window of hmdwarp live has keys alone", "pip install 'hmdwarp[panel]'")
+        return Finding(
+            "panel",
+            State.OPTIONAL,
+            "not installed: the window of hmdwarp live has keys alone",
+            "pip install 'hmdwarp[panel]'",
+        )
     return Finding("panel", State.OK, f"imgui-bundle {version}", facts={"version": version})
 
 
@@ -192,8 +239,12 @@ def study() -> Finding:
             versions[name] = importlib.metadata.version(name)
     lacking = [f"{name} ({what})" for name, what in STUDY_PACKAGES.items() if name not in versions]
     if lacking:
-        return Finding("study", State.OPTIONAL, f"not installed: {', '.join(lacking)}", "pip install 'hmdwarp[study]'", versions)
-    return Finding("study", State.OK, ", ".join(f"{name} {version}" for name, version in versions.items()), facts=versions)
+        return Finding(
+            "study", State.OPTIONAL, f"not installed: {', '.join(lacking)}", "pip install 'hmdwarp[study]'", versions
+        )
+    return Finding(
+        "study", State.OK, ", ".join(f"{name} {version}" for name, version in versions.items()), facts=versions
+    )
 
 
 def video() -> Finding:
@@ -203,8 +254,15 @@ def video() -> Finding:
 
         encoder = av.codec.Codec("h264", "w")
     except Exception as error:  # av's own errors, and loader errors of its libraries
-        return Finding("H.264 encoder", State.OPTIONAL, f"none in PyAV ({type(error).__name__})", "pip install --force-reinstall av")
-    return Finding("H.264 encoder", State.OK, f"{encoder.name} in PyAV {av.__version__}", facts={"encoder": encoder.name})
+        return Finding(
+            "H.264 encoder",
+            State.OPTIONAL,
+            f"none in PyAV ({type(error).__name__})",
+            "pip install --force-reinstall av",
+        )
+    return Finding(
+        "H.264 encoder", State.OK, f"{encoder.name} in PyAV {av.__version__}", facts={"encoder": encoder.name}
+    )
 
 
 def codecs() -> Finding:
@@ -221,7 +279,9 @@ def codecs() -> Finding:
         except Exception as error:  # MachineError, and loader errors of av's libraries
             missing.append(f"{codec.name} is missing ({type(error).__name__})")
     state = State.OPTIONAL if missing else State.OK
-    return Finding("codecs", state, ", ".join([*works, *missing]), "pip install --force-reinstall av" if missing else "")
+    return Finding(
+        "codecs", state, ", ".join([*works, *missing]), "pip install --force-reinstall av" if missing else ""
+    )
 
 
 def _one_line(text: object) -> str:

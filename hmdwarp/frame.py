@@ -133,7 +133,11 @@ def _textures(part: Any) -> Iterator[moderngl.Texture]:
 @cache
 def _parts_of(kind: type) -> tuple[str, ...]:
     """The fields that may hold textures; none for what is no part."""
-    return tuple(one.name for one in attrs.fields(kind) if one.name not in ("view", "bodies", "mirrors")) if attrs.has(kind) else ()
+    return (
+        tuple(one.name for one in attrs.fields(kind) if one.name not in ("view", "bodies", "mirrors"))
+        if attrs.has(kind)
+        else ()
+    )
 
 
 @attrs.frozen(eq=False)

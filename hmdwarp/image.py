@@ -74,8 +74,12 @@ def _plan(warp: str, fill: str) -> Plan:
         return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False, brings=PICTURE)
     except PlanError as error:
         able = [f"warps {', '.join(entry.name for entry in warps if set(entry.reads) <= set(PICTURE))}"]
-        able.append(f"fills {', '.join(entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH})}")
-        raise PlanError(f"{error}, which a picture does not bring; for a picture with depth there are {'; '.join(able)}") from error
+        able.append(
+            f"fills {', '.join(entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH})}"
+        )
+        raise PlanError(
+            f"{error}, which a picture does not bring; for a picture with depth there are {'; '.join(able)}"
+        ) from error
 
 
 @attrs.frozen(eq=False)
@@ -121,7 +125,9 @@ def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32],
     if colour.dtype != np.uint8 and colour.dtype.kind != "f":
         raise InputError(f"colour is {colour.dtype}: wanted uint8 (sRGB) or a float type (linear light)")
     if depth_m.shape != colour.shape[:2] or depth_m.dtype.kind not in "fiu":
-        raise InputError(f"depth_m is {depth_m.dtype} {depth_m.shape}: wanted numbers of shape {colour.shape[:2]}, as colour has")
+        raise InputError(
+            f"depth_m is {depth_m.dtype} {depth_m.shape}: wanted numbers of shape {colour.shape[:2]}, as colour has"
+        )
     linear = linear_from_srgb(colour) if colour.dtype == np.uint8 else colour
     if not np.isfinite(linear).all():
         y, x = np.argwhere(~np.isfinite(linear).all(axis=2))[0]

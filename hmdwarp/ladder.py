@@ -42,13 +42,17 @@ def read_rows(path: Path) -> list[Row]:
     try:
         bench = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}; wanted the bench.json that hmdwarp bench wrote") from error
+        raise InputError(
+            f"{path}: {error.strerror or error}; wanted the bench.json that hmdwarp bench wrote"
+        ) from error
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: no JSON ({error}); wanted the bench.json that hmdwarp bench wrote") from error
     if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
         raise InputError(f"{path}: it has no list of 'rows'; wanted the bench.json that hmdwarp bench wrote")
     if bench.get("schema") != SCHEMA:
-        raise InputError(f"{path}: its schema is {bench.get('schema')!r}, this program reads {SCHEMA}: run hmdwarp bench again")
+        raise InputError(
+            f"{path}: its schema is {bench.get('schema')!r}, this program reads {SCHEMA}: run hmdwarp bench again"
+        )
     for number, row in enumerate(bench["rows"]):
         faults = summary_faults(row)
         if faults:
@@ -78,17 +82,23 @@ def ladder_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | N
     return _fitted(usable, options, headset, lens_ms, [*notes, *_other_terms(usable, options, path.name)], path.name)
 
 
-def _fitted(rows: list[Row], options: PipelineOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str) -> Ladder:
+def _fitted(
+    rows: list[Row], options: PipelineOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str
+) -> Ladder:
     other = {row["lens"] for row in rows} - {options.lens}
     try:
-        rungs, more = _at_size([_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name)
+        rungs, more = _at_size(
+            [_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name
+        )
     except InputError as error:
         raise InputError(f"{name}: {error}") from error
     if other:
         added = 0.0 if options.lens == "none" or lens_ms is None else lens_ms(options)
         rungs = tuple(attrs.evolve(rung, total_ms=rung.total_ms + added) for rung in rungs)
         counts = f"with {added:.2f} ms" if lens_ms else "which a run times first: these are without it"
-        more.append(f"{name} was measured with lens {', '.join(sorted(other))}: lens {options.lens} counts instead, {counts}.")
+        more.append(
+            f"{name} was measured with lens {', '.join(sorted(other))}: lens {options.lens} counts instead, {counts}."
+        )
     return Ladder(rungs, (*notes, *more), rows[0]["machine"])
 
 
@@ -102,10 +112,16 @@ def _without_lens(row: Row) -> Row:
 def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
     """What makes the benchmark's errors, or times, differ from this run's beyond what is put right."""
     told = []
-    for key, mine, unit in (("guard", options.guard, ""), ("latency_ms", options.latency_ms, " ms"), ("scene", options.scene, "")):
+    for key, mine, unit in (
+        ("guard", options.guard, ""),
+        ("latency_ms", options.latency_ms, " ms"),
+        ("scene", options.scene, ""),
+    ):
         theirs = sorted({row[key] for row in rows if key in row})
         if theirs and mine not in theirs:
-            told.append(f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})")
+            told.append(
+                f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"
+            )
     return [f"{name} was measured with {'; '.join(told)}."] if told else []
 
 

@@ -89,7 +89,13 @@ class Loop:
     """
 
     def __init__(
-        self, requested: Requested, server: Server, channel: Channel, history: History, compensator: Compensator, eyes: Eyes
+        self,
+        requested: Requested,
+        server: Server,
+        channel: Channel,
+        history: History,
+        compensator: Compensator,
+        eyes: Eyes,
     ) -> None:
         self._requested, self._server, self._channel, self.history = requested, server, channel, history
         self.compensator, self._eyes = compensator, eyes

@@ -46,7 +46,9 @@ class Probe:
         rig = self._rig
         if not rig.plan.fused:
             return None
-        rig.notes.append("Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not counted.")
+        rig.notes.append(
+            "Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not counted."
+        )
         alone = attrs.evolve(rig.options, fused=False, lens="none", fill="none")
         return rig.compensator(build_plan_for(alone, rig.headset, rig.scene))
 
@@ -74,13 +76,17 @@ class Probe:
             if self._against is not None:
                 self._look_against(number, eye, refresh, picture, depth)
 
-    def _look_against(self, number: int, eye: int, refresh: Refresh, truth: NDArray[np.uint8], depth: NDArray[np.float32] | None) -> None:
+    def _look_against(
+        self, number: int, eye: int, refresh: Refresh, truth: NDArray[np.uint8], depth: NDArray[np.float32] | None
+    ) -> None:
         """The compared warp knows no effects: its late picture has everything drawn in, nothing as a layer."""
         given, server = self._rig.loop.given(refresh, self._against.plan.needs)[eye], self._rig.server
         whole = None
         if self._rig.plan.effects:
             whole = server.draw(given.late.view, given.late.size, time_ns=given.late.drawn_ns)
-            given = attrs.evolve(given, late=attrs.evolve(given.late, colour=whole.colour, inverse_depth=whole.inverse_depth))
+            given = attrs.evolve(
+                given, late=attrs.evolve(given.late, colour=whole.colour, inverse_depth=whole.inverse_depth)
+            )
             self._rig.gpu.timer.collect()
         other = self._against.run(given)
         self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())

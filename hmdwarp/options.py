@@ -50,7 +50,9 @@ def _as_float(value: float) -> float:
 
 def number(name: str, unit: str = "", *, least: float = 0.0, above: bool = False, most: float = math.inf):
     """A validator for attrs: the value, or each of a tuple, is finite and within the limits, or None. Errors: InputError."""
-    wanted = f"{'above' if above else 'of at least'} {least:g}{unit}" + (f" and at most {most:g}{unit}" if math.isfinite(most) else "")
+    wanted = f"{'above' if above else 'of at least'} {least:g}{unit}" + (
+        f" and at most {most:g}{unit}" if math.isfinite(most) else ""
+    )
 
     def check(_: object, __: attrs.Attribute, value: float | tuple[float, ...] | None) -> None:
         for one in value if isinstance(value, tuple) else (value,):
@@ -120,9 +122,13 @@ class PipelineOptions:
         if self.warp == AUTO:
             self._check_auto()
         elif self.budget_ms is not None:
-            raise InputError(f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it takes")
+            raise InputError(
+                f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it takes"
+            )
         elif self.bench is not None:
-            raise InputError(f"bench {self.bench}: only warp 'auto' chooses from a benchmark; warp '{self.warp}' is chosen already")
+            raise InputError(
+                f"bench {self.bench}: only warp 'auto' chooses from a benchmark; warp '{self.warp}' is chosen already"
+            )
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """The same with this warp and fill, instead of a choice of its own."""
@@ -130,9 +136,13 @@ class PipelineOptions:
 
     def _check_auto(self) -> None:
         if self.budget_ms is None:
-            raise InputError("warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye (--budget MS)")
+            raise InputError(
+                "warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye (--budget MS)"
+            )
         if self.fused:
-            raise InputError("fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; leave one out")
+            raise InputError(
+                "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; leave one out"
+            )
 
 
 @attrs.frozen(kw_only=True)

@@ -86,7 +86,9 @@ def summary_of(rig: Rig, warp: str, fill: str, lens: str, rows: list[Row]) -> di
     }
 
 
-def write_outcome(rig: Rig, out: OutputFolder, log: RunLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool) -> None:
+def write_outcome(
+    rig: Rig, out: OutputFolder, log: RunLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool
+) -> None:
     """Everything but the video, which is written while the run goes on."""
     for kept in pool.kept:
         number, eye, _ = kept.key

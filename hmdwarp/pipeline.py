@@ -147,14 +147,20 @@ def build_pipeline(
                 compensators.append(_compensator(gpu, plan, lens_of, sizes, geometry))
                 unfinished.callback(compensators[-1].close)
             unfinished.pop_all()
-        auto = AdaptiveCompensator(Governor(rungs, options.budget_ms), dict(zip(rungs, compensators, strict=True))) if rungs else None
+        auto = (
+            AdaptiveCompensator(Governor(rungs, options.budget_ms), dict(zip(rungs, compensators, strict=True)))
+            if rungs
+            else None
+        )
         compensator = auto or compensators[0]
         loop = Loop(requested, server, channel, history, compensator, eyes)
         parts = (gpu, server, geometry, channel, loop, auto, lens_of)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
-def _channel(options: PipelineOptions, sizes: EyeSizes, course: Course, plans: Sequence[Plan], history: History, server: Server) -> Channel:
+def _channel(
+    options: PipelineOptions, sizes: EyeSizes, course: Course, plans: Sequence[Plan], history: History, server: Server
+) -> Channel:
     reads = {name for plan in plans for name in plan.layers}
     weight = 2 * sum(eye_bytes(needs_of(plans), sizes, reads).values())
     coder = None

@@ -27,13 +27,17 @@ def build_plan_for(
     distorts, takes_depth: as build_plan has them. Errors: as build_plan; a lens the headset has not.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
-        raise InputError(f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none")
+        raise InputError(
+            f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
+        )
     calls_for = scene.effects if scene is not None else SceneEffect.NONE
     effects = asked_effects(options.effects, calls_for)
     told = {"forced": effect_names(effects & ~calls_for), "forbidden": effect_names(calls_for & ~effects)}
     told |= {"distorts": distorts, "takes_depth": takes_depth}
     fused, scanout = options.fused, options.scanout_ms > 0 and options.follow_scanout
-    return build_plan(effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout, **told)
+    return build_plan(
+        effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout, **told
+    )
 
 
 def plan_against(warp: str) -> Plan:

@@ -43,7 +43,9 @@ def replay(
     with build_rig(options, rungs=ladder.rungs) as rig, OutputFolder(options.out, owned=OWNED) as out:
         rig.notes.extend((*told, *ladder.notes_on(rig.gpu.renderer, os.cpu_count() or 1)))
         workers = worker_count(options.workers)
-        with QualityPool(workers, rig.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(rig, key)) as pool:
+        with QualityPool(
+            workers, rig.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(rig, key)
+        ) as pool:
             probe = Probe(rig, pool, _keep_every(rig))
             log = _run(rig, probe, out, progress)
         log.measured(_figures(pool, MAIN))

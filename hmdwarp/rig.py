@@ -78,7 +78,9 @@ def timetable(track: PoseTrack, options: RunOptions, rate_hz: float) -> Timetabl
     if length_s == 0:
         raise InputError(f"the trace '{track.name}' has a single sample: wanted head motion over time")
     if options.start_s >= length_s:
-        raise InputError(f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end")
+        raise InputError(
+            f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
+        )
     options.network.check(latency_ns(options))
     age = refreshes_of(options.network.longest_ns(latency_ns(options)) / 1e6, rate_hz)
     if age / rate_hz > length_s:
@@ -105,7 +107,9 @@ def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
     moved = track.evolve(position_m=track.position_m + shift)
     beyond = float(np.maximum(low - moved.position_m, moved.position_m - high).max())
     told = ", ".join(f"{x:+.2f}" for x in shift)
-    notes = [f"The trace leaves the part of scene '{scene.name}' one can walk in, so it was moved by ({told}) m to its viewpoint."]
+    notes = [
+        f"The trace leaves the part of scene '{scene.name}' one can walk in, so it was moved by ({told}) m to its viewpoint."
+    ]
     if beyond > 0:
         notes.append(f"Even so the head leaves that part by up to {beyond:.2f} m and may pass through things.")
     return moved, notes
@@ -170,7 +174,9 @@ class Rig:
 
 def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
     track = trace.track
-    return attrs.evolve(trace, track=track.evolve(time_ns=track.time_ns + track.epoch_ns, epoch_ns=0, max_gap_ns=track.max_gap_ns))
+    return attrs.evolve(
+        trace, track=track.evolve(time_ns=track.time_ns + track.epoch_ns, epoch_ns=0, max_gap_ns=track.max_gap_ns)
+    )
 
 
 def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung, ...] = ()) -> Rig:
@@ -203,7 +209,9 @@ def build_rig(options: RunOptions, also: Needs | None = None, rungs: tuple[Rung,
         stack.callback(source.close)
         requested = Requested(source, predicted, size, options.guard, needs, round(options.scanout_ms * 1e6))
         course = Course(rate_hz, times.link_latency_ns(options))
-        pipeline = stack.enter_context(build_pipeline(gpu, options, scene, headset, plans, requested, course, headset, rungs))
+        pipeline = stack.enter_context(
+            build_pipeline(gpu, options, scene, headset, plans, requested, course, headset, rungs)
+        )
         notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
         return Rig(options, trace, track, scene, headset, size, times, gpu, pipeline, notes, stack.pop_all())
 

@@ -35,7 +35,9 @@ def eye_sizes(guard: float, eyes: Eyes, size: Size) -> EyeSizes:
     """What one eye's pictures measure, the larger eye's where they differ. size: as shown. Errors: as guarded_size."""
     views = eyes.views(Pose())
     cubes = [cube_size(view.fov, size) for view in views]
-    return EyeSizes(guarded_size(guard, eyes, size), size, max(cubes), _largest([wide_size(view.fov, size) for view in views]))
+    return EyeSizes(
+        guarded_size(guard, eyes, size), size, max(cubes), _largest([wide_size(view.fov, size) for view in views])
+    )
 
 
 def _largest(sizes: Sequence[Size]) -> Size:
@@ -63,5 +65,3 @@ def memory_bytes() -> float:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
         return math.inf
-
-

@@ -62,7 +62,9 @@ def tried(options: RunOptions, say: Say) -> Ladder:
     """The ladder of what a short bench finds at a few instants of this run, at its size. Errors: as build_rig."""
     headset = load_headset(options.headset)
     combinations = candidates(options)
-    say(f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench FILE saves that")
+    say(
+        f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench FILE saves that"
+    )
     took = dict(_first_times(options, headset, [c for c in combinations if not c.plan.fills]))
     within = [warp for warp, ms in took.items() if ms <= REACH * options.budget_ms] or [min(took, key=took.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
@@ -70,7 +72,9 @@ def tried(options: RunOptions, say: Say) -> Ladder:
     told = f"Warp 'auto' tried {len(kept)} combinations of warp and fill at {INSTANTS} instants of this run"
     left_out = sorted(set(took) - set(within))
     if left_out:
-        told += f"; {', '.join(left_out)} took more than {REACH:g} times the budget, so their pictures were not measured"
+        told += (
+            f"; {', '.join(left_out)} took more than {REACH:g} times the budget, so their pictures were not measured"
+        )
     return Ladder(rungs, (f"{told}.",))
 
 
@@ -88,7 +92,9 @@ def _beside(options: RunOptions) -> RunOptions:
     return attrs.evolve(options.with_pair("none", "none"), lens="none", against="")
 
 
-def _first_times(options: RunOptions, headset: Headset, combinations: Sequence[Combination]) -> Iterator[tuple[str, float]]:
+def _first_times(
+    options: RunOptions, headset: Headset, combinations: Sequence[Combination]
+) -> Iterator[tuple[str, float]]:
     """(warp, ms per eye) from one timed run of both eyes in the middle of the run, after one to warm up."""
     for batch in _batches(options, headset, combinations):
         with build_rig(_beside(options), needs_of(c.plan for c in batch)) as rig:

@@ -13,7 +13,9 @@ AMPLE_MS = 1e4
 def a_row(warp: str, fill: str, total_ms: float | None, flip: float, **changes) -> dict:
     """A row of bench.json for runs of replays.small()."""
     time_ms = {stage: {"median": 0.0, "p95": 0.0} for stage in ("warp", "fill", "effects", "lens")}
-    quality = {name: {"mean": 0.0, "p95": 0.0} for name in ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker")}
+    quality = {
+        name: {"mean": 0.0, "p95": 0.0} for name in ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker")
+    }
     row = {
         "schema": 1, "hmdwarp": "0", "trace": "look-around", "scene": "planes", "effects": [], "latency_ms": 200.0, "warp": warp,
         "fill": fill, "lens": "none", "headset": "flat-90", "size": [96, 80], "frames": 6, "guard": 1.0,
@@ -27,6 +29,9 @@ def a_row(warp: str, fill: str, total_ms: float | None, flip: float, **changes) 
 def a_bench(path: Path, rows: list[dict] | None = None, **changes) -> Path:
     """A bench.json in which each of PAIRS takes its share of AMPLE_MS."""
     if rows is None:
-        rows = [a_row(*pair, AMPLE_MS * share, flip) for pair, share, flip in zip(PAIRS, (0.1, 0.3, 0.9), (0.3, 0.2, 0.1), strict=True)]
+        rows = [
+            a_row(*pair, AMPLE_MS * share, flip)
+            for pair, share, flip in zip(PAIRS, (0.1, 0.3, 0.9), (0.3, 0.2, 0.1), strict=True)
+        ]
     path.write_text(json.dumps({"schema": 1, "rows": rows, **changes}), encoding="utf-8")
     return path

@@ -40,7 +40,11 @@ CASES: dict[str, dict[str, Any]] = {
     "mesh + pyramid, radial lens": {"warp": "mesh", "fill": "pyramid", "lens": "radial"},
 }
 # The last one is what is left where the pixels are made elsewhere: on one machine a software driver takes caches and clock rate away.
-CLOCKS = (("wall", time.perf_counter_ns, True), ("thread", time.thread_time_ns, True), ("wall, nothing drawn", time.perf_counter_ns, False))
+CLOCKS = (
+    ("wall", time.perf_counter_ns, True),
+    ("thread", time.thread_time_ns, True),
+    ("wall, nothing drawn", time.perf_counter_ns, False),
+)
 LIMITED = tuple(CASES)[:2]  # those that the limit is for
 SIZE, WARM, LATENCY_MS = (64, 80), 60, 50.0
 GL_CLASSES = ("moderngl", "_moderngl")
@@ -160,7 +164,17 @@ def _share_out(stats: dict, function: tuple, inside: float, callers: dict, own: 
 
 def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
     """Every case in each way; whether those that have a limit keep it, beside a driver that draws and beside one that does not."""
-    table = Table("case", "clock", "median ms", "p95", "p5", "with GL", "GL calls", "machine", title="A refresh outside OpenGL, both eyes")
+    table = Table(
+        "case",
+        "clock",
+        "median ms",
+        "p95",
+        "p5",
+        "with GL",
+        "GL calls",
+        "machine",
+        title="A refresh outside OpenGL, both eyes",
+    )
     kept = {True: True, False: True}
     for name, chosen in CASES.items():
         best: dict[bool, list[float]] = {True: [], False: []}
@@ -168,7 +182,14 @@ def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
             times = measure(gpu, frames, clock, draws=draws, **chosen)
             middle, high, low, total, slow = times.figures()
             best[draws].append(middle)
-            numbers = (f"{middle:.3f}", f"{high:.3f}", f"{low:.3f}", f"{total:.2f}", f"{median(times.calls):.0f}", f"x {slow:.2f}")
+            numbers = (
+                f"{middle:.3f}",
+                f"{high:.3f}",
+                f"{low:.3f}",
+                f"{total:.2f}",
+                f"{median(times.calls):.0f}",
+                f"x {slow:.2f}",
+            )
             table.add_row(name if label == "wall" else "", label, *numbers)
         for draws, medians in best.items():
             kept[draws] &= name not in LIMITED or min(medians) <= LIMIT_MS
@@ -185,12 +206,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     console = Console(width=140)
     with Gpu() as gpu:
         if asked.gc:
-            console.print(gc_pauses.table_of(lambda *ends, **chosen: drive(gpu, *ends, **chosen), asked.frames, CASES[LIMITED[0]]))
+            console.print(
+                gc_pauses.table_of(lambda *ends, **chosen: drive(gpu, *ends, **chosen), asked.frames, CASES[LIMITED[0]])
+            )
             return 0
         table, kept = table_of(gpu, asked.frames)
         console.print(table)
         told = {draws: "kept" if fine else "NOT kept" for draws, fine in kept.items()}
-        console.print(f"limit of {LIMIT_MS} ms for the first {len(LIMITED)}: {told[False]}; beside {gpu.renderer}: {told[True]}")
+        console.print(
+            f"limit of {LIMIT_MS} ms for the first {len(LIMITED)}: {told[False]}; beside {gpu.renderer}: {told[True]}"
+        )
         for name in LIMITED if asked.shares else ():
             parts = [f"{part} {share:.0%}" for part, share in shares(gpu, asked.frames, **CASES[name])[:14]]
             console.print(f"{name}: {', '.join(parts)}")

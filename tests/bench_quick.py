@@ -92,7 +92,9 @@ class Case:
         motion[:3, 3] = to_pixel @ relative[:3, 3]
         mask = np.full((high, wide), 255, np.uint8)
         x, y = np.meshgrid(np.arange(wide, dtype=np.float32), np.arange(high, dtype=np.float32))
-        turned = np.stack([x, y, np.ones_like(x)], axis=-1) @ (camera @ motion[:3, :3].T @ np.linalg.inv(camera)).T.astype(np.float32)
+        turned = np.stack([x, y, np.ones_like(x)], axis=-1) @ (
+            camera @ motion[:3, :3].T @ np.linalg.inv(camera)
+        ).T.astype(np.float32)
         map_x, map_y = (np.ascontiguousarray(turned[..., k] / turned[..., 2]) for k in (0, 1))
         out = np.empty_like(picture)
         return {
@@ -129,13 +131,25 @@ def warm(gpu: Gpu, methods: dict[str, Callable[[], object]], size: tuple[int, in
     for name in (*LIMITS[size], *{other for other, _ in LIMITS[size].values()}):
         alone = {name: methods[name]}
         times[name] = float(np.median(measure(gpu, alone, rounds)[name]))
-    ratios = (f"{name} {times[name]:.2f} ms, {times[name] / times[other]:.2f} x {other}" for name, (other, _) in LIMITS[size].items())
+    ratios = (
+        f"{name} {times[name]:.2f} ms, {times[name] / times[other]:.2f} x {other}"
+        for name, (other, _) in LIMITS[size].items()
+    )
     return f"alone in a tight loop: {'; '.join(ratios)}"
 
 
 def table(size: tuple[int, int], times: dict[str, np.ndarray]) -> tuple[Table, list[str]]:
     """What was measured at one size, and which limits were missed."""
-    out = Table("method", "median ms", "least ms", "against", "ratio", "limit", title=f"{size[0]}x{size[1]}, one eye", title_justify="left")
+    out = Table(
+        "method",
+        "median ms",
+        "least ms",
+        "against",
+        "ratio",
+        "limit",
+        title=f"{size[0]}x{size[1]}, one eye",
+        title_justify="left",
+    )
     missed = []
     for name, values in times.items():
         other, limit = LIMITS[size].get(name, (None, None))
@@ -159,7 +173,9 @@ def whole_replay(seconds: float) -> tuple[str, list[str]]:
     with tempfile.TemporaryDirectory() as out:
         took = seconds_of("-m", "hmdwarp", "replay", *REPLAY, "--seconds", f"{seconds:g}", "--out", out)
         frames = json.loads((Path(out) / "summary.json").read_text(encoding="utf-8"))["frames"]
-    told = f"whole replay, 640x400 per eye, {frames} frames: {frames / took:.1f} a second (limit {LEAST_FRAMES_PER_S:g})"
+    told = (
+        f"whole replay, 640x400 per eye, {frames} frames: {frames / took:.1f} a second (limit {LEAST_FRAMES_PER_S:g})"
+    )
     return told, [told] if frames / took < LEAST_FRAMES_PER_S else []
 
 

@@ -58,7 +58,9 @@ def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
                     break
             assert shown == refreshes
             layers = eye_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
-            return Costs(frozenset(shaders), dict(made), dict(work), layers, rig.channel.passage.size_bytes, dict(textures))
+            return Costs(
+                frozenset(shaders), dict(made), dict(work), layers, rig.channel.passage.size_bytes, dict(textures)
+            )
 
 
 def _counted(function, counter: Counter, name: str, textures: Counter | None):

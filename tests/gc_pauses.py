@@ -46,7 +46,17 @@ class Pauses:
 
 def table_of(drive: Callable[..., None], frames: int, chosen: dict[str, Any]) -> Table:
     """drive: as bench_live.drive without the GPU."""
-    head = ("collecting", "pauses by generation", "longest ms", "p99", "ms a refresh", "refresh median", "p99", "longest", "late by it")
+    head = (
+        "collecting",
+        "pauses by generation",
+        "longest ms",
+        "p99",
+        "ms a refresh",
+        "refresh median",
+        "p99",
+        "longest",
+        "late by it",
+    )
     title = f"Garbage collection in {frames} refreshes ({chosen['warp']} + {chosen['fill']}); late by it: over {BUDGET_MS:.1f} ms (90 Hz)"
     table = Table(*head, title=f"{title} with collecting, not without")
     for name, between in WHEN.items():
@@ -66,5 +76,11 @@ def _told(pauses: Pauses) -> list[str]:
     by_generation = " / ".join(str(sum(one == generation for one, _ in pauses.pauses_ms)) for generation in range(3))
     refreshes, collecting = (np.array(values[WARM:]) for values in (pauses.refreshes_ms, pauses.collecting_ms))
     late = int(((refreshes > BUDGET_MS) & (refreshes - collecting <= BUDGET_MS)).sum())
-    numbers = (took.max(), np.percentile(took, 99), took.sum() / len(refreshes), *np.percentile(refreshes, (50, 99)), refreshes.max())
+    numbers = (
+        took.max(),
+        np.percentile(took, 99),
+        took.sum() / len(refreshes),
+        *np.percentile(refreshes, (50, 99)),
+        refreshes.max(),
+    )
     return [by_generation, *(f"{value:.3f}" for value in numbers), str(late)]

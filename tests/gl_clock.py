@@ -14,27 +14,94 @@ import moderngl
 
 # Every method and property of moderngl that reaches the driver, of the classes that are used here. What only looks at Python is left out.
 CALLS: dict[type, tuple[str, ...]] = {
-    moderngl.Buffer: ("write", "read", "read_into", "clear", "bind_to_uniform_block", "bind_to_storage_buffer", "orphan", "release"),
+    moderngl.Buffer: (
+        "write",
+        "read",
+        "read_into",
+        "clear",
+        "bind_to_uniform_block",
+        "bind_to_storage_buffer",
+        "orphan",
+        "release",
+    ),
     moderngl.ComputeShader: ("run", "run_indirect", "release"),
-    moderngl.Framebuffer: ("clear", "use", "read", "read_into", "release", "viewport", "scissor", "color_mask", "depth_mask"),
+    moderngl.Framebuffer: (
+        "clear",
+        "use",
+        "read",
+        "read_into",
+        "release",
+        "viewport",
+        "scissor",
+        "color_mask",
+        "depth_mask",
+    ),
     moderngl.Program: ("release",),
     moderngl.Query: ("__enter__", "__exit__", "elapsed", "samples"),
     moderngl.Renderbuffer: ("release",),
     moderngl.Sampler: ("use", "clear", "release"),
     moderngl.Scope: ("__enter__", "__exit__", "release"),
-    moderngl.Texture: ("read", "read_into", "write", "build_mipmaps", "use", "bind_to_image", "release", "filter", "repeat_x", "repeat_y"),
+    moderngl.Texture: (
+        "read",
+        "read_into",
+        "write",
+        "build_mipmaps",
+        "use",
+        "bind_to_image",
+        "release",
+        "filter",
+        "repeat_x",
+        "repeat_y",
+    ),
     moderngl.VertexArray: ("render", "render_indirect", "transform", "release"),
     moderngl.Context: (
-        *("clear", "enable", "disable", "enable_only", "enable_direct", "disable_direct", "finish", "copy_buffer", "copy_framebuffer"),
-        *("depth_func", "blend_func", "blend_equation", "viewport", "cull_face", "front_face", "memory_barrier", "clear_samplers"),
+        *(
+            "clear",
+            "enable",
+            "disable",
+            "enable_only",
+            "enable_direct",
+            "disable_direct",
+            "finish",
+            "copy_buffer",
+            "copy_framebuffer",
+        ),
+        *(
+            "depth_func",
+            "blend_func",
+            "blend_equation",
+            "viewport",
+            "cull_face",
+            "front_face",
+            "memory_barrier",
+            "clear_samplers",
+        ),
         *("detect_framebuffer", "error", "__enter__", "__exit__"),
     ),
     _moderngl.Uniform: ("write", "read"),
 }
 # What makes something that lives on the GPU. A scope is none, but moderngl keeps each one until the context goes.
 MAKERS = (
-    *("buffer", "external_buffer", "texture", "external_texture", "texture_array", "texture3d", "texture_cube", "depth_texture"),
-    *("depth_texture_cube", "vertex_array", "program", "query", "framebuffer", "empty_framebuffer", "renderbuffer", "depth_renderbuffer"),
+    *(
+        "buffer",
+        "external_buffer",
+        "texture",
+        "external_texture",
+        "texture_array",
+        "texture3d",
+        "texture_cube",
+        "depth_texture",
+    ),
+    *(
+        "depth_texture_cube",
+        "vertex_array",
+        "program",
+        "query",
+        "framebuffer",
+        "empty_framebuffer",
+        "renderbuffer",
+        "depth_renderbuffer",
+    ),
     *("compute_shader", "sampler", "scope"),
 )
 
@@ -92,7 +159,9 @@ class GlClock:
     @contextmanager
     def watching(self) -> Iterator[None]:
         """Every GL call of this process goes through `watched` inside the block."""
-        with _replaced({(kind, name): self._watched_member(getattr(kind, name)) for kind, names in CALLS.items() for name in names}):
+        with _replaced(
+            {(kind, name): self._watched_member(getattr(kind, name)) for kind, names in CALLS.items() for name in names}
+        ):
             yield
 
     def _watched_member(self, member: Any) -> Any:

@@ -31,7 +31,10 @@ def mirrored_scene(*, uneven: bool = True, curved: bool = True) -> Scene:
     )
     floor = Material(reflectivity=0.3, normal_map=2, normal_scale=0.08) if uneven else Material(reflectivity=0.3)
     meshes = [attrs.evolve(one.mesh(f"plain-{i}"), double_sided=False) for i, one in enumerate(PLAIN_SHAPES)]
-    meshes += [attrs.evolve(FLOOR.mesh("floor"), material=floor), attrs.evolve(WALL.mesh("wall"), material=Material(reflectivity=0.9))]
+    meshes += [
+        attrs.evolve(FLOOR.mesh("floor"), material=floor),
+        attrs.evolve(WALL.mesh("wall"), material=Material(reflectivity=0.9)),
+    ]
     if curved:
         meshes.append(attrs.evolve(CHROME.mesh("chrome"), material=Material(reflectivity=0.85, curved=True)))
     return Scene("mirrored", "", meshes, textures, SKY, viewpoint=VIEW.pose)

@@ -25,14 +25,18 @@ def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, in
     return world
 
 
-def panel_of(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None) -> np.ndarray:
+def panel_of(
+    gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None
+) -> np.ndarray:
     """(h, w, 4) the panel that the fused warp makes, bottom row first."""
     choice = parse_warp(spec)
     world.bring(gpu, choice.entry)
     lens = lenses.get("radial")(gpu, headset, size)
     warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
     canvas = Canvas(gpu.gl, size)
-    canvas.texture.write(np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
+    canvas.texture.write(
+        np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1
+    )  # every pixel must be written
     warp.run(attrs.evolve(world.given(choice.entry), eye=eye, shown_last=last), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)

@@ -30,7 +30,9 @@ HALF_TURNS = st.builds(_turned, vectors(), st.sampled_from([math.pi, math.pi - 1
 QUATERNIONS = st.one_of(UNIFORM_QUATERNIONS, SMALL_TURNS, HALF_TURNS)
 
 
-def poses(metres: st.SearchStrategy[float] = METRES, quaternions: st.SearchStrategy[np.ndarray] = QUATERNIONS) -> st.SearchStrategy[Pose]:
+def poses(
+    metres: st.SearchStrategy[float] = METRES, quaternions: st.SearchStrategy[np.ndarray] = QUATERNIONS
+) -> st.SearchStrategy[Pose]:
     """Poses with each coordinate from `metres`."""
     return st.builds(Pose, vectors(metres), quaternions)
 
@@ -42,7 +44,11 @@ def _fov(left: float, right: float, down: float, up: float) -> Fov:
 # Each side 10 to 65 degrees from the axis: what headsets have; and views that do not hold their own axis, as in tiled displays.
 FOVS = st.one_of(
     st.builds(_fov, *[st.floats(math.radians(10), math.radians(65))] * 4),
-    st.builds(lambda start, span: Fov(start, start + span, start / 2, start / 2 + span), st.floats(0.05, 0.6), st.floats(0.2, 0.8)),
+    st.builds(
+        lambda start, span: Fov(start, start + span, start / 2, start / 2 + span),
+        st.floats(0.05, 0.6),
+        st.floats(0.2, 0.8),
+    ),
 )
 SIZES = st.tuples(st.integers(1, 4096), st.integers(1, 4096))
 

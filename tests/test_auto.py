@@ -81,7 +81,9 @@ ODD = [None, True, 0, -1, 10**400, 1e308, "", "x", [], [[1]], {}, {"a": []}]
 def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_path, value):
     good = a_row("none", "none", 1.0, 0.3, rate_hz=60.0, predict="none")
     damaged = [{**good, key: value} for key in good]
-    damaged += [{**good, table: {**good[table], name: value}} for table in ("time_ms", "quality") for name in good[table]]
+    damaged += [
+        {**good, table: {**good[table], name: value}} for table in ("time_ms", "quality") for name in good[table]
+    ]
     damaged += [
         {**good, table: {**good[table], name: {**good[table][name], figure: value}}}
         for table in ("time_ms", "quality") for name in good[table] for figure in good[table][name]
@@ -124,7 +126,11 @@ def test_another_size_counts_in_proportion(tmp_path):
 
 
 def test_what_this_program_has_not_is_left_out(tmp_path):
-    rows = [a_row("none", "none", 1.0, 0.3), a_row("teleport", "none", 2.0, 0.1), a_row("forward:x=1", "none", 2.0, 0.1)]
+    rows = [
+        a_row("none", "none", 1.0, 0.3),
+        a_row("teleport", "none", 2.0, 0.1),
+        a_row("forward:x=1", "none", 2.0, 0.1),
+    ]
     found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
     assert [rung.warp for rung in found.rungs] == ["none"]
     assert [note.partition(" is left out")[0] for note in found.notes] == [
@@ -156,7 +162,8 @@ def test_other_terms_are_told(tmp_path):
     rows = [a_row("none", "none", 1.0, 0.3, guard=1.5, latency_ms=400.0, scene="room")]
     (note,) = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms).notes
     assert (
-        note == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room (this run: planes)."
+        note
+        == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room (this run: planes)."
     )
 
 
@@ -167,7 +174,9 @@ def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
     """Every byte of the pictures is what the chosen warp alone would show, and the log says which it was."""
     chosen = run(tmp_path / "auto", images=2, **auto(a_bench(tmp_path / "b.json")))
     alone = run(tmp_path / "alone", images=2, warp="forward", fill="interpolate")
-    pictures = [{n: d for n, d in contents(tmp_path / name).items() if n.startswith("images/")} for name in ("auto", "alone")]
+    pictures = [
+        {n: d for n, d in contents(tmp_path / name).items() if n.startswith("images/")} for name in ("auto", "alone")
+    ]
     assert pictures[0] and pictures[0] == pictures[1]
     assert chosen.summary["quality"] == alone.summary["quality"]
     validate_summary(chosen.summary)
@@ -236,7 +245,9 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
 @pytest.fixture
 def few(monkeypatch):
     """A trial of three warps: pictures of all would take FLIP half a minute on a busy machine."""
-    monkeypatch.setattr("hmdwarp.trial.candidates", lambda options: [c for c in candidates(options) if c.warp in {w for w, _ in PAIRS}])
+    monkeypatch.setattr(
+        "hmdwarp.trial.candidates", lambda options: [c for c in candidates(options) if c.warp in {w for w, _ in PAIRS}]
+    )
 
 
 def test_a_trial_of_its_own(few):

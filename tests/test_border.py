@@ -56,7 +56,9 @@ def test_what_leaves_every_plane_is_infinitely_much():
 def steady(deg_s: float) -> PoseTrack:
     """Turning to the left."""
     t = np.arange(0, 2_000_000_001, 10_000_000)
-    return PoseTrack(t, np.zeros((len(t), 3)), Rotation.from_rotvec(np.outer(np.radians(deg_s * t * 1e-9), (0, 1, 0))).as_quat())
+    return PoseTrack(
+        t, np.zeros((len(t), 3)), Rotation.from_rotvec(np.outer(np.radians(deg_s * t * 1e-9), (0, 1, 0))).as_quat()
+    )
 
 
 @pytest.fixture

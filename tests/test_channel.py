@@ -26,10 +26,14 @@ NETWORKS = {
 @pytest.mark.parametrize("codec", ["none", "h264"])
 @pytest.mark.parametrize("network", NETWORKS)
 def test_every_frame_is_accounted_for(tmp_path, network, codec):
-    told = run(tmp_path, network=LinkOptions.parse(**NETWORKS[network]), coding=Coding(codec), latency_ms=60.0, seconds=1.0).summary
+    told = run(
+        tmp_path, network=LinkOptions.parse(**NETWORKS[network]), coding=Coding(codec), latency_ms=60.0, seconds=1.0
+    ).summary
     frames = told["link"]["frames"]
     assert frames["drawn"] == frames["dropped"] + frames["sent"]
-    assert frames["sent"] == sum(frames[name] for name in ("lost", "undecodable", "late", "superseded", "shown", "under_way"))
+    assert frames["sent"] == sum(
+        frames[name] for name in ("lost", "undecodable", "late", "superseded", "shown", "under_way")
+    )
     assert frames["drawn"] >= 60 and frames["shown"] > 0
     assert (frames["lost"] > 0) == (network in ("bursts", "all"))
     assert (told["link"]["response_ms"]["transfer_ms"] > 0) == (network in ("narrow", "all"))

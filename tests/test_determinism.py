@@ -38,7 +38,16 @@ def test_the_same_bits_again(workers, first, tmp_path):
 @pytest.mark.parametrize("scene", ["spheres", "room"])
 def test_every_kind_of_pass_gives_the_same_bits(warp, scene, tmp_path):
     """forward's ties, planar's median and backward's second drawing could each depend on the order in which threads run."""
-    wanted = {**RUN, "seconds": 0.1, "metrics_every": 1, "images": 6, "against": "", "trace": "walk", "scene": scene, "warp": warp}
+    wanted = {
+        **RUN,
+        "seconds": 0.1,
+        "metrics_every": 1,
+        "images": 6,
+        "against": "",
+        "trace": "walk",
+        "scene": scene,
+        "warp": warp,
+    }
     run(tmp_path / "a", **wanted)
     run(tmp_path / "b", **wanted)
     assert untimed(tmp_path / "a") == untimed(tmp_path / "b")

@@ -36,7 +36,9 @@ def answers(monkeypatch, **known):
 
 
 def test_last_whole_line_counts(probe):
-    probe("""echo 'driver says hello'; echo '{"stage": "a"}'; echo '{"stage": "b", "x": 1}'; printf '{"stage": "c", '""")
+    probe(
+        """echo 'driver says hello'; echo '{"stage": "a"}'; echo '{"stage": "b", "x": 1}'; printf '{"stage": "c", '"""
+    )
     assert doctor.ask("gl") == {"stage": "b", "x": 1}
 
 
@@ -62,7 +64,12 @@ def test_silence_is_a_lack(probe):
 # --- OpenXR -------------------------------------------------------------------------------------------------------------
 
 AT = {"binding": "1.1", "loader": "1.1.0"}
-NAMED = {**AT, "runtime": "Runtime", "runtime_version": "25.0.0", "extensions": ["XR_KHR_opengl_enable", "XR_KHR_convert_timespec_time"]}
+NAMED = {
+    **AT,
+    "runtime": "Runtime",
+    "runtime_version": "25.0.0",
+    "extensions": ["XR_KHR_opengl_enable", "XR_KHR_convert_timespec_time"],
+}
 
 
 @pytest.mark.parametrize(
@@ -71,13 +78,34 @@ NAMED = {**AT, "runtime": "Runtime", "runtime_version": "25.0.0", "extensions": 
         ({**AT, "stage": "runtime", "error": "RuntimeUnavailableError", "message": ""}, "no OpenXR runtime: "),
         ({**AT, "stage": "instance", "error": "RuntimeUnavailableError", "message": ""}, "no OpenXR runtime: "),
         ({**AT, "stage": "instance", "error": "RuntimeFailureError", "message": ""}, "service does not answer"),
-        ({**AT, "stage": "instance", "error": "died", "message": "gave no answer"}, "gave no answer when an instance was made"),
-        ({**NAMED, "stage": "headset", "error": "FormFactorUnavailableError", "message": ""}, "Runtime 25.0.0 sees no headset"),
-        ({**NAMED, "stage": "headset", "error": "FormFactorUnsupportedError", "message": ""}, "Runtime 25.0.0 sees no headset"),
-        ({**NAMED, "stage": "headset", "error": "died", "message": "ended with status -11"}, "status -11 when asked for a headset"),
-        ({**NAMED, "stage": "headset", "error": "OutOfMemoryError", "message": "no\nmemory"}, "OutOfMemoryError: no memory"),
-        ({**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_KHR_convert_timespec_time"]}, "lacks XR_KHR_opengl_enable or"),
-        ({**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_MNDX_egl_enable"]}, "lacks XR_KHR_convert_timespec_time"),
+        (
+            {**AT, "stage": "instance", "error": "died", "message": "gave no answer"},
+            "gave no answer when an instance was made",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "FormFactorUnavailableError", "message": ""},
+            "Runtime 25.0.0 sees no headset",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "FormFactorUnsupportedError", "message": ""},
+            "Runtime 25.0.0 sees no headset",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "died", "message": "ended with status -11"},
+            "status -11 when asked for a headset",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "OutOfMemoryError", "message": "no\nmemory"},
+            "OutOfMemoryError: no memory",
+        ),
+        (
+            {**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_KHR_convert_timespec_time"]},
+            "lacks XR_KHR_opengl_enable or",
+        ),
+        (
+            {**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_MNDX_egl_enable"]},
+            "lacks XR_KHR_convert_timespec_time",
+        ),
     ],
 )
 def test_each_openxr_lack_is_told_apart(monkeypatch, known, words):
@@ -113,7 +141,10 @@ def test_openxr_binding_that_does_not_load(monkeypatch, known):
 HEADSET = [Finding("OpenXR loader", State.OK, "there"), Finding("OpenXR runtime", State.OK, "Runtime 1, headset 'H'")]
 NO_LOADER = [Finding("OpenXR loader", State.OPTIONAL, "no libGL", "get it")]
 NO_RUNTIME = [HEADSET[0], Finding("OpenXR runtime", State.OPTIONAL, "its service is down", "start it")]
-WINDOW, NO_WINDOW = Finding("desktop window", State.OK, "opens"), Finding("desktop window", State.OPTIONAL, "no display", "xvfb")
+WINDOW, NO_WINDOW = (
+    Finding("desktop window", State.OK, "opens"),
+    Finding("desktop window", State.OPTIONAL, "no display", "xvfb"),
+)
 
 
 @pytest.mark.parametrize("window", [WINDOW, NO_WINDOW])
@@ -140,7 +171,9 @@ def test_the_doctor_says_what_live_would_take(monkeypatch):
     monkeypatch.setenv("XR_RUNTIME_JSON", "nowhere.json")
     found = {finding.name: finding for finding in doctor.examine()}
     assert found["live"].facts["source"] is None
-    assert found["live"].detail.startswith("shows nothing: no headset (no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json")
+    assert found["live"].detail.startswith(
+        "shows nothing: no headset (no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json"
+    )
 
 
 # --- the rest, and the command ---------------------------------------------------------------------------------------------
@@ -205,7 +238,9 @@ def test_only_what_replay_needs_decides():
 
 def test_probes_are_found_by_the_interpreter():
     """The path that -P leaves must still hold hmdwarp: it does once it is installed."""
-    assert doctor.ask("gl").get("message", "").find("No module named") == -1, f"install hmdwarp into {sys.prefix} first (make setup)"
+    assert doctor.ask("gl").get("message", "").find("No module named") == -1, (
+        f"install hmdwarp into {sys.prefix} first (make setup)"
+    )
 
 
 def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
@@ -219,6 +254,10 @@ def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
     monkeypatch.setattr(doctor.importlib.metadata, "version", version)
     found = doctor.study()
     assert found.state is State.OPTIONAL and "hmdwarp[study]" in found.remedy
-    assert "statsmodels (study analyse" in found.detail and "prompt-toolkit" in found.detail and "pyarrow" not in found.detail
+    assert (
+        "statsmodels (study analyse" in found.detail
+        and "prompt-toolkit" in found.detail
+        and "pyarrow" not in found.detail
+    )
     there.update(dict.fromkeys(doctor.STUDY_PACKAGES, "1.0"))
     assert doctor.study().state is State.OK

@@ -31,7 +31,13 @@ WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
 WALK = {"trace": "walk", "start_s": 3.0}
 BEGINNING = {"trace": "walk", "start_s": 1.2}  # where the test scenes are still in front of the head
 LOOPS = {
-    "room-forward-interpolate-radial": {**WALK, "scene": "room", "warp": "forward", "fill": "interpolate", "lens": "radial"},
+    "room-forward-interpolate-radial": {
+        **WALK,
+        "scene": "room",
+        "warp": "forward",
+        "fill": "interpolate",
+        "lens": "radial",
+    },
     "room-backward-none-none": {**WALK, "scene": "room", "warp": "backward"},
     "room-rotation-guard": {"trace": "look-around", "start_s": 2.0, "scene": "room", "warp": "rotation", "guard": 1.4},
     "planes-planar-none-none": {**BEGINNING, "scene": "planes", "warp": "planar"},
@@ -51,7 +57,9 @@ def shown(options: dict[str, object]) -> NDArray[np.uint8]:
 
     def look(rig: Rig, number: int, refresh: Refresh) -> None:
         if number == 12:
-            pictures.append(np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1))
+            pictures.append(
+                np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1)
+            )
 
     chosen = {"headset": "rift-dk1", "size": SIZE, "seconds": 13 / 60, **options}
     each_refresh(small(**chosen), look)
@@ -66,7 +74,9 @@ def difference(found: NDArray[np.uint8], wanted: NDArray[np.uint8]) -> NDArray[n
 @pytest.fixture(scope="module", autouse=True)
 def on_llvmpipe(gpu):
     if "llvmpipe" not in gpu.renderer:
-        pytest.skip(f"golden pictures are llvmpipe's; this is {gpu.renderer}, which may draw edges and filter textures otherwise")
+        pytest.skip(
+            f"golden pictures are llvmpipe's; this is {gpu.renderer}, which may draw edges and filter textures otherwise"
+        )
 
 
 @pytest.mark.parametrize("name", LOOPS)

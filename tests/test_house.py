@@ -69,9 +69,38 @@ APART = {
     "doctor": {"client", "server", "scenes", "poses"},
     "_probes": {"client", "server", "scenes", "poses"},
 }
-CLOCK_READERS = {"gpu/timers.py", "channel.py", "loop.py", "replay.py", "live.py", "bench.py", "doctor.py", "study/store/clock.py"}
-CLOCK_FOLDERS = ("cli/", "loop/", "replay/", "live/", "bench/", "display/")  # display: its clock is the one all live times are on
-HEAVY = ("scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL", "jinja2", "rich")
+CLOCK_READERS = {
+    "gpu/timers.py",
+    "channel.py",
+    "loop.py",
+    "replay.py",
+    "live.py",
+    "bench.py",
+    "doctor.py",
+    "study/store/clock.py",
+}
+CLOCK_FOLDERS = (
+    "cli/",
+    "loop/",
+    "replay/",
+    "live/",
+    "bench/",
+    "display/",
+)  # display: its clock is the one all live times are on
+HEAVY = (
+    "scipy",
+    "moderngl",
+    "trimesh",
+    "matplotlib",
+    "skimage",
+    "av",
+    "flip_evaluator",
+    "xr",
+    "glfw",
+    "PIL",
+    "jinja2",
+    "rich",
+)
 
 
 def modules() -> list[Path]:
@@ -122,7 +151,9 @@ def units_in(source: str, package: tuple[str, ...]) -> set[str]:
 
 
 def imports_of(path: Path) -> set[str]:
-    return units_in(path.read_text(encoding="utf-8"), ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)) - {unit_of(path)}
+    return units_in(path.read_text(encoding="utf-8"), ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)) - {
+        unit_of(path)
+    }
 
 
 def floor_of(unit: str) -> int | None:
@@ -153,27 +184,38 @@ def test_imports_point_one_way(path):
 def test_import_rules_notice_what_they_forbid():
     assert units_in("from ..client import plan", ("hmdwarp", "server")) == {"client"}
     assert units_in("def f():\n    from ... import cli", ("hmdwarp", "client", "warps")) == {"cli"}
-    assert units_in("from ..errors import InputError\nimport hmdwarp.gpu.context", ("hmdwarp", "geometry")) == {"errors", "gpu"}
+    assert units_in("from ..errors import InputError\nimport hmdwarp.gpu.context", ("hmdwarp", "geometry")) == {
+        "errors",
+        "gpu",
+    }
     assert units_in("from hmdwarp import warp_image", ("hmdwarp", "client")) == {""}
-    assert units_in("if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frame import Frame", ("hmdwarp", "link")) == {"frame"}
+    assert units_in(
+        "if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frame import Frame", ("hmdwarp", "link")
+    ) == {"frame"}
     assert forbidden("geometry", {"errors", "gpu", "registry"}) == {"gpu", "registry"}
     assert forbidden("server", {"gpu", "client"}) == {"client"}
     assert forbidden("metrics", {"geometry", "client", "cli"}) == {"client", "cli"}
 
 
 def strings_of(path: Path) -> list[tuple[int, str]]:
-    return [(n.lineno, n.value) for n in ast.walk(tree_of(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    return [
+        (n.lineno, n.value) for n in ast.walk(tree_of(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)
+    ]
 
 
 @pytest.mark.parametrize("path", modules(), ids=name_of)
 def test_no_shader_text_in_python(path):
     """Shaders lie in shaders/, where tools find them and compiler messages point; only the loader writes a version line."""
-    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(") + (() if name_of(path) == "gpu/shaders.py" else ("#version ",))
+    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(") + (
+        () if name_of(path) == "gpu/shaders.py" else ("#version ",)
+    )
     found = [(line, mark) for line, text in strings_of(path) for mark in marks if mark in text]
     assert not found, f"shader text in {name_of(path)}: {found}"
 
 
-PICTURES = re.compile(r"image|picture|colour|depth|truth|shown|rendered|late|coverage|mask|pixels|rgb|error", re.IGNORECASE)
+PICTURES = re.compile(
+    r"image|picture|colour|depth|truth|shown|rendered|late|coverage|mask|pixels|rgb|error", re.IGNORECASE
+)
 
 
 def row_flips(tree: ast.AST) -> list[int]:
@@ -198,7 +240,13 @@ def test_rows_flip_in_one_module_only(path):
 
 
 def test_row_flips_are_noticed():
-    for guilty in ("image[::-1]", "out.colour[::-1, :, :]", "np.flipud(a)", "np.flip(a, 0)", "a.transpose(Image.FLIP_TOP_BOTTOM)"):
+    for guilty in (
+        "image[::-1]",
+        "out.colour[::-1, :, :]",
+        "np.flipud(a)",
+        "np.flip(a, 0)",
+        "a.transpose(Image.FLIP_TOP_BOTTOM)",
+    ):
         assert row_flips(ast.parse(guilty)) == [1], guilty
     for innocent in ("image.shape[:2][::-1]", "shown_size[::-1]", "lines[::-1]", "image[..., ::-1]", "image[:, ::-1]"):
         assert row_flips(ast.parse(innocent)) == [], innocent
@@ -211,7 +259,11 @@ def clock_reads(tree: ast.AST) -> list[int]:
             lines += [node.lineno for alias in node.names if alias.name == "time"]
         elif isinstance(node, ast.ImportFrom):
             lines += [node.lineno] if node.module == "time" and not node.level else []
-        elif isinstance(node, ast.Attribute) and node.attr in ("now", "utcnow", "today") and "date" in ast.unparse(node.value):
+        elif (
+            isinstance(node, ast.Attribute)
+            and node.attr in ("now", "utcnow", "today")
+            and "date" in ast.unparse(node.value)
+        ):
             lines.append(node.lineno)
     return lines
 
@@ -221,7 +273,9 @@ def test_no_pass_reads_a_clock(path):
     """Time comes in as an argument, so that a replay is the same twice."""
     name = name_of(path)
     if name not in CLOCK_READERS and not name.startswith(CLOCK_FOLDERS):
-        assert not clock_reads(tree_of(path)), f"{name} reads a clock; only the drivers, the displays, the timers and the command line may"
+        assert not clock_reads(tree_of(path)), (
+            f"{name} reads a clock; only the drivers, the displays, the timers and the command line may"
+        )
 
 
 def test_clock_reads_are_noticed():
@@ -249,7 +303,9 @@ def test_every_public_name_has_a_docstring():
     assert names, "hmdwarp/__init__.py lists its public names in __all__"
     for name in names:
         thing = getattr(package, name)
-        assert name.startswith("__") or (getattr(thing, "__doc__", None) or "").strip(), f"hmdwarp.{name} does not say what it is for"
+        assert name.startswith("__") or (getattr(thing, "__doc__", None) or "").strip(), (
+            f"hmdwarp.{name} does not say what it is for"
+        )
 
 
 @pytest.mark.parametrize("path", modules(), ids=name_of)
@@ -264,7 +320,9 @@ SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".comp
 @pytest.mark.parametrize("path", SHADERS, ids=lambda p: p.relative_to(ROOT / "shaders").as_posix())
 def test_every_shader_says_what_it_computes(path):
     """At the top a comment of two lines or more, and for a whole stage what goes in and what comes out."""
-    header = "\n".join(line for line in path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if line.startswith("//"))
+    header = "\n".join(
+        line for line in path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if line.startswith("//")
+    )
     assert header.count("\n") >= 1
     if path.suffix != ".glsl":
         assert "In:" in header and "Out:" in header
@@ -277,7 +335,9 @@ def tracked_texts() -> list[tuple[str, str]]:
     """(path, text) of every text file that git tracks."""
     if not shutil.which("git") or not (ROOT / ".git").exists():
         pytest.skip("not a git checkout, so nobody knows which files belong to the project")
-    names = subprocess.run(["git", "-c", "safe.directory=*", "ls-files", "-z"], check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    names = subprocess.run(
+        ["git", "-c", "safe.directory=*", "ls-files", "-z"], check=True, capture_output=True, text=True, cwd=ROOT
+    ).stdout
     out = []
     for name in filter(None, names.split("\0")):
         data = (ROOT / name).read_bytes() if (ROOT / name).is_file() else b""
@@ -308,8 +368,15 @@ def test_no_file_holds(what):
 def test_the_pins_name_every_dependency():
     """Set-up installs from .ci/constraints.txt; a dependency without a line there would not be reproducible."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    wanted = [*project["dependencies"], *(line for extra in project["optional-dependencies"].values() for line in extra)]
-    pins = [line for line in (ROOT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"]
+    wanted = [
+        *project["dependencies"],
+        *(line for extra in project["optional-dependencies"].values() for line in extra),
+    ]
+    pins = [
+        line
+        for line in (ROOT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines()
+        if line and line[0] != "#"
+    ]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", pin) for pin in pins)
     pinned = {pin.partition("==")[0].lower().replace("_", "-") for pin in pins}
     assert {re.match(r"[\w-]+", line)[0].lower().replace("_", "-") for line in wanted} <= pinned

@@ -148,7 +148,9 @@ def test_fields_of_view_may_be_asymmetric(warp):
     """32x24 pixels, 0.0625 of tangent each; a part of the field of view at whole pixels is a part of the picture, bit for bit."""
     colour = halves(np.random.default_rng(6), (32, 24))
     rendered = view((-0.5, 1.5, -1.0, 0.5))
-    shown = view((-0.25, 1.0, -0.75, 0.125))  # 4 columns off the left, 8 off the right, 4 rows off the bottom, 6 off the top
+    shown = view(
+        (-0.25, 1.0, -0.75, 0.125)
+    )  # 4 columns off the left, 8 off the right, 4 rows off the bottom, 6 off the top
     out = warp_image(colour, np.full((24, 32), 2.0), rendered, shown, warp, size=(20, 14))
     assert np.array_equal(out.colour, colour[6:20, 4:24])
     assert (out.coverage == 1).all()
@@ -167,7 +169,9 @@ def test_what_lies_outside_the_late_picture_is_a_hole(warp):
 @pytest.mark.parametrize("size", [(1, 1), (5, 9), (31, 7), (128, 96)])
 @pytest.mark.parametrize("warp", PICTURE_WARPS)
 def test_size_is_the_results(warp, size):
-    out = warp_image(halves(np.random.default_rng(8), (13, 11)), np.full((11, 13), 2.0), view(), view(), warp, size=size)
+    out = warp_image(
+        halves(np.random.default_rng(8), (13, 11)), np.full((11, 13), 2.0), view(), view(), warp, size=size
+    )
     assert out.colour.shape == (size[1], size[0], 3) and out.coverage.shape == (size[1], size[0])
     assert np.isfinite(out.colour).all()
 
@@ -229,8 +233,13 @@ def test_a_fill_closes_a_crack_and_is_timed():
     assert filled.hole_share == bare.hole_share == 1 / 300
     assert set(filled.time_ms) == {"warp", "fill"}
     neighbours = colour[6:9, 8:11].reshape(9, 3)
-    assert (filled.colour[7, 9] >= neighbours.min(axis=0)).all() and (filled.colour[7, 9] <= neighbours.max(axis=0)).all()
-    assert np.array_equal(np.delete(filled.colour.reshape(-1, 3), 7 * 20 + 9, axis=0), np.delete(colour.reshape(-1, 3), 7 * 20 + 9, axis=0))
+    assert (filled.colour[7, 9] >= neighbours.min(axis=0)).all() and (
+        filled.colour[7, 9] <= neighbours.max(axis=0)
+    ).all()
+    assert np.array_equal(
+        np.delete(filled.colour.reshape(-1, 3), 7 * 20 + 9, axis=0),
+        np.delete(colour.reshape(-1, 3), 7 * 20 + 9, axis=0),
+    )
 
 
 def test_twice_is_the_same():

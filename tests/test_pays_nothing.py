@@ -34,7 +34,10 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkey
     # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each has colour and depth for two eyes.
     # The client has a canvas for the warp and one for the fill, for each eye.
     colour, depth = ((96, 80), 4, "f2"), ((96, 80), 1, "f4")
-    assert {kind: count for kind, count in costs.textures.items() if kind[0] == (96, 80)} == {colour: 2 * 5 + 2 * 2, depth: 2 * 5}
+    assert {kind: count for kind, count in costs.textures.items() if kind[0] == (96, 80)} == {
+        colour: 2 * 5 + 2 * 2,
+        depth: 2 * 5,
+    }
 
 
 @pytest.mark.parametrize("scene", PLAIN)
@@ -67,7 +70,9 @@ def test_each_effect_is_paid_by_those_who_call_for_it(monkeypatch, scene):
 
 @pytest.mark.parametrize("name", effects.names())
 def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(monkeypatch, name):
-    plain, forced = (costs_of(monkeypatch, scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
+    plain, forced = (
+        costs_of(monkeypatch, scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name))
+    )
     assert forced.shaders > plain.shaders
     assert {path for path in forced.shaders if path.startswith("effects/")}
     if effects.get(name).needs != Needs():
@@ -105,7 +110,9 @@ def _tests_a_flag(node: ast.AST) -> bool:
     """`a & b` or `a in b` where either side speaks of flags or of a named SceneEffect; masks that are assigned are no tests."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd):
         sides = [node.left, node.right]
-    elif isinstance(node, ast.Compare) and any(isinstance(op, ast.In | ast.NotIn | ast.Eq | ast.NotEq) for op in node.ops):
+    elif isinstance(node, ast.Compare) and any(
+        isinstance(op, ast.In | ast.NotIn | ast.Eq | ast.NotEq) for op in node.ops
+    ):
         sides = [node.left, *node.comparators]
     else:
         return False

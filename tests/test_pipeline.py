@@ -48,14 +48,18 @@ class Turning:
 
     def head_at(self, time_ns: int) -> PoseSample:
         share = time_ns * 1e-9
-        return PoseSample(time_ns, Pose((0.3 * share, 1.6, 1.0), (0, np.sin(share / 2), 0, np.cos(share / 2))), Origin.MEASURED)
+        return PoseSample(
+            time_ns, Pose((0.3 * share, 1.6, 1.0), (0, np.sin(share / 2), 0, np.cos(share / 2))), Origin.MEASURED
+        )
 
     def close(self) -> None:
         pass
 
 
 def pipeline(gpu, eyes, **changes):
-    options = PipelineOptions(**{"scene": "planes", "latency_ms": 20, "fill": "none", "lens": "none", "size": SIZE, **changes})
+    options = PipelineOptions(
+        **{"scene": "planes", "latency_ms": 20, "fill": "none", "lens": "none", "size": SIZE, **changes}
+    )
     scene = load_scene(options.scene)
     plans = plans_for(options, None, scene)
     needs = plans[0].needs
@@ -77,7 +81,9 @@ def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard,
         refresh = shown_at(made, 0)
         for given, eye in zip(refresh.given, refresh.eyes, strict=True):
             truth = made.server.draw(given.shown, SIZE)
-            wanted, found = (picture_from_linear(download(texture)).astype(int) for texture in (truth.colour, eye.shown.texture))
+            wanted, found = (
+                picture_from_linear(download(texture)).astype(int) for texture in (truth.colour, eye.shown.texture)
+            )
             made.server.pool(SIZE).release(truth.colour)
             if warp != "none":
                 # No latency: every warp gives the late picture back. A guard band of an odd number of pixels shifts the 2x2 quads over
@@ -114,7 +120,10 @@ def test_exchanged_passes_show_what_they_would_have_shown_alone(gpu):
 
 def test_exchanging_again_and_again_leaves_nothing_behind(gpu):
     """Whoever compares warps in a window presses the key a hundred times."""
-    plans = [build_plan(SceneEffect.NONE, warp, "none", "none", client_geometry=True) for warp in ("forward", "mesh", "backward")]
+    plans = [
+        build_plan(SceneEffect.NONE, warp, "none", "none", client_geometry=True)
+        for warp in ("forward", "mesh", "backward")
+    ]
     with pipeline(gpu, OneEye()) as made:
         shown_at(made, 3)
         counts = []

@@ -54,7 +54,11 @@ def test_a_module_of_the_same_name_does_not_hide_a_function(first):
     code += "assert callable(hmdwarp.replay) and hmdwarp.replay is module.replay, hmdwarp.replay\n"
     code += "from hmdwarp import replay, warp_image\nassert replay is module.replay"
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code], check=False, capture_output=True, text=True, cwd=Path(__file__).resolve().parents[1]
+        [sys.executable, "-W", "error", "-c", code],
+        check=False,
+        capture_output=True,
+        text=True,
+        cwd=Path(__file__).resolve().parents[1],
     )
     assert done.returncode == 0, done.stderr
 
@@ -69,7 +73,9 @@ def test_every_module_can_be_imported_alone_after_another():
 
 
 def test_errors_are_one_family():
-    assert issubclass(hmdwarp.InputError, hmdwarp.HmdwarpError) and issubclass(hmdwarp.MachineError, hmdwarp.HmdwarpError)
+    assert issubclass(hmdwarp.InputError, hmdwarp.HmdwarpError) and issubclass(
+        hmdwarp.MachineError, hmdwarp.HmdwarpError
+    )
     assert [e.exit_status for e in (hmdwarp.HmdwarpError, hmdwarp.InputError, hmdwarp.MachineError)] == [1, 2, 3]
 
 
@@ -83,6 +89,12 @@ def test_the_example_of_the_package_runs():
     here = View(pose=Pose(position_m=(0, 1.6, 0), orientation_xyzw=(0, 0, 0, 1)), fov=fov)
     there = View(pose=Pose(position_m=(0.02, 1.6, 0), orientation_xyzw=(0, 0, 0, 1)), fov=fov)
     out = hmdwarp.warp_image(
-        np.zeros((10, 12, 3), np.uint8), np.full((10, 12), 1.5), rendered=here, shown=there, warp="forward", fill="none", size=None
+        np.zeros((10, 12, 3), np.uint8),
+        np.full((10, 12), 1.5),
+        rendered=here,
+        shown=there,
+        warp="forward",
+        fill="none",
+        size=None,
     )
     assert out.colour.shape == (10, 12, 3) and out.coverage.shape == (10, 12) and out.time_ms["warp"] >= 0

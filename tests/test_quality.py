@@ -74,7 +74,9 @@ def squared_errors(**options: object) -> float:
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
 def test_depth_beats_rotation_where_the_head_moves(scene):
     """Outside holes. Rotation leaves parallax of up to 6 degrees here: 0.7 m/s over 200 ms past things 1.3 m away."""
-    rotation, forward, backward = (squared_errors(scene=scene, warp=warp) for warp in ("rotation", "forward", "backward"))
+    rotation, forward, backward = (
+        squared_errors(scene=scene, warp=warp) for warp in ("rotation", "forward", "backward")
+    )
     assert forward < 0.5 * rotation
     assert backward < forward
 
@@ -85,7 +87,9 @@ def near_truth(warp: str, radius: int = 2, grey_levels: int = 4) -> float:
     for eye in seen(small(**WALK, warp=warp), every=9):
         shown, truth = (srgb_from_linear(picture[..., :3]) for picture in (eye.shown, eye.truth))
         window, slack = (2 * radius + 1, 2 * radius + 1, 1), grey_levels / 255
-        fits = ((shown >= minimum_filter(truth, window) - slack) & (shown <= maximum_filter(truth, window) + slack)).all(axis=-1)
+        fits = (
+            (shown >= minimum_filter(truth, window) - slack) & (shown <= maximum_filter(truth, window) + slack)
+        ).all(axis=-1)
         good += int(fits[eye.coverage > 0].sum())
         covered += int((eye.coverage > 0).sum())
     return good / covered

@@ -21,7 +21,9 @@ COMMANDS = [line for kind, text in BLOCKS if kind == "sh" for line in text.strip
 def run(command: list[str], folder: Path) -> None:
     """As a user would, with the console script first in PATH."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(command, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
@@ -64,7 +66,10 @@ def test_there_are_the_two_commands_and_fourteen_examples():
 @pytest.mark.slow
 def test_make_replay_does_the_main_job(tmp_path):
     # All of the recording takes minutes; a third of a second of it takes the same way.
-    run(["make", "-C", str(ROOT), "replay", "SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 160x200"], tmp_path)
+    run(
+        ["make", "-C", str(ROOT), "replay", "SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 160x200"],
+        tmp_path,
+    )
     assert (tmp_path / "out/report.html").is_file()
 
 

@@ -125,7 +125,10 @@ def test_rows_of_a_run_have_that_age(latency_ms, age_ms, tmp_path):
 
 def test_a_whole_trace_is_shown_to_its_end(tmp_path):
     path = tmp_path / "short.txt"
-    path.write_text("# timestamp tx ty tz qx qy qz qw\n" + "".join(f"{i / 50} 0 1.6 0 0 0 0 1\n" for i in range(51)), encoding="utf-8")
+    path.write_text(
+        "# timestamp tx ty tz qx qy qz qw\n" + "".join(f"{i / 50} 0 1.6 0 0 0 0 1\n" for i in range(51)),
+        encoding="utf-8",
+    )
     for seconds in (None, 77.0):
         rows = run(tmp_path / "out", trace=str(path), seconds=seconds).rows
         assert [row["frame"] for row in rows[::2]] == list(range(48))  # 0.8 s at 60 Hz

@@ -93,7 +93,9 @@ def test_speeds_are_the_heads(full):
         before, after = track.at(at - 5_000_000).pose, track.at(at + 5_000_000).pose
         turned = math.degrees((before.rotation.inv() * after.rotation).magnitude()) / 0.01
         assert float(row["angular_speed_deg_s"]) == pytest.approx(turned, rel=1e-6, abs=1e-6)
-        assert float(row["linear_speed_m_s"]) == pytest.approx(np.linalg.norm(after.position_m - before.position_m) / 0.01)
+        assert float(row["linear_speed_m_s"]) == pytest.approx(
+            np.linalg.norm(after.position_m - before.position_m) / 0.01
+        )
         assert 0 < float(row["linear_speed_m_s"]) < 3
 
 
@@ -133,7 +135,9 @@ def test_progress_counts_up_to_all(tmp_path):
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
 
 
-@pytest.mark.parametrize(("warp", "fill", "lens"), list(itertools.product(warps.names(), fills.names(), lenses.names())))
+@pytest.mark.parametrize(
+    ("warp", "fill", "lens"), list(itertools.product(warps.names(), fills.names(), lenses.names()))
+)
 def test_every_combination_runs(warp, fill, lens, tmp_path):
     result = run(tmp_path, warp=warp, fill=fill, lens=lens, headset="rift-dk1", seconds=0.1)
     validate_summary(result.summary)
@@ -166,7 +170,8 @@ def test_without_a_rate_and_a_size_the_headset_decides(tmp_path):
     source = (Path(__file__).resolve().parents[1] / text).read_text(encoding="utf-8")
     mine = tmp_path / "mine.toml"
     mine.write_text(
-        re.sub(r"eye_size_px = .*", "eye_size_px = [48, 40]", source).replace('name = "flat-90"', 'name = "mine"'), encoding="utf-8"
+        re.sub(r"eye_size_px = .*", "eye_size_px = [48, 40]", source).replace('name = "flat-90"', 'name = "mine"'),
+        encoding="utf-8",
     )
     result = run(tmp_path / "out", headset=str(mine), size=None, rate_hz=None, seconds=0.1)
     assert result.summary["headset"] == "mine"
@@ -213,7 +218,9 @@ def test_without_a_different_warp_there_is_no_comparison(against, tmp_path):
 @pytest.mark.parametrize("every", [1, 3, 7, 100])
 def test_every_nth_refresh_is_measured(every, tmp_path):
     rows = run(tmp_path, metrics_every=every, seconds=0.3).rows
-    assert [row["frame"] for row in rows if row["psnr_db"] is not None] == [n for n in range(18) if n % every == 0 for _ in (0, 1)]
+    assert [row["frame"] for row in rows if row["psnr_db"] is not None] == [
+        n for n in range(18) if n % every == 0 for _ in (0, 1)
+    ]
     assert {row["frame"] for row in rows if row["flicker"] is not None} == {n for n in range(1, 18) if n % every == 0}
 
 
@@ -276,7 +283,9 @@ def test_trace_options_reach_the_reader(tmp_path):
     rows = "".join(f"{i} 0 0 {0.001 * i:.4f} 0 0 0 1\n" for i in range(100))
     path = tmp_path / "head.txt"
     path.write_text(rows, encoding="utf-8")
-    result = run(tmp_path / "out", trace=str(path), seconds=0.2, trace_options=TraceOptions(format="tum", rate=50.0, scale=0.5))
+    result = run(
+        tmp_path / "out", trace=str(path), seconds=0.2, trace_options=TraceOptions(format="tum", rate=50.0, scale=0.5)
+    )
     assert result.rows[0]["linear_speed_m_s"] == pytest.approx(0.001 * 0.5 * 50, rel=1e-6)
 
 
@@ -286,7 +295,17 @@ def test_trace_options_reach_the_reader(tmp_path):
 class Made:
     """Counts what is made on the GPU from here on."""
 
-    KINDS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "renderbuffer", "vertex_array", "program", "compute_shader", "query")
+    KINDS = (
+        "texture",
+        "buffer",
+        "framebuffer",
+        "depth_renderbuffer",
+        "renderbuffer",
+        "vertex_array",
+        "program",
+        "compute_shader",
+        "query",
+    )
 
     def __init__(self, monkeypatch) -> None:
         self.count = dict.fromkeys(self.KINDS, 0)
@@ -328,12 +347,17 @@ def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
     for seconds in (2.0, 60.0):
         with monkeypatch.context() as patch:
             made = Made(patch)
-            result = replay(small(tmp_path / "out", trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0, metrics_every=50))
+            result = replay(
+                small(tmp_path / "out", trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0, metrics_every=50)
+            )
             assert result.summary["frames"] == 20 * seconds
             counts.append(made.count)
         held.append(most_held(small(trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0)))
     assert counts[0] == counts[1]
-    assert held == [(5, 12), (5, 12)]  # 200 ms at 20 Hz: 4 under way, 1 shown; 1 more, being drawn, has textures; 2 eyes
+    assert held == [
+        (5, 12),
+        (5, 12),
+    ]  # 200 ms at 20 Hz: 4 under way, 1 shown; 1 more, being drawn, has textures; 2 eyes
 
 
 def most_held(options) -> tuple[int, int]:

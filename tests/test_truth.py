@@ -66,7 +66,10 @@ def test_each_band_is_that_part_of_the_picture_of_its_instant(server, degrees):
         server.pool(SIZE).release(whole.colour)
         # The band's own projection rounds anew, so that a pixel centre on an edge may fall to its other side.
         assert np.isclose(found.inverse_depth[top:bottom], depth, rtol=1e-5).mean() > 0.99
-        assert np.isclose(found.colour[top:bottom].astype(float), colour.astype(float), atol=0.01).all(axis=-1).mean() > 0.98
+        assert (
+            np.isclose(found.colour[top:bottom].astype(float), colour.astype(float), atol=0.01).all(axis=-1).mean()
+            > 0.98
+        )
 
 
 def test_no_texture_stays_out(server):
@@ -85,7 +88,9 @@ def test_bands_cover_all_rows_and_keep_their_pixel_centres(pose, step, angle, fo
     assert len(bands) <= min(MOST_BANDS, high)
     whole = np.concatenate([view.rays((wide, rows))[::-1] for view, rows in bands])  # each top row first
     assert np.abs(whole - first.rays((wide, high))[::-1]).max() <= 1e-12 * np.abs(whole).max()
-    turns = [(a.pose.rotation.inv() * b.pose.rotation).magnitude() for (a, _), (b, _) in zip(bands, bands[1:], strict=False)]
+    turns = [
+        (a.pose.rotation.inv() * b.pose.rotation).magnitude() for (a, _), (b, _) in zip(bands, bands[1:], strict=False)
+    ]
     if 1 < len(bands) < min(MOST_BANDS, high):
         per_radian = math.degrees(1) * fov.pixels_per_degree((wide, high))
         # Bands differ by a row at most, and there is less than one row's turn between a rounded end and an even one.
@@ -94,7 +99,15 @@ def test_bands_cover_all_rows_and_keep_their_pixel_centres(pose, step, angle, fo
 
 # --- whole replays -------------------------------------------------------------------------------------------------------
 
-TURNING = {"trace": "fast-turns", "warp": "rotation", "start_s": 1.0, "seconds": 0.5, "latency_ms": 33.0, "guard": 1.5, "metrics_every": 3}
+TURNING = {
+    "trace": "fast-turns",
+    "warp": "rotation",
+    "start_s": 1.0,
+    "seconds": 0.5,
+    "latency_ms": 33.0,
+    "guard": 1.5,
+    "metrics_every": 3,
+}
 
 
 def figures(folder, **options) -> dict:
@@ -160,6 +173,8 @@ def test_the_plan_tells_of_both():
     assert "fused with the lens" in step.reason
     assert "every row" in step.reason
     assert dict(plan.left_out)["lens"].startswith("warp 'rotation' looks through the lens itself")
-    cannot = build_plan_for(attrs.evolve(asked, warp="forward", fused=False), load_headset("rift-dk1"), load_scene("planes"))
+    cannot = build_plan_for(
+        attrs.evolve(asked, warp="forward", fused=False), load_headset("rift-dk1"), load_scene("planes")
+    )
     assert not cannot.scanout
     assert "cannot follow" in dict(cannot.left_out)["scan-out"]

@@ -24,8 +24,14 @@ from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
 
 def twin_of(name: str):
     """The float64 twin of a warp: the public function of its name in a module of hmdwarp.reference."""
-    modules = (importlib.import_module(f"hmdwarp.reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__))
-    twins = {module: vars(module)[name] for module in modules if name in vars(module) and vars(module)[name].__module__ == module.__name__}
+    modules = (
+        importlib.import_module(f"hmdwarp.reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__)
+    )
+    twins = {
+        module: vars(module)[name]
+        for module in modules
+        if name in vars(module) and vars(module)[name].__module__ == module.__name__
+    }
     assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in hmdwarp/reference, found {len(twins)}"
     return next(iter(twins.values()))
 
@@ -49,7 +55,9 @@ def read(texture) -> np.ndarray:
 class World:
     """A late picture of a few planes with holes, and a shown view a plausible head motion away."""
 
-    def __init__(self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True) -> None:
+    def __init__(
+        self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True
+    ) -> None:
         self.rng = rng = np.random.default_rng(seed)
         self.size, self.shown_size = size, shown_size or size
         self.layers: tuple[LatePicture, ...] = ()
@@ -74,7 +82,9 @@ class World:
         depth = np.full((high, wide), 0.2)
         y, x = np.mgrid[:high, :wide] / max(self.size)
         for _ in range(6):
-            inside = (abs(x - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2)) & (abs(y - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2))
+            inside = (abs(x - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2)) & (
+                abs(y - rng.uniform(0, 1)) < rng.uniform(0.05, 0.2)
+            )
             plane = rng.uniform(0.05, 1.5) + rng.normal(scale=0.1) * x + rng.normal(scale=0.1) * y
             depth = np.where(inside & (plane > depth), plane, depth)
         depth[(x + y) % 0.3 < 0.03] = 0  # infinitely far
@@ -82,7 +92,11 @@ class World:
             depth[rng.uniform(size=depth.shape) < 0.02] = -1  # no depth
         covered = depth >= 0
         self.inverse_depth = depth.astype(np.float32).astype(np.float64)
-        self.colour = np.concatenate([colour * covered[..., None], covered[..., None]], axis=2).astype(np.float16).astype(np.float64)
+        self.colour = (
+            np.concatenate([colour * covered[..., None], covered[..., None]], axis=2)
+            .astype(np.float16)
+            .astype(np.float64)
+        )
 
     def _client_depth(self) -> np.ndarray:
         """Any depth will do for the contract: the late depth itself, resized, so that many pixels agree and many do not."""
@@ -123,7 +137,9 @@ class World:
             self.late = attrs.evolve(self.late, layers=uploaded)
         if "late.others" in entry.reads:
             self.others = self.others or tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
-            self.other_images = tuple(EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others)
+            self.other_images = tuple(
+                EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others
+            )
 
     def bring_cube(self, gpu) -> None:
         """Random colours all around the late eye, faces as wide inside as the late picture's longer side."""
@@ -156,7 +172,9 @@ class World:
     def _beside(self) -> View:
         """The late view from a few centimetres beside."""
         pose = self.late_view.pose
-        return View(Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.late_view.fov)
+        return View(
+            Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.late_view.fov
+        )
 
     def given(self, entry: type[Warp] | None) -> Given:
         own = self.client_texture if entry is not None and CLIENT_DEPTH in entry.reads else None

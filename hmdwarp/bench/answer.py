@@ -14,9 +14,7 @@ def answer(choice: Mapping[str, Any]) -> list[str]:
     choice: as in bench.json.
     """
     name, step, where = _name(choice), choice["next"], f" ({choice_terms(choice)})"
-    first = (
-        f"Within {choice['budget_ms']:g} ms per eye the most accurate is {name}: {_accuracy(choice)}, {choice['total_ms']:.2f} ms{where}."
-    )
+    first = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {name}: {_accuracy(choice)}, {choice['total_ms']:.2f} ms{where}."
     use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
     if step is None:
         return [first, use, "Nothing that was measured is more accurate, however long it takes."]

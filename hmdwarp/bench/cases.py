@@ -63,11 +63,16 @@ def fills_of(options: BenchOptions) -> list[str]:
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
     """Errors: as build_plan."""
-    pairs, effects = itertools.product(warps_of(options), fills_of(options)), asked_effects(options.effects, scene.effects)
+    pairs, effects = (
+        itertools.product(warps_of(options), fills_of(options)),
+        asked_effects(options.effects, scene.effects),
+    )
     return [Combination(w, f, build_plan(effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
-def batches(combinations: Sequence[Combination], late_size: Size, shown_size: Size, most_bytes: float) -> list[list[Combination]]:
+def batches(
+    combinations: Sequence[Combination], late_size: Size, shown_size: Size, most_bytes: float
+) -> list[list[Combination]]:
     """Combinations that exist at the same time: those that want their older frames equally far apart, within `most_bytes`.
 
     All fills of a warp stay together. What wants no older frames goes along with the first.

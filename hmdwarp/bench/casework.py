@@ -75,7 +75,9 @@ class Casework:
     one eye, left and right by turns. Nothing is timed while pictures are measured.
     """
 
-    def __init__(self, rig: Rig, case: Case, combinations: Sequence[Combination], pool: QualityPool, rounds: int) -> None:
+    def __init__(
+        self, rig: Rig, case: Case, combinations: Sequence[Combination], pool: QualityPool, rounds: int
+    ) -> None:
         self._rig, self._case, self._pool, self._rounds = rig, case, pool, rounds
         self.measured = [Measured(combination) for combination in combinations]
         self._needs = needs_of(combination.plan for combination in combinations)
@@ -90,7 +92,9 @@ class Casework:
         turns = {number: turn for turn, number in enumerate(instants_of(self._rig.timetable.count, instants))}
         before: list[Compared] = []
         try:
-            for number, refresh in refreshes(self._rig, self._needs, {number - back for number in turns for back in (0, 1)}):
+            for number, refresh in refreshes(
+                self._rig, self._needs, {number - back for number in turns for back in (0, 1)}
+            ):
                 if number in turns:
                     self._time(refresh)
                     self._measure(number, refresh, turns[number] % len(EYES), before)

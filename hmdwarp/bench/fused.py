@@ -119,7 +119,9 @@ def _time(rig: Rig, pairs: list[_Pair], given: dict[str, Given], rounds: int) ->
                     pair.times[form].append(total)
 
 
-def _compare(pair: _Pair, given: Given, number: int, truth: NDArray[np.uint8], seen: NDArray[np.bool_], pool: QualityPool) -> None:
+def _compare(
+    pair: _Pair, given: Given, number: int, truth: NDArray[np.uint8], seen: NDArray[np.bool_], pool: QualityPool
+) -> None:
     panels = {form: download(pair.compensators[form].run(given).panel.texture) for form in FORMS}
     both = seen & np.logical_and.reduce([panel[..., 3] == 1 for panel in panels.values()])
     for form, panel in panels.items():

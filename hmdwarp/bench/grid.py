@@ -87,7 +87,9 @@ def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Calla
             for combination, compensator in zip(warps, compensators, strict=True):
                 result = compensator.run(loop.given(refresh, combination.plan.needs)[0])
                 shown = Compared(picture_from_linear(download(result.shown.texture)), picture, result.view)
-                pool.submit((combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3]))
+                pool.submit(
+                    (combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3])
+                )
             rig.gpu.timer.collect()
             step()
         pool.wait()
@@ -102,7 +104,9 @@ def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack
     channel = Channel(LinkOptions(), 0, None, 0, history.offer, rig.server.recycle)
     stack.callback(channel.close)
     main: Compensator = rig.compensator(rig.plan)
-    loop = Loop(Requested(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset)
+    loop = Loop(
+        Requested(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset
+    )
     for back in range(needs.past, -1, -1):
         loop.draw(-back * max(1, needs.past_spacing_ns))
     return loop
@@ -117,4 +121,9 @@ def _with_rest(moves: list[tuple[str, float]]) -> list[tuple[int, tuple[str, flo
 
 def _row(warp: str, move: tuple[str, float], figures: dict[str, float | None]) -> dict[str, Any]:
     axis, offset = move
-    return {"warp": warp, "axis": axis, "offset": offset, **{name: figures[name] for name in ("psnr_db", "flip", "hole_share")}}
+    return {
+        "warp": warp,
+        "axis": axis,
+        "offset": offset,
+        **{name: figures[name] for name in ("psnr_db", "flip", "hole_share")},
+    }

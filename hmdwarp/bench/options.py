@@ -59,7 +59,9 @@ class BenchOptions:
 
     warps: tuple[str, ...] = attrs.field(default=(), converter=_names)
     fills: tuple[str, ...] = attrs.field(default=("none", "interpolate"), converter=_several("fill"))
-    latencies_ms: tuple[float, ...] = attrs.field(default=(200.0,), converter=_several("latency"), validator=number("latency", " ms"))
+    latencies_ms: tuple[float, ...] = attrs.field(
+        default=(200.0,), converter=_several("latency"), validator=number("latency", " ms")
+    )
     scenes: tuple[str, ...] = attrs.field(default=("room",), converter=_several("scene"))
     recordings: tuple[str, ...] = attrs.field(default=("look-around", "walk"), converter=_several("recording"))
     sizes: tuple[Size, ...] = attrs.field(default=((1280, 800),), converter=_several("size", _size))

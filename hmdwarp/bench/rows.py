@@ -19,7 +19,20 @@ from .traffic import passes_of
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
 _PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
-_PLAIN = ("trace", "scene", "latency_ms", "warp", "fill", "lens", "headset", "frames", "rate_hz", "guard", "predict", "clock")
+_PLAIN = (
+    "trace",
+    "scene",
+    "latency_ms",
+    "warp",
+    "fill",
+    "lens",
+    "headset",
+    "frames",
+    "rate_hz",
+    "guard",
+    "predict",
+    "clock",
+)
 
 COLUMNS = (
     *_PLAIN,
@@ -59,7 +72,13 @@ def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
     machine = {key: row["machine"][key] for key in ("gl_renderer", "cpu_count")}
-    return {**{key: row[key] for key in _PLAIN}, "width": row["size"][0], "height": row["size"][1], "mismatch": row["mismatch"], **machine}
+    return {
+        **{key: row[key] for key in _PLAIN},
+        "width": row["size"][0],
+        "height": row["size"][1],
+        "mismatch": row["mismatch"],
+        **machine,
+    }
 
 
 def _times(row: Mapping[str, Any]) -> dict[str, Any]:

@@ -132,11 +132,17 @@ def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
     combinations, called = {}, {}
     for name in options.scenes:
         scene = load_scene(name)
-        build_plan_for(run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens), headset, scene)
+        build_plan_for(
+            run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
+            headset,
+            scene,
+        )
         combinations[name], called[name] = combinations_of(options, scene), scene.name
     _refuse_one_name("scenes", called)
     traces = {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
-    _refuse_one_name("recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()})
+    _refuse_one_name(
+        "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
+    )
     starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = []
     for case in cases_of(options):
@@ -153,7 +159,9 @@ def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
     for asked, name in called.items():
         first = found.setdefault(name, asked)
         if first != asked:
-            raise InputError(f"{kind} '{first}' and '{asked}' are both called '{name}': leave one out, or rename a file")
+            raise InputError(
+                f"{kind} '{first}' and '{asked}' are both called '{name}': leave one out, or rename a file"
+            )
 
 
 def _examined(
@@ -164,7 +172,9 @@ def _examined(
         machine = {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
         batched = {
-            work.case: batches(work.combinations, guarded_size(options.guard, headset, work.case.size), work.case.size, most)
+            work.case: batches(
+                work.combinations, guarded_size(options.guard, headset, work.case.size), work.case.size, most
+            )
             for work in works
         }
         for work in works:
@@ -178,7 +188,9 @@ def _check_room(gpu: Gpu, run: PipelineOptions, headset: Headset, needs: Needs) 
     check_held(gpu, run, needs, sizes, run.rate_hz or headset.refresh_hz)
 
 
-def _total(options: BenchOptions, headset: Headset, works: list[_Work], batched: dict[Case, list[list[Combination]]]) -> int:
+def _total(
+    options: BenchOptions, headset: Headset, works: list[_Work], batched: dict[Case, list[list[Combination]]]
+) -> int:
     count = sum(work.instants * len(batched[work.case]) for work in works)
     count += len(grid.offsets()) + 1 if options.grid else 0
     return count + (min(fused.INSTANTS, works[0].instants) if options.fused and headset.lens is not None else 0)
@@ -189,7 +201,12 @@ def _pool(options: BenchOptions, headset: Headset, size: tuple[int, int]) -> Qua
 
 
 def _case_rows(
-    options: BenchOptions, work: _Work, batched: list[list[Combination]], pool: QualityPool, bandwidth: Bandwidth, steps: _Steps
+    options: BenchOptions,
+    work: _Work,
+    batched: list[list[Combination]],
+    pool: QualityPool,
+    bandwidth: Bandwidth,
+    steps: _Steps,
 ) -> Iterator[dict[str, Any]]:
     for batch in batched:
         with build_rig(work.run, needs_of(c.plan for c in batch)) as rig:
@@ -200,7 +217,9 @@ def _case_rows(
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    plans = {c.warp: build_plan(c.plan.effects, c.warp, "none", "none", client_geometry=True) for c in work.combinations}
+    plans = {
+        c.warp: build_plan(c.plan.effects, c.warp, "none", "none", client_geometry=True) for c in work.combinations
+    }
     unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
     with (
         _pool(options, headset, grid.SIZE) as pool,
@@ -210,8 +229,13 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    with _pool(options, headset, work.case.size) as pool, build_rig(work.run, needs_of(c.plan for c in work.combinations)) as rig:
-        return fused.fused_rows(rig, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps)
+    with (
+        _pool(options, headset, work.case.size) as pool,
+        build_rig(work.run, needs_of(c.plan for c in work.combinations)) as rig,
+    ):
+        return fused.fused_rows(
+            rig, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
+        )
 
 
 def _fused_lens(options: BenchOptions) -> str:
@@ -220,7 +244,11 @@ def _fused_lens(options: BenchOptions) -> str:
 
 def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
     """What the fused rows were measured with; row: any of the first case."""
-    return {**{key: row[key] for key in ("scene", "trace", "latency_ms", "size")}, "lens": _fused_lens(options), "eye": "left"}
+    return {
+        **{key: row[key] for key in ("scene", "trace", "latency_ms", "size")},
+        "lens": _fused_lens(options),
+        "eye": "left",
+    }
 
 
 def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:

@@ -32,4 +32,10 @@ def passes_of(
 
 def _pass(name: str, count: int, milliseconds: Sequence[float], bytes_per_s: float) -> dict[str, Any]:
     bound_ms, median_ms = count / bytes_per_s * 1e3, float(np.median(milliseconds))
-    return {"name": name, "bytes": int(count), "bound_ms": bound_ms, "median_ms": median_ms, "times_bound": median_ms / bound_ms}
+    return {
+        "name": name,
+        "bytes": int(count),
+        "bound_ms": bound_ms,
+        "median_ms": median_ms,
+        "times_bound": median_ms / bound_ms,
+    }

@@ -24,7 +24,9 @@ def main() -> None:
     try:
         from ._app import app
 
-        status = app(standalone_mode=False, prog_name="hmdwarp")  # hands back the status of a typer.Exit instead of raising it
+        status = app(
+            standalone_mode=False, prog_name="hmdwarp"
+        )  # hands back the status of a typer.Exit instead of raising it
         if sys.stdout is not None:
             sys.stdout.flush()  # here, where a full disk still gets its line
     except HmdwarpError as error:

@@ -35,7 +35,9 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
     """(progress(done, total), where else to print) of a long run, with a bar where a person looks on."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns where there is no home folder to keep its cache in
+    logging.getLogger("matplotlib").setLevel(
+        logging.ERROR
+    )  # it warns where there is no home folder to keep its cache in
     screen = console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal) as bar:
@@ -54,7 +56,9 @@ def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
     left = indent + max((len(name) for name, _ in rows), default=0) + 2
     width = max(left + 24, _width())
     for name, text in rows:
-        lines = [part for line in text.splitlines() for part in textwrap.wrap(line, width - left, break_on_hyphens=False)] or [""]
+        lines = [
+            part for line in text.splitlines() for part in textwrap.wrap(line, width - left, break_on_hyphens=False)
+        ] or [""]
         head = " " * indent + typer.style(name, bold=True) + " " * (left - indent - len(name))
         typer.echo(head + lines[0])
         for line in lines[1:]:

@@ -21,32 +21,55 @@ def _several(name: str, metavar: str, what: str):
 
 
 def bench(
-    traces: Annotated[_Texts, typer.Argument(metavar="[TRACE]...", help="As for replay; by default look-around and walk.")] = None,
+    traces: Annotated[
+        _Texts, typer.Argument(metavar="[TRACE]...", help="As for replay; by default look-around and walk.")
+    ] = None,
     recording: Annotated[_Texts, _several("--recording", "TRACE", "As an argument; repeat it for several.")] = None,
-    scene: Annotated[_Texts, _several("--scene", "NAME|FILE", f"{o.names_in('scenes/library')}, files; default: room. {_REPEAT}")] = None,
-    latency: Annotated[_Texts, _several("--latency", "MS", f"From drawing a frame to showing it; default: 200. {_REPEAT}")] = None,
-    warp: Annotated[_Texts, _several("--warp", "NAME", f"{o.names_in('client/warps')}; default: all. {_SETTINGS}")] = None,
-    fill: Annotated[_Texts, _several("--fill", "NAME", f"{o.names_in('client/fills')}; default: none and interpolate. {_REPEAT}")] = None,
+    scene: Annotated[
+        _Texts, _several("--scene", "NAME|FILE", f"{o.names_in('scenes/library')}, files; default: room. {_REPEAT}")
+    ] = None,
+    latency: Annotated[
+        _Texts, _several("--latency", "MS", f"From drawing a frame to showing it; default: 200. {_REPEAT}")
+    ] = None,
+    warp: Annotated[
+        _Texts, _several("--warp", "NAME", f"{o.names_in('client/warps')}; default: all. {_SETTINGS}")
+    ] = None,
+    fill: Annotated[
+        _Texts, _several("--fill", "NAME", f"{o.names_in('client/fills')}; default: none and interpolate. {_REPEAT}")
+    ] = None,
     effects: o.Effects = "auto",
     size: Annotated[_Texts, _several("--size", "WxH", f"Pixels of one eye; default: 1280x800. {_REPEAT}")] = None,
-    lens: Annotated[str, typer.Option("--lens", help="Times the lens too; figures are of the picture before it.")] = "none",
+    lens: Annotated[
+        str, typer.Option("--lens", help="Times the lens too; figures are of the picture before it.")
+    ] = "none",
     headset: o.Headset = "rift-dk1",
     rate: o.Rate = None,
     start: Annotated[float, typer.Option("--start", help="Seconds into each trace to begin at.")] = 0.0,
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Seconds of each trace; by default all.", show_default=False)] = None,
+    seconds: Annotated[
+        float | None, typer.Option("--seconds", help="Seconds of each trace; by default all.", show_default=False)
+    ] = None,
     guard: o.Guard = 1.5,
     instants: Annotated[
         int | None, typer.Option("--instants", help="Refreshes measured in a case; by default 6.", show_default=False)
     ] = None,
-    rounds: Annotated[int | None, typer.Option("--rounds", help="Timed runs at each of them; by default 2.", show_default=False)] = None,
+    rounds: Annotated[
+        int | None, typer.Option("--rounds", help="Timed runs at each of them; by default 2.", show_default=False)
+    ] = None,
     budget: Annotated[
         float | None,
-        typer.Option("--budget", help="Milliseconds for one eye: says what is most accurate within them.", show_default=False),
+        typer.Option(
+            "--budget", help="Milliseconds for one eye: says what is most accurate within them.", show_default=False
+        ),
     ] = None,
     grid: Annotated[bool, typer.Option("--grid/--no-grid", help="Sweep head displacements in the first scene.")] = True,
-    fused: Annotated[bool, typer.Option("--fused/--no-fused", help="Compare warps that look through the lens themselves.")] = True,
+    fused: Annotated[
+        bool, typer.Option("--fused/--no-fused", help="Compare warps that look through the lens themselves.")
+    ] = True,
     workers: Annotated[
-        int | None, typer.Option(help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False)
+        int | None,
+        typer.Option(
+            help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False
+        ),
     ] = None,
     trace_format: o.TraceFormat = None,
     quat_order: o.QuatOrder = None,
@@ -54,7 +77,9 @@ def bench(
     scale: o.Scale = None,
     trace_rate: o.TraceRate = None,
     segment: o.Segment = None,
-    out: Annotated[Path, typer.Option("--out", help="Folder for bench.csv, bench.json and bench.html.")] = Path("out/bench"),
+    out: Annotated[Path, typer.Option("--out", help="Folder for bench.csv, bench.json and bench.html.")] = Path(
+        "out/bench"
+    ),
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Run every combination of warps, fills, latencies, scenes, traces and sizes on the same late frames: error against time."""
@@ -102,7 +127,11 @@ def _split(text: str) -> list[str]:
 
 def _listed(texts: _Texts) -> _Texts:
     """Every text, or its parts between commas where it is no file that has one in its name."""
-    return None if texts is None else [part for text in texts for part in ([text] if Path(text).exists() else _split(text))]
+    return (
+        None
+        if texts is None
+        else [part for text in texts for part in ([text] if Path(text).exists() else _split(text))]
+    )
 
 
 def _milliseconds(text: str) -> float:

@@ -10,14 +10,19 @@ import typer
 COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": typer.colors.YELLOW}
 
 
-def doctor(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead of lines.")] = False) -> None:
+def doctor(
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead of lines.")] = False,
+) -> None:
     """Show what this machine has: GL, compute, timers, OpenXR; what is missing and how to get it."""
     from ..doctor import examine, replay_can_run
 
     findings = examine()
     ready = replay_can_run(findings)
     if as_json:
-        rows = [{"name": f.name, "state": f.state, "detail": f.detail, "remedy": f.remedy, "facts": dict(f.facts)} for f in findings]
+        rows = [
+            {"name": f.name, "state": f.state, "detail": f.detail, "remedy": f.remedy, "facts": dict(f.facts)}
+            for f in findings
+        ]
         typer.echo(json.dumps({"replay": ready, "findings": rows}, indent=2))
     else:
         for finding in findings:
@@ -25,6 +30,10 @@ def doctor(as_json: Annotated[bool, typer.Option("--json", help="Print one JSON 
             typer.echo(f"{mark} {finding.name:<15} {finding.detail}")
             if finding.remedy:
                 typer.echo(f"{'':<25} -> {finding.remedy}")
-        typer.echo("'hmdwarp replay' can run here." if ready else "'hmdwarp replay' cannot run here: see the lines marked missing.")
+        typer.echo(
+            "'hmdwarp replay' can run here."
+            if ready
+            else "'hmdwarp replay' cannot run here: see the lines marked missing."
+        )
     if not ready:
         raise typer.Exit(3)

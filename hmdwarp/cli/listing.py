@@ -45,14 +45,20 @@ def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
         return rows
     chosen = [row for row in rows if row["name"] == name]
     if not chosen:
-        raise unknown_name({"lenses": "lens", "studies": "study"}.get(kind, kind.removesuffix("s")), name, [row["name"] for row in rows])
+        raise unknown_name(
+            {"lenses": "lens", "studies": "study"}.get(kind, kind.removesuffix("s")),
+            name,
+            [row["name"] for row in rows],
+        )
     return chosen
 
 
 def _markdown(rows: list[dict[str, str]]) -> str:
     names = list(rows[0])
     lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
-    lines += ["| " + " | ".join([f"`{row['name']}`", *(row[n].replace("|", "\\|") for n in names[1:])]) + " |" for row in rows]
+    lines += [
+        "| " + " | ".join([f"`{row['name']}`", *(row[n].replace("|", "\\|") for n in names[1:])]) + " |" for row in rows
+    ]
     return "\n".join(lines)
 
 

@@ -92,7 +92,12 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     """What only the runtime knows, when it runs."""
     if source != "openxr":
         return []
-    return [("Not known", f"the runtime's own eyes, size and rate: those of '{headset}' were taken; and whether it takes depth at all")]
+    return [
+        (
+            "Not known",
+            f"the runtime's own eyes, size and rate: those of '{headset}' were taken; and whether it takes depth at all",
+        )
+    ]
 
 
 def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
@@ -107,15 +112,22 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
 
     if options.bench is None:
         names = [f"{c.warp} + {c.fill}" if c.plan.fills else c.warp for c in candidates(options)]
-        paragraph(f"Warp auto would first try these {len(names)} at {INSTANTS} instants of the run: {', '.join(names)}.")
-        paragraph(f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time.")
+        paragraph(
+            f"Warp auto would first try these {len(names)} at {INSTANTS} instants of the run: {', '.join(names)}."
+        )
+        paragraph(
+            f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time."
+        )
         return
     found = ladder_from_file(options.bench, options, None)
     first = best_within(found.rungs, options.budget_ms)
     typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
     marks = ["; it would begin here" if number == first else "" for number in range(len(found.rungs))]
     in_columns(
-        ((str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}") for r, mark in zip(found.rungs, marks, strict=True)),
+        (
+            (str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}")
+            for r, mark in zip(found.rungs, marks, strict=True)
+        ),
         indent=2,
     )
     for note in found.notes:
@@ -137,7 +149,10 @@ def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> l
     told = ", ".join(f"{name} {2 * count / 1e6:.1f} MB" for name, count in parts.items())
     at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"
     return [
-        ("A frame", f"2 eyes x {sizes.late[0]}x{sizes.late[1]} px, {2 * sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}"),
+        (
+            "A frame",
+            f"2 eyes x {sizes.late[0]}x{sizes.late[1]} px, {2 * sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}",
+        ),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
 

@@ -12,16 +12,28 @@ from . import _options as o
 
 def record(
     out: Annotated[Path, typer.Option("--out", help="The trace to write: a new file.")],
-    source: Annotated[str, typer.Option("--source", help="openxr (a headset), desktop (a window) or synthetic (made up).")] = "openxr",
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Stop after so long; else at Ctrl-C.", show_default=False)] = None,
+    source: Annotated[
+        str, typer.Option("--source", help="openxr (a headset), desktop (a window) or synthetic (made up).")
+    ] = "openxr",
+    seconds: Annotated[
+        float | None, typer.Option("--seconds", help="Stop after so long; else at Ctrl-C.", show_default=False)
+    ] = None,
     rate: Annotated[
-        float | None, typer.Option("--rate", help="Poses a second; by default as the display refreshes, made up 90.", show_default=False)
+        float | None,
+        typer.Option(
+            "--rate", help="Poses a second; by default as the display refreshes, made up 90.", show_default=False
+        ),
     ] = None,
     kind: Annotated[
-        str, typer.Option("--kind", help="Of made-up motion: still, look-around, reversals, walk or fast-turns; it ends by itself.")
+        str,
+        typer.Option(
+            "--kind", help="Of made-up motion: still, look-around, reversals, walk or fast-turns; it ends by itself."
+        ),
     ] = "look-around",
     scene: o.Scene = "room",
-    reconnect: Annotated[float, typer.Option("--reconnect", help="Seconds to wait for a runtime that went away.")] = 60.0,
+    reconnect: Annotated[
+        float, typer.Option("--reconnect", help="Seconds to wait for a runtime that went away.")
+    ] = 60.0,
     hang: Annotated[float, typer.Option("--hang", help="Seconds after which a silent runtime is given up.")] = 5.0,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
@@ -30,6 +42,13 @@ def record(
     from ..live.recording import record as go
 
     options = RecordOptions(
-        source=source, out=out, seconds=seconds, rate_hz=rate, kind=kind, scene=scene, reconnect_s=reconnect, hang_s=hang
+        source=source,
+        out=out,
+        seconds=seconds,
+        rate_hz=rate,
+        kind=kind,
+        scene=scene,
+        reconnect_s=reconnect,
+        hang_s=hang,
     )
     go(options, (lambda text: None) if quiet else lambda text: typer.echo(text, err=True))

@@ -13,7 +13,9 @@ from . import _options as o
 
 
 def replay(
-    trace: Annotated[str, typer.Argument(help="A head trace file, or the name of a recording that comes along, like look-around.")],
+    trace: Annotated[
+        str, typer.Argument(help="A head trace file, or the name of a recording that comes along, like look-around.")
+    ],
     scene: o.Scene = "room",
     latency: o.Latency = 200.0,
     warp: o.ChosenWarp = "forward",
@@ -27,7 +29,9 @@ def replay(
     size: o.Size = None,
     rate: o.Rate = None,
     start: Annotated[float, typer.Option("--start", help="Seconds into the trace to show first.")] = 0.0,
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Seconds to show; by default all.", show_default=False)] = None,
+    seconds: Annotated[
+        float | None, typer.Option("--seconds", help="Seconds to show; by default all.", show_default=False)
+    ] = None,
     guard: o.ChosenGuard = "1",
     wide: o.Wide = False,
     fused: o.Fused = False,
@@ -43,14 +47,21 @@ def replay(
     bitrate: o.Bitrate = None,
     predict: o.Predict = "none",
     horizon: o.Horizon = 100.0,
-    out: Annotated[Path, typer.Option("--out", help="Folder for summary.json, frames.csv, images/ and report.html.")] = Path("out/replay"),
+    out: Annotated[
+        Path, typer.Option("--out", help="Folder for summary.json, frames.csv, images/ and report.html.")
+    ] = Path("out/replay"),
     against: Annotated[str, typer.Option("--against", help="The warp to compare with; '' for none.")] = "none",
     metrics_every: Annotated[int, typer.Option("--metrics-every", help="Measure every n-th refresh.")] = 10,
     workers: Annotated[
-        int | None, typer.Option(help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False)
+        int | None,
+        typer.Option(
+            help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False
+        ),
     ] = None,
     images: Annotated[int, typer.Option("--images", help="About how many refreshes to keep as pictures.")] = 6,
-    video: Annotated[bool, typer.Option("--video", help="Also write replay.mp4: both panels, as the display gets them.")] = False,
+    video: Annotated[
+        bool, typer.Option("--video", help="Also write replay.mp4: both panels, as the display gets them.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     trace_format: o.TraceFormat = None,
     quat_order: o.QuatOrder = None,
@@ -73,7 +84,9 @@ def replay(
         fill=fill_for(warp, fill, fused, wide),
         effects=effects,
         mirrors=mirrors,
-        network=LinkOptions.parse(jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=link_seed),
+        network=LinkOptions.parse(
+            jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=link_seed
+        ),
         coding=Coding(codec, crf, bitrate),
         budget_ms=budget,
         bench=bench,

@@ -18,20 +18,35 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
-Format = Annotated[str | None, typer.Option("--format", help=f"Read as this format instead of looking: {', '.join(FORMATS.names())}.")]
-QuatOrder = Annotated[str | None, typer.Option("--quat-order", help="Order of the quaternion where no header tells: xyzw or wxyz.")]
+Format = Annotated[
+    str | None, typer.Option("--format", help=f"Read as this format instead of looking: {', '.join(FORMATS.names())}.")
+]
+QuatOrder = Annotated[
+    str | None, typer.Option("--quat-order", help="Order of the quaternion where no header tells: xyzw or wxyz.")
+]
 Up = Annotated[
     str | None,
-    typer.Option("--up", help="What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."),
+    typer.Option(
+        "--up",
+        help="What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3).",
+    ),
 ]
 Scale = Annotated[float | None, typer.Option("--scale", help="Metres per unit of the file's positions.")]
 Rate = Annotated[float | None, typer.Option("--rate", help="Samples per second, in place of the file's clock.")]
-SegmentNumber = Annotated[int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.")]
+SegmentNumber = Annotated[
+    int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.")
+]
 Trace = Annotated[str, typer.Argument(metavar="TRACE", help="A file, or the bare name of a shipped recording.")]
 
 
 def _options(
-    *, format: str | None, quat_order: str | None, up: str | None, scale: float | None, rate: float | None, segment: int | None
+    *,
+    format: str | None,
+    quat_order: str | None,
+    up: str | None,
+    scale: float | None,
+    rate: float | None,
+    segment: int | None,
 ) -> TraceOptions:
     from ..poses.options import TraceOptions
 
@@ -55,7 +70,9 @@ def info(
     from ..poses.analysis import analyse
     from ..poses.load import load_trace
 
-    loaded = load_trace(trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment))
+    loaded = load_trace(
+        trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)
+    )
     figures = analyse(loaded.track)
     console = Console()
     if not console.is_terminal:
@@ -92,18 +109,26 @@ def convert(
     if not target.writes:
         able = ", ".join(f.name for f in FORMATS if f.writes)
         raise InputError(f"format {to} is read, not written: wanted one of {able}")
-    loaded = load_trace(trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment))
+    loaded = load_trace(
+        trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)
+    )
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
-    console.print(f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}", markup=False, highlight=False)
+    console.print(
+        f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
+        markup=False,
+        highlight=False,
+    )
 
 
 @app.command()
 def synth(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="still, look-around, reversals, walk or fast-turns.")],
     out: Annotated[Path, typer.Option("--out", help="The file to write.")],
-    seed: Annotated[int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default the recording's.")] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default the recording's.")
+    ] = None,
     seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default the recording's.")] = None,
     rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 90.0,
 ) -> None:
@@ -182,7 +207,13 @@ def _segment_table(loaded: LoadedTrace) -> Table:
     for name in ("segment", "lines", "rows", "seconds", ""):
         table.add_column(name, justify="right")
     for s in loaded.segments[:20]:
-        table.add_row(str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" if s.taken else "")
+        table.add_row(
+            str(s.number),
+            f"{s.first_line}-{s.last_line}",
+            str(s.rows),
+            f"{s.duration_s:.3f}",
+            "taken" if s.taken else "",
+        )
     if len(loaded.segments) > 20:
         table.add_row("...", "", "", "", f"{len(loaded.segments) - 20} more")
     return table

@@ -71,5 +71,7 @@ class AdaptiveCompensator:
 
 def _only(given: Given, needs: Needs) -> Given:
     """Without what frames carry for other rungs."""
-    late = attrs.evolve(given.late, layers=given.late.layers[: needs.layers], cube=given.late.cube if needs.cube else None)
+    late = attrs.evolve(
+        given.late, layers=given.late.layers[: needs.layers], cube=given.late.cube if needs.cube else None
+    )
     return attrs.evolve(given, late=late)

@@ -37,7 +37,12 @@ class Carry:
         picture_of: rgba16f with coverage in alpha, of the image's size; a layer comes to it as an image of its own.
         """
         self._warp.run(
-            attrs.evolve(given, late=_swapped(given.late, picture_of), others=tuple(_swapped(o, picture_of) for o in given.others)), into
+            attrs.evolve(
+                given,
+                late=_swapped(given.late, picture_of),
+                others=tuple(_swapped(o, picture_of) for o in given.others),
+            ),
+            into,
         )
 
 
@@ -68,7 +73,9 @@ class ShownDepth:
     moves 10 cm more.
     """
 
-    def __init__(self, gpu: Gpu, carry: Carry, pictures: int, late_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
+    def __init__(
+        self, gpu: Gpu, carry: Carry, pictures: int, late_size: tuple[int, int], shown_size: tuple[int, int]
+    ) -> None:
         self._gpu, self._carry, self._size = gpu, carry, shown_size
         self._here, self._take = (gpu.shaders.compute("fills/shown_depth.comp", PASS=k) for k in range(2))
         self._late = [allocate(gpu.gl, late_size, COLOUR) for _ in range(pictures if carry.works else 0)]

@@ -74,7 +74,13 @@ def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
     at = best_within(rungs, budget_ms)
     following = _told(rungs[at + 1]) if at + 1 < len(rungs) else None
     terms = {"sizes": sorted({case[_CASE.index("size")] for case in shared}), "cases": len(shared)}
-    return {"budget_ms": float(budget_ms), **_told(rungs[at]), "settings": settings_of(rungs[at].warp), **terms, "next": following}
+    return {
+        "budget_ms": float(budget_ms),
+        **_told(rungs[at]),
+        "settings": settings_of(rungs[at].warp),
+        **terms,
+        "next": following,
+    }
 
 
 def best_within(rungs: tuple[Rung, ...], budget_ms: float) -> int:
@@ -98,7 +104,13 @@ def settings_of(warp: str) -> dict[str, str]:
 
 
 def _told(rung: Rung) -> dict[str, Any]:
-    return {"warp": rung.warp, "fill": rung.fill, "total_ms": rung.total_ms, "flip": rung.error, "psnr_db": rung.psnr_db}
+    return {
+        "warp": rung.warp,
+        "fill": rung.fill,
+        "total_ms": rung.total_ms,
+        "flip": rung.error,
+        "psnr_db": rung.psnr_db,
+    }
 
 
 def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
@@ -110,7 +122,9 @@ def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
             continue
         found.append((row, (float(total), float(error), row["quality"]["psnr_db"]["mean"])))
     if not found:
-        raise InputError("no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both")
+        raise InputError(
+            "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
+        )
     return found
 
 

@@ -68,7 +68,9 @@ def every_fill() -> list[str]:
 
 
 def _every(registry: Registry) -> list[str]:
-    return [text for entry in registry for text in (entry.name, *(f"{entry.name}:{variant}" for variant in entry.variants))]
+    return [
+        text for entry in registry for text in (entry.name, *(f"{entry.name}:{variant}" for variant in entry.variants))
+    ]
 
 
 def _parsed(registry: Registry, text: str) -> Choice:
@@ -81,7 +83,9 @@ def _parsed(registry: Registry, text: str) -> Choice:
         key, equals, value = (piece.strip() for piece in part.partition("="))
         if key not in fields or not equals:
             known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
-            raise InputError(f"{told}: '{part}' is no setting of '{entry.name}'; its settings and their defaults: {known}")
+            raise InputError(
+                f"{told}: '{part}' is no setting of '{entry.name}'; its settings and their defaults: {known}"
+            )
         if key in values:
             raise InputError(f"{told}: {key} is given twice; give it once")
         values[key] = _converted(told, key, value, kinds[key])

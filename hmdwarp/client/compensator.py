@@ -103,7 +103,10 @@ class Compensator:
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills: list[Fill] = [one.entry(gpu, late_size, shown_size, one.settings, geometry) for one in plan.fills]
         tools = Tools(carry, pictures, images_given(plan.needs))
-        made = [one.made_by(gpu, frozenset(e.name for e in one.effects), late_size, shown_size, tools) for one in plan.effect_passes]
+        made = [
+            one.made_by(gpu, frozenset(e.name for e in one.effects), late_size, shown_size, tools)
+            for one in plan.effect_passes
+        ]
         self._late = [one for one in made if isinstance(one, LatePass)]
         self._shown = [one for one in made if isinstance(one, ShownPass)]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]

@@ -24,7 +24,9 @@ MARGIN = 0.95
 WINDOW = 31  # refreshes the level is the median of
 PATIENCE = 60  # refreshes the room must last before going up
 TRIAL = 240  # a way up was a failure if it led down again within so many refreshes
-BACK_OFF = 4  # both grow by this factor with each failure: tries at 60, 240, 960, 3840 refreshes, six in an hour at 60 Hz
+BACK_OFF = (
+    4  # both grow by this factor with each failure: tries at 60, 240, 960, 3840 refreshes, six in an hour at 60 Hz
+)
 DOUBT = 0.85  # what this run has seen of a rung counts against the benchmark if it is this much better: two medians of noise differ by less
 SETTLING = 2  # refreshes after a change that tell of the change
 
@@ -61,7 +63,9 @@ class Governor:
         self._refresh = -1
         self._own = {self._at: self.rung.total_ms}  # the rungs this run has seen, up to one common factor
         self._failures = [0] * len(self.ladder)
-        self._came: tuple[int, float] | None = None  # from which rung, and its level when it was left; None once that is learnt
+        self._came: tuple[int, float] | None = (
+            None  # from which rung, and its level when it was left; None once that is learnt
+        )
         self._arrived, self._climbed = 0, False
         self._start_counting()
 
@@ -108,7 +112,9 @@ class Governor:
         self._judge_climb()
         expected = max(self._expected(to, level))
         fate = f"{self.ladder[to]} is expected to take {expected:.2f} ms" + ("" if fits else ", the least there is")
-        return self._change(to, level, f"{self.rung} takes {level:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}")
+        return self._change(
+            to, level, f"{self.rung} takes {level:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}"
+        )
 
     def _judge_climb(self) -> None:
         """A way up that leads down again soon has failed, and dearer rungs with it; one that lasted makes up for a failure."""
@@ -123,7 +129,11 @@ class Governor:
     def _up(self, level: float) -> Change | None:
         for k in range(self._at + 1, len(self.ladder)):
             self._room[k] = self._room[k] + 1 if self._hoped(k, level) <= MARGIN * self.budget_ms else 0
-        ready = [k for k in range(self._at + 1, len(self.ladder)) if self._room[k] >= PATIENCE * BACK_OFF ** self._failures[k]]
+        ready = [
+            k
+            for k in range(self._at + 1, len(self.ladder))
+            if self._room[k] >= PATIENCE * BACK_OFF ** self._failures[k]
+        ]
         if not ready:
             return None
         to = ready[-1]
@@ -165,4 +175,6 @@ def _check_ladder(rungs: tuple[Rung, ...]) -> None:
     times, errors = [r.total_ms for r in rungs], [r.error for r in rungs]
     dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
     if not rungs or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
-        raise HmdwarpError(f"a ladder wants rungs that each take longer and err less than the one before, not {list(map(str, rungs))}")
+        raise HmdwarpError(
+            f"a ladder wants rungs that each take longer and err less than the one before, not {list(map(str, rungs))}"
+        )

@@ -203,7 +203,17 @@ def build_plan(
         draft.leave_out("lens", f"lens 'none' was asked for: {chosen_lens.summary}")
     _refuse_unwritten(draft.steps, brings, client_geometry)
     compensated = reduce(or_, (effect.flag for one in passes for effect in one.effects), SceneEffect.NONE)
-    return Plan(compensated, choice, chain, chosen_lens, fused, follows, (*late, *shown), tuple(draft.steps), tuple(draft.left_out))
+    return Plan(
+        compensated,
+        choice,
+        chain,
+        chosen_lens,
+        fused,
+        follows,
+        (*late, *shown),
+        tuple(draft.steps),
+        tuple(draft.left_out),
+    )
 
 
 @attrs.define
@@ -220,9 +230,13 @@ class _Draft:
         self.left_out.append((name, reason))
 
 
-def _effect_passes(declared: SceneEffect, warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft) -> list[PlannedEffect]:
+def _effect_passes(
+    declared: SceneEffect, warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft
+) -> list[PlannedEffect]:
     """The passes for what is declared, in their order; what cannot be done with this warp is left out with its reason."""
-    called_for = {effect.name: effect for effect in effects if effect.flag & declared}  # nothing else tests an effect's flag
+    called_for = {
+        effect.name: effect for effect in effects if effect.flag & declared
+    }  # nothing else tests an effect's flag
     chosen: list[Effect] = []
     for effect in effects:
         why_not = _why_not(effect, called_for, warp, fused, forbidden)
@@ -234,7 +248,9 @@ def _effect_passes(declared: SceneEffect, warp: type[Warp], fused: bool, forbidd
     return [PlannedEffect(each, tuple(effect for effect in chosen if effect.made_by is each)) for each in made_by]
 
 
-def _why_not(effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp], fused: bool, forbidden: Collection[str]) -> str:
+def _why_not(
+    effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp], fused: bool, forbidden: Collection[str]
+) -> str:
     if effect.name in forbidden:
         return f"the scene calls for it, but it was forbidden: {effect.without}"
     if effect.name not in called_for:
@@ -251,12 +267,18 @@ def _why_not(effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp],
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     told = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
     asked = [effect.name for effect in planned.effects if effect.name in forced]
-    return f"the scene calls for it: {told}" if not asked else f"forced, though the scene has nothing of {' and '.join(asked)}: {told}"
+    return (
+        f"the scene calls for it: {told}"
+        if not asked
+        else f"forced, though the scene has nothing of {' and '.join(asked)}: {told}"
+    )
 
 
 def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -> None:
     if CLIENT_DEPTH in warp.reads and client_geometry:
-        draft.add("client_depth", "client_depth", f"warp '{warp.name}' reads the client's own depth", (), (CLIENT_DEPTH,))
+        draft.add(
+            "client_depth", "client_depth", f"warp '{warp.name}' reads the client's own depth", (), (CLIENT_DEPTH,)
+        )
     else:
         draft.leave_out("client_depth", _why_no_client_depth(warp, client_geometry))
 
@@ -271,9 +293,13 @@ def _plan_warp(choice: Choice, lens: type[LensPass] | None, follows: bool, draft
         draft.add("warp", f"warp {choice} + lens {lens.name}", fused, warp.reads, (PANEL,))
 
 
-def _plan_shown_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str, draft: _Draft) -> None:
+def _plan_shown_depth(
+    chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str, draft: _Draft
+) -> None:
     """The warped depth, where a pass or the display asks for it."""
-    readers = [reader.name for reader in (*chain, *shown) if SHOWN_DEPTH in reader.reads] + [takes_depth] * bool(takes_depth)
+    readers = [reader.name for reader in (*chain, *shown) if SHOWN_DEPTH in reader.reads] + [takes_depth] * bool(
+        takes_depth
+    )
     if not readers:
         return
     stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
@@ -287,10 +313,14 @@ def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice, ...], lens: type[Lens
         able = "only gather warps can, which ask for every pixel by itself"
         raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
     if not lens.look:
-        raise PlanError(f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out")
+        raise PlanError(
+            f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
+        )
     if chain:
         told = fill_text(chain)
-        raise PlanError(f"fused with fill '{told}': a fill needs the picture between warp and lens; use fill none, or leave fused out")
+        raise PlanError(
+            f"fused with fill '{told}': a fill needs the picture between warp and lens; use fill none, or leave fused out"
+        )
 
 
 def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
@@ -305,6 +335,8 @@ def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometr
     for step in steps:
         missing = [name for name in step.reads if name not in known]
         if missing:
-            hint = "; it needs the scene's geometry on the client" if {CLIENT_DEPTH, CLIENT_MODEL} & set(missing) else ""
+            hint = (
+                "; it needs the scene's geometry on the client" if {CLIENT_DEPTH, CLIENT_MODEL} & set(missing) else ""
+            )
             raise PlanError(f"{step.name} reads {', '.join(missing)}, which no pass before it writes{hint}")
         known.update(step.writes)

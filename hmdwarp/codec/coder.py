@@ -122,7 +122,9 @@ class Decoder:
 def _coding(codec: str | Codec) -> Codec:
     codec = CODECS.get(codec) if isinstance(codec, str) else codec
     if codec.is_none:
-        raise InputError(f"codec '{codec.name}' encodes nothing: wanted one of {', '.join(one.name for one in CODECS if not one.is_none)}")
+        raise InputError(
+            f"codec '{codec.name}' encodes nothing: wanted one of {', '.join(one.name for one in CODECS if not one.is_none)}"
+        )
     return codec
 
 

@@ -31,7 +31,9 @@ STEP = 2.0**-10
 _EXPONENT = -10
 NO_DEPTH = 65535
 _MOST = NO_DEPTH - 1
-_HEADER = struct.Struct("<IHHbB")  # CRC-32 of all after it, width, height, exponent of the step, bytes of FFV1's configuration: it is next
+_HEADER = struct.Struct(
+    "<IHHbB"
+)  # CRC-32 of all after it, width, height, exponent of the step, bytes of FFV1's configuration: it is next
 _CHECKED_FROM = 4
 _NAME, _FORMAT = "ffv1", "gray16le"
 _OPTIONS = {"level": "3", "slices": "4", "slicecrc": "0"}  # a fixed number of slices: the same bytes on any machine
@@ -55,7 +57,9 @@ class DepthEncoder:
         try:
             context.open()
         except (OSError, ValueError, av.FFmpegError) as error:
-            raise MachineError(f"encoder '{_NAME}' does not take pictures of {size[0]}x{size[1]} ({error}): use another size") from error
+            raise MachineError(
+                f"encoder '{_NAME}' does not take pictures of {size[0]}x{size[1]} ({error}): use another size"
+            ) from error
         self._context = context
         self._configuration = bytes(context.extradata)
 
@@ -68,8 +72,12 @@ class DepthEncoder:
         padded = np.pad(codes, ((0, self._context.height - height), (0, self._context.width - width)), mode="edge")
         packets = self._context.encode(av.VideoFrame.from_ndarray(padded, format=_FORMAT))
         if len(packets) != 1:
-            raise MachineError(f"encoder '{_NAME}' gave {len(packets)} packets for one picture: it cannot run without delay")
-        data = _HEADER.pack(0, width, height, exponent, len(self._configuration)) + self._configuration + bytes(packets[0])
+            raise MachineError(
+                f"encoder '{_NAME}' gave {len(packets)} packets for one picture: it cannot run without delay"
+            )
+        data = (
+            _HEADER.pack(0, width, height, exponent, len(self._configuration)) + self._configuration + bytes(packets[0])
+        )
         return zlib.crc32(data[_CHECKED_FROM:]).to_bytes(_CHECKED_FROM, "little") + data[_CHECKED_FROM:]
 
 
@@ -122,7 +130,9 @@ def codes_of(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], in
     exponent = _EXPONENT
     while largest > _MOST * 2.0**exponent:
         exponent += 1
-    codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)  # a power of 2: nothing is rounded
+    codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(
+        np.uint16
+    )  # a power of 2: nothing is rounded
     if exponent > _EXPONENT:
         codes[(values > 0) & (codes == 0)] = 1  # what is too small for a float beside something extremely near
     codes[values < 0] = NO_DEPTH

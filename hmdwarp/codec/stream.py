@@ -34,7 +34,9 @@ class ColourEncoder:
     Errors: MachineError if the encoder cannot be had or does not open.
     """
 
-    def __init__(self, codec: Codec, size: tuple[int, int], rate_hz: float, crf: int | None, bitrate_mbit: float | None) -> None:
+    def __init__(
+        self, codec: Codec, size: tuple[int, int], rate_hz: float, crf: int | None, bitrate_mbit: float | None
+    ) -> None:
         import av
 
         codec.check()

@@ -29,7 +29,9 @@ AT_M = 1.0
 LINE_M = 0.056
 MOST_WIDE_M, MOST_HIGH_M = 1.1, 1.2
 MIDDLE_M, LOWEST_M = -0.35, -0.62
-PLATE_MIDDLE_M = -0.1  # a plate is what one looks at, and no turn of the head brings it nearer: little below straight ahead
+PLATE_MIDDLE_M = (
+    -0.1
+)  # a plate is what one looks at, and no turn of the head brings it nearer: little below straight ahead
 
 # In a window without an eye to see it by: as many pixels as it has, but no more than this share of the place, above this margin.
 MOST_OF_PLACE, MARGIN = 0.94, 0.03
@@ -58,7 +60,10 @@ class Notice:
         scale = min(1.0, MOST_OF_PLACE * size[0] / w, MOST_OF_PLACE * size[1] / h)
         # At whole pixels letters of full size keep their edges.
         middle = (size[1] - scale * h) / 2
-        left, bottom = round((size[0] - scale * w) / 2), round(min(MARGIN * size[1], middle) if self._is_text else middle)
+        left, bottom = (
+            round((size[0] - scale * w) / 2),
+            round(min(MARGIN * size[1], middle) if self._is_text else middle),
+        )
         return np.array([[scale * w, 0, left], [0, scale * h, bottom], [0, 0, 1.0]])
 
     def _in_head(self) -> NDArray[np.float64]:
@@ -117,7 +122,9 @@ def drawn(text: str) -> NDArray[np.uint8]:
     font = ImageFont.load_default(FONT_PX)
     rows = [row for line in text.splitlines() for row in _wrapped(line)]
     second_px = _widest(font, [row[0] for row in rows if len(row) == 2]) + COLUMN_PX
-    wide = max(_widest(font, [row[0] for row in rows]), _widest(font, [row[1] for row in rows if len(row) == 2], second_px))
+    wide = max(
+        _widest(font, [row[0] for row in rows]), _widest(font, [row[1] for row in rows if len(row) == 2], second_px)
+    )
     size = (wide + 2 * PAD_PX, LINE_PX * len(rows) + PAD_PX)
     image = Image.new("L", size)
     draw = ImageDraw.Draw(image)

@@ -50,9 +50,13 @@ class DepthLayer:
 
     def __attrs_post_init__(self) -> None:
         if not (self.near_z > 0 and self.far_z > 0) or self.near_z == self.far_z:
-            raise InputError(f"depth planes near {self.near_z}, far {self.far_z}: wanted two different positive distances (inf allowed)")
+            raise InputError(
+                f"depth planes near {self.near_z}, far {self.far_z}: wanted two different positive distances (inf allowed)"
+            )
         if not (-1 <= self.min_depth < self.max_depth <= 1):
-            raise InputError(f"depth range {self.min_depth}..{self.max_depth}: wanted min < max within 0..1 (or -1..1 for clip space)")
+            raise InputError(
+                f"depth range {self.min_depth}..{self.max_depth}: wanted min < max within 0..1 (or -1..1 for clip space)"
+            )
 
     def inverse_depth(self, d: ArrayLike) -> NDArray[np.float64]:
         """Buffer values to inverse depth in 1/m; values outside min_depth..max_depth and NaN give NaN (no depth).

@@ -33,7 +33,9 @@ class Fov:
         angles = (self.left, self.right, self.down, self.up)
         if not all(abs(a) <= _MAX_ANGLE for a in angles) or self.left >= self.right or self.down >= self.up:
             shown = ", ".join(f"{a:.6g}" for a in angles)
-            raise InputError(f"no field of view: left, right, down, up = {shown} rad; wanted left < right, down < up, within +-1.562")
+            raise InputError(
+                f"no field of view: left, right, down, up = {shown} rad; wanted left < right, down < up, within +-1.562"
+            )
 
     @classmethod
     def symmetric(cls, horizontal_rad: float, vertical_rad: float) -> Fov:
@@ -66,7 +68,9 @@ class Fov:
         per_rad = [size[0] / (right - left) * (1 + x * x), size[1] / (up - down) * (1 + y * y)]
         return float(np.mean(per_rad) * math.pi / 180)
 
-    def guarded(self, factor: float, size: tuple[int, int], least: tuple[int, int] = (0, 0)) -> tuple[Fov, tuple[int, int]]:
+    def guarded(
+        self, factor: float, size: tuple[int, int], least: tuple[int, int] = (0, 0)
+    ) -> tuple[Fov, tuple[int, int]]:
         """A field of view `factor` times as large in tangents, at the same pixels per tangent, and its size in pixels.
 
         Whole pixels are added on each side (rounded up), so the pixel centres of the unguarded view are pixel centres of
@@ -78,7 +82,10 @@ class Fov:
         left, right, down, up = self.tangents
         per_x, per_y = size[0] / (right - left), size[1] / (up - down)
         # 1e-9: a guard that means a whole number of pixels must not gain one by rounding.
-        pad = [math.ceil(abs(t) * per * (factor - 1) - 1e-9) for t, per in ((left, per_x), (right, per_x), (down, per_y), (up, per_y))]
+        pad = [
+            math.ceil(abs(t) * per * (factor - 1) - 1e-9)
+            for t, per in ((left, per_x), (right, per_x), (down, per_y), (up, per_y))
+        ]
         pad[1] += max(0, least[0] - size[0] - pad[0] - pad[1])
         pad[3] += max(0, least[1] - size[1] - pad[2] - pad[3])
         if not any(pad):
@@ -114,7 +121,9 @@ class Eyes(Protocol):
         """The view of each eye, the left one first."""
 
 
-def guarded_eyes(views: Sequence[View], factor: float, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def guarded_eyes(
+    views: Sequence[View], factor: float, size: tuple[int, int]
+) -> tuple[tuple[Fov, ...], tuple[int, int]]:
     """The fields of view of all eyes with a guard band (Fov.guarded), and the one size in pixels that all get.
 
     Eyes that mirror each other have the same size anyway; of others, the smaller gets a little more on the right and at the top.
@@ -124,7 +133,9 @@ def guarded_eyes(views: Sequence[View], factor: float, size: tuple[int, int]) ->
 
 
 @lru_cache(maxsize=64)  # asked at every frame, of the same eyes
-def _guarded_fovs(fovs: tuple[Fov, ...], factor: float, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def _guarded_fovs(
+    fovs: tuple[Fov, ...], factor: float, size: tuple[int, int]
+) -> tuple[tuple[Fov, ...], tuple[int, int]]:
     sizes = [fov.guarded(factor, size)[1] for fov in fovs]
     largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
     return tuple(fov.guarded(factor, size, largest)[0] for fov in fovs), largest

@@ -36,7 +36,9 @@ class WarpMap:
         made.H.flags.writeable = made.e.flags.writeable = False
         return made
 
-    def apply(self, pixels: ArrayLike, inverse_depth: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def apply(
+        self, pixels: ArrayLike, inverse_depth: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Pixels (..., 2) and inverse depth (...) to pixels (..., 2), inverse depth (...) and w (...) in the other view.
 
         Where w <= 0 the pixel and the depth are NaN: there is no such point in the picture.

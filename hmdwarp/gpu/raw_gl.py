@@ -59,7 +59,9 @@ def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int])
     place_holder.release()
     if status != _COMPLETE:
         made.release()
-        raise MachineError(f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): use --no-depth-layer")
+        raise MachineError(
+            f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): use --no-depth-layer"
+        )
     return made
 
 

@@ -96,7 +96,11 @@ class Uniforms:
     def __init__(self, program: moderngl.Program | moderngl.ComputeShader, texts: list[str], name: str) -> None:
         self._program, self._name = program, name
         declared = " ".join(line.partition("//")[0] for line in texts)
-        names = {re.sub(r"[\[=].*", "", part).strip() for match in self._DECLARED.finditer(declared) for part in match.group(1).split(",")}
+        names = {
+            re.sub(r"[\[=].*", "", part).strip()
+            for match in self._DECLARED.finditer(declared)
+            for part in match.group(1).split(",")
+        }
         self._members: dict[str, moderngl.Uniform | None] = {name: program.get(name, None) for name in names}
         self._written: dict[str, object] = {}  # what cannot have changed since: told by identity, which costs nothing
         self._last: dict[str, bytes] = {}
@@ -161,7 +165,9 @@ class Uniforms:
             self._last[name] = data
 
 
-_last_packed: dict[str, tuple[np.ndarray, type, bool, bytes]] = {}  # by name: the same map goes to five programs of a warp
+_last_packed: dict[
+    str, tuple[np.ndarray, type, bool, bytes]
+] = {}  # by name: the same map goes to five programs of a warp
 
 
 def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
@@ -206,7 +212,9 @@ class Compute:
         groups = -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
             most = " x ".join(map(str, self._most_groups))
-            raise InputError(f"{self.path} needs {groups[0]} x {groups[1]} work groups, this GPU takes {most}: use smaller pictures")
+            raise InputError(
+                f"{self.path} needs {groups[0]} x {groups[1]} work groups, this GPU takes {most}: use smaller pictures"
+            )
         return groups
 
 
@@ -220,7 +228,9 @@ class Draw:
         except moderngl.Error as error:
             message = str(error)
             guilty = "vertex" if "vertex_shader" in message else "fragment"
-            raise ShaderError(f"{vertex if guilty == 'vertex' else fragment}: {flats[guilty].translate(message)}") from error
+            raise ShaderError(
+                f"{vertex if guilty == 'vertex' else fragment}: {flats[guilty].translate(message)}"
+            ) from error
         self.uniforms = Uniforms(self.program, [*flats["vertex"].lines, *flats["fragment"].lines], fragment)
 
 

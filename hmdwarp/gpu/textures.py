@@ -17,7 +17,9 @@ NUMBER = (1, "u2")  # r16ui: which body a pixel belongs to
 _NUMPY = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u2": np.uint16, "u4": np.uint32}  # by moderngl's name
 
 
-def allocate(gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False) -> moderngl.Texture:
+def allocate(
+    gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False
+) -> moderngl.Texture:
     """An empty (w, h) texture, clamped at its edges. Errors: InputError for a size of 0 or beyond the GL limit."""
     check_size(gl, size)
     components, dtype = kind

@@ -38,7 +38,9 @@ Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in
 class Lap:
     """Some stages of a frame. Their times may be asked for later, when the GPU has long finished them."""
 
-    def __init__(self, pending: list[tuple[str, moderngl.Query]], done: list[tuple[str, float]], free: list[moderngl.Query]) -> None:
+    def __init__(
+        self, pending: list[tuple[str, moderngl.Query]], done: list[tuple[str, float]], free: list[moderngl.Query]
+    ) -> None:
         self._pending, self._done, self._free = pending, done, free
 
     def read(self) -> Stages:

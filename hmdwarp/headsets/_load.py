@@ -30,7 +30,9 @@ def load_headset(name: str) -> Headset:
             raise InputError(f"headset file {name} is not there")
         raise unknown_name("headset", name, headset_names())
     try:
-        return _headset(Table(tomllib.loads(path.read_text(encoding="utf-8")), example="hmdwarp/headsets/rift-dk1.toml"))
+        return _headset(
+            Table(tomllib.loads(path.read_text(encoding="utf-8")), example="hmdwarp/headsets/rift-dk1.toml")
+        )
     except OSError as error:
         raise InputError(f"headset file {path}: {error.strerror}") from error
     except (InputError, ValueError) as error:  # not TOML and not UTF-8 are ValueErrors

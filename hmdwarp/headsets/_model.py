@@ -49,7 +49,9 @@ class RadialLens:
         _refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
         for colour in COLOURS:
             if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
-                raise InputError(f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; wanted 1 to {MAX_COEFFICIENTS}")
+                raise InputError(
+                    f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; wanted 1 to {MAX_COEFFICIENTS}"
+                )
             fold = self.folds_at(colour)
             if fold is not None:
                 raise InputError(
@@ -120,7 +122,9 @@ class Headset:
     lens: RadialLens | None
 
     def __attrs_post_init__(self) -> None:
-        _refuse_unless_positive(eye_width_m=self.eye_size_m[0], eye_height_m=self.eye_size_m[1], refresh_hz=self.refresh_hz)
+        _refuse_unless_positive(
+            eye_width_m=self.eye_size_m[0], eye_height_m=self.eye_size_m[1], refresh_hz=self.refresh_hz
+        )
         if not 0 <= self.ipd_m < math.inf:
             raise InputError(f"ipd_m is {self.ipd_m:g}: wanted the distance of the pupils in metres, 0 or more")
 

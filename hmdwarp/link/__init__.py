@@ -8,4 +8,15 @@ from .options import LinkOptions
 from .response import ResponseTime, medians
 from .tally import Passage, Tally
 
-__all__ = ["DELAYS", "Bandwidth", "DelayModel", "GilbertElliott", "Link", "LinkOptions", "Passage", "ResponseTime", "Tally", "medians"]
+__all__ = [
+    "DELAYS",
+    "Bandwidth",
+    "DelayModel",
+    "GilbertElliott",
+    "Link",
+    "LinkOptions",
+    "Passage",
+    "ResponseTime",
+    "Tally",
+    "medians",
+]

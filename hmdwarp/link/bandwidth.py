@@ -8,7 +8,9 @@ import attrs
 
 from ..errors import InputError
 
-QUEUE_MS = 250.0  # what routers are commonly built to hold; a queue without an end would delay, and hold in memory, ever more
+QUEUE_MS = (
+    250.0  # what routers are commonly built to hold; a queue without an end would delay, and hold in memory, ever more
+)
 
 
 @attrs.frozen
@@ -23,7 +25,9 @@ class Bandwidth:
 
     def __attrs_post_init__(self) -> None:
         if not (math.isfinite(self.mbit) and 1e-3 <= self.mbit <= 1e6):
-            raise InputError(f"bandwidth {self.mbit:g} Mbit/s: wanted 0.001 to 1000000; leave it out for a link without a limit")
+            raise InputError(
+                f"bandwidth {self.mbit:g} Mbit/s: wanted 0.001 to 1000000; leave it out for a link without a limit"
+            )
         if not 0 <= self.queue_ms <= 60_000:
             raise InputError(f"queue {self.queue_ms:g} ms: wanted the longest wait at the bottleneck, 0 to 60000 ms")
 

@@ -76,7 +76,9 @@ class Link(Generic[Payload]):
         delay_ns, is_lost = next(self._delays), self._losses is not None and next(self._losses)
         if delay_ns < 0 or size_bytes < 0:
             raise ValueError(f"a frame of {size_bytes} bytes with a delay of {delay_ns} ns")
-        queue_ns, transfer_ns, taken = self._bottleneck.enter(now_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
+        queue_ns, transfer_ns, taken = (
+            self._bottleneck.enter(now_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
+        )
         self._last_sent_ns = now_ns
         passage = self._in_order(Passage(self._drawn, now_ns, size_bytes, queue_ns, transfer_ns, delay_ns))
         self._drawn += 1

@@ -37,7 +37,9 @@ class LinkOptions:
             raise InputError(f"seed {self.seed}: wanted a whole number, 0 or more")
 
     @classmethod
-    def parse(cls, *, jitter: str = "", delay_trace: Path | None = None, loss: str = "", bandwidth: str = "", seed: int = 0) -> Self:
+    def parse(
+        cls, *, jitter: str = "", delay_trace: Path | None = None, loss: str = "", bandwidth: str = "", seed: int = 0
+    ) -> Self:
         """From the texts of the options, "" or None where not given.
 
         jitter: NAME:MS with a name of DELAYS, such as uniform:20, normal:15. delay_trace: a file of delays, see `delays.trace`.
@@ -46,7 +48,9 @@ class LinkOptions:
         Errors: InputError.
         """
         if delay_trace is not None and jitter:
-            raise InputError(f"jitter '{jitter}' beside a delay trace: the trace says every delay; leave one of them out")
+            raise InputError(
+                f"jitter '{jitter}' beside a delay trace: the trace says every delay; leave one of them out"
+            )
         delay = DELAYS.get("trace").parse(str(delay_trace)) if delay_trace is not None else parse_jitter(jitter)
         return cls(delay, parse_loss(loss), parse_bandwidth(bandwidth), seed)
 

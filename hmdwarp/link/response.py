@@ -29,10 +29,20 @@ class ResponseTime:
     warp_ms: float = 0.0
 
     @classmethod
-    def of(cls, passage: Passage, *, render_ms: float = 0.0, encode_ms: float = 0.0, decode_ms: float = 0.0, warp_ms: float = 0.0) -> Self:
+    def of(
+        cls,
+        passage: Passage,
+        *,
+        render_ms: float = 0.0,
+        encode_ms: float = 0.0,
+        decode_ms: float = 0.0,
+        warp_ms: float = 0.0,
+    ) -> Self:
         """From how the frame came through the link and what was measured at both ends."""
         queue_ms = (passage.queue_ns + passage.hold_ns) / 1e6
-        return cls(render_ms, encode_ms, queue_ms, passage.transfer_ns / 1e6, passage.delay_ns / 1e6, decode_ms, warp_ms)
+        return cls(
+            render_ms, encode_ms, queue_ms, passage.transfer_ns / 1e6, passage.delay_ns / 1e6, decode_ms, warp_ms
+        )
 
     @property
     def total_ms(self) -> float:

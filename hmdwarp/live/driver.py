@@ -57,7 +57,11 @@ class Driver:
         self._display, self._stage, self._ending, self._say = display, stage, ending, say
 
     def run(
-        self, watch: Watch, log: LiveLog | None = None, recorder: Recorder | None = None, after: AfterRefresh = lambda number: None
+        self,
+        watch: Watch,
+        log: LiveLog | None = None,
+        recorder: Recorder | None = None,
+        after: AfterRefresh = lambda number: None,
     ) -> None:
         """Until `watch` is over or a signal came. after(number): after each refresh that showed a picture, counted from 1.
 
@@ -134,5 +138,8 @@ class _Stretch:
             self._recorder.flush()
         if self._log is not None:
             self._log.went(str(lost))
-        if come_back(self._display.reopen, lost, self._stage.options.reconnect_s, self._ending, self._say) and self._log is not None:
+        if (
+            come_back(self._display.reopen, lost, self._stage.options.reconnect_s, self._ending, self._say)
+            and self._log is not None
+        ):
             self._log.came_back()

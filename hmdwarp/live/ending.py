@@ -30,7 +30,9 @@ class Ending:
         now_ns = self.now_ns()
         if self._began_ns is None and count:
             self._began_ns = now_ns
-        late = self._seconds is not None and self._began_ns is not None and now_ns - self._began_ns >= self._seconds * 1e9
+        late = (
+            self._seconds is not None and self._began_ns is not None and now_ns - self._began_ns >= self._seconds * 1e9
+        )
         return self.asked is not None or late or (self._frames is not None and count >= self._frames)
 
     def _ask(self, number: int, _: FrameType | None) -> None:
@@ -42,7 +44,9 @@ class Ending:
         if threading.current_thread() is threading.main_thread():
             for name in ("SIGINT", "SIGTERM", "SIGHUP"):
                 number = getattr(signal, name, None)
-                if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup ignores SIGHUP, and is obeyed
+                if (
+                    number is not None and signal.getsignal(number) != signal.SIG_IGN
+                ):  # nohup ignores SIGHUP, and is obeyed
                     self._before[number] = signal.signal(number, self._ask)
         return self
 

@@ -22,7 +22,9 @@ class Events:
         self.change_count = 0
         self._lost_at: float | None = None
 
-    def changed(self, frame: int, time_s: float, before: Mapping[str, object], after: Mapping[str, object], reason: str) -> None:
+    def changed(
+        self, frame: int, time_s: float, before: Mapping[str, object], after: Mapping[str, object], reason: str
+    ) -> None:
         """Some settings are others from now on. frame, time_s: of the last picture. reason: "" for by hand."""
         what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
         if not what:
@@ -49,4 +51,9 @@ class Events:
 
     def as_dict(self) -> dict[str, Any]:
         """For summary.json."""
-        return {"changes": self.changes, "change_count": self.change_count, "notices": dict(self.notices.most_common()), "lost": self.lost}
+        return {
+            "changes": self.changes,
+            "change_count": self.change_count,
+            "notices": dict(self.notices.most_common()),
+            "lost": self.lost,
+        }

@@ -49,7 +49,9 @@ def options_given(
         fused=fused,
         size=None if size is None else parse_size(size),
         guard=parse_guard(guard),
-        network=LinkOptions.parse(jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=link_seed),
+        network=LinkOptions.parse(
+            jitter=jitter, delay_trace=delay_trace, loss=loss, bandwidth=bandwidth, seed=link_seed
+        ),
         coding=Coding(codec, crf, bitrate),
         **{FIELDS.get(name, name): value for name, value in others.items()},
     )

@@ -50,7 +50,9 @@ class Lines:
         self._waiting.append(text)
         self._added += len(text)
         if self._added - self._taken > MOST_WAITING:
-            raise MachineError(f"{self.path}: cannot write (the disk does not answer, {MOST_WAITING >> 20} MB wait): use another one")
+            raise MachineError(
+                f"{self.path}: cannot write (the disk does not answer, {MOST_WAITING >> 20} MB wait): use another one"
+            )
 
     def flush(self, patience_s: float = PATIENCE_S) -> bool:
         """Write what waits, now; from any thread. False if the disk has not answered within the patience."""
@@ -69,7 +71,9 @@ class Lines:
         self._ending.set()
         self._thread.join(PATIENCE_S)
         if self._thread.is_alive() or not self.flush():
-            raise MachineError(f"{self.path}: cannot write (the disk does not answer): what it had taken before is there")
+            raise MachineError(
+                f"{self.path}: cannot write (the disk does not answer): what it had taken before is there"
+            )
         os.close(self._file)
         self._file = -1
         if self._error is not None:

@@ -180,9 +180,18 @@ class LiveLog:
         if self._rows is not None:
             self._rows.add(rows_text(moment, stages, holes))
 
-    def _numbers(self, moment: Moment, period_ms: float, render_ms: float, busy_ms: float, stages: list, holes: tuple) -> list[float]:
+    def _numbers(
+        self, moment: Moment, period_ms: float, render_ms: float, busy_ms: float, stages: list, holes: tuple
+    ) -> list[float]:
         """In the order of outcome.COLUMNS."""
-        shared = (moment.time_s, moment.age_ms, moment.pose_age_ms, period_ms, moment.angular_speed_deg_s, moment.linear_speed_m_s)
+        shared = (
+            moment.time_s,
+            moment.age_ms,
+            moment.pose_age_ms,
+            period_ms,
+            moment.angular_speed_deg_s,
+            moment.linear_speed_m_s,
+        )
         row = [math.nan if value is None else value for value in shared]
         row += (render_ms, busy_ms)
         for one, share in zip(stages, holes, strict=True):
@@ -253,7 +262,16 @@ class LiveLog:
         out.write_json("summary.json", self._summary)
 
     def _sum_up(self) -> dict[str, Any]:
-        return summary_of(self._facts, self.count, self._counts, self._figures, self._fates, self._events, self._pauses, self._pictures)
+        return summary_of(
+            self._facts,
+            self.count,
+            self._counts,
+            self._figures,
+            self._fates,
+            self._events,
+            self._pauses,
+            self._pictures,
+        )
 
     def column(self, name: str) -> NDArray[np.float64]:
         """One number of outcome.COLUMNS for each refresh, as far as known; NaN where it was not measured. Of a long run every n-th."""

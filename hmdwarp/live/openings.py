@@ -16,7 +16,12 @@ Watching = Callable[[str], AbstractContextManager[None]]
 
 
 def open_display(
-    options: LiveOptions, watching: Watching, say: Callable[[str], None], controls: tuple[Control, ...] = CONTROLS, *, briefly: bool = False
+    options: LiveOptions,
+    watching: Watching,
+    say: Callable[[str], None],
+    controls: tuple[Control, ...] = CONTROLS,
+    *,
+    briefly: bool = False,
 ) -> Display:
     """The headset or the window, as asked for; for "auto" the headset if one answers, else the window. say: gets why it is no headset.
     controls: what whoever looks may ask for. briefly: say that in a clause, and leave the rest to the doctor.
@@ -46,7 +51,9 @@ def _first_clause(why: str) -> str:
     return f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
 
 
-def display_options(options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS) -> DisplayOptions:
+def display_options(
+    options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS
+) -> DisplayOptions:
     """What a display must know of the run."""
     return DisplayOptions(
         headset=options.headset,

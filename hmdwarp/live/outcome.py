@@ -26,7 +26,16 @@ if TYPE_CHECKING:
     from .pictures import Pictures
 
 _OF_EYE = (*STAGE_COLUMNS, "hole_share")
-SHARED = ("time_s", "age_ms", "pose_age_ms", "period_ms", "angular_speed_deg_s", "linear_speed_m_s", "render_ms", "busy_ms")
+SHARED = (
+    "time_s",
+    "age_ms",
+    "pose_age_ms",
+    "period_ms",
+    "angular_speed_deg_s",
+    "linear_speed_m_s",
+    "render_ms",
+    "busy_ms",
+)
 COLUMNS = (*SHARED, *(f"{name}/{eye}" for eye in (0, 1) for name in _OF_EYE))
 _RESPONSE = (*ResponseTime().parts(), "total_ms")
 _RESPONSE_EVERY = 8  # adding up its parts takes 10 us
@@ -85,7 +94,9 @@ class Fates:
         told = self._channel.summary(rate_hz)
         frames = dict(Counter(told["frames"]) + self._past) if self._past else told["frames"]
         times = {name: self._responses.column(name) for name in _RESPONSE}
-        response = {name: float(np.median(values)) for name, values in times.items()} if len(times["total_ms"]) else None
+        response = (
+            {name: float(np.median(values)) for name, values in times.items()} if len(times["total_ms"]) else None
+        )
         return {**told, "frames": {name: frames.get(name, 0) for name in told["frames"]}, "response_ms": response}
 
 
@@ -167,7 +178,9 @@ def _notes(events: Events, live: dict[str, Any], pictures: Pictures) -> list[str
     notes = []
     if events.change_count:
         times = "once" if events.change_count == 1 else f"{events.change_count} times"
-        notes.append(f"Settings were changed {times} while it ran. Figures are over all of it; frames.csv has each one's warp and fill.")
+        notes.append(
+            f"Settings were changed {times} while it ran. Figures are over all of it; frames.csv has each one's warp and fill."
+        )
     for lost in events.lost[:5]:
         away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
         notes.append(f"The display went away at {lost['time_s']:.2f} s {away}: {lost['why']}")
@@ -176,7 +189,9 @@ def _notes(events: Events, live: dict[str, Any], pictures: Pictures) -> list[str
     if pictures.is_full:
         notes.append(f"After {pictures.count} kept pictures no more were kept.")
     if live["sampled_every"] > 1:
-        notes.append(f"Medians, percentiles and curves are of every {live['sampled_every']}th refresh; frames.csv has all of them.")
+        notes.append(
+            f"Medians, percentiles and curves are of every {live['sampled_every']}th refresh; frames.csv has all of them."
+        )
     if not live["timed"]:
         notes.append("What the passes took is not known: the run ended before anybody could ask.")
     return notes

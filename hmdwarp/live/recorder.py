@@ -42,7 +42,9 @@ class Recorder:
         try:
             self._lines = Lines(path, synced=True)
         except FileExistsError as error:
-            raise InputError(f"{path} is there already: a recording overwrites nothing; give another name or move it away") from error
+            raise InputError(
+                f"{path} is there already: a recording overwrites nothing; give another name or move it away"
+            ) from error
 
     @property
     def seconds(self) -> float:
@@ -53,7 +55,9 @@ class Recorder:
         """Write the header."""
         self._begun = True
         started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-        notes = [f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were asked for"]
+        notes = [
+            f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were asked for"
+        ]
         self._lines.add(header_text(origin_of(self._by, head.about), head.rate_hz, notes))
 
     def add(self, head: PoseSample) -> None:
@@ -84,7 +88,9 @@ class Recorder:
         answered = self._lines.flush()
         if not self._is_worth_keeping():
             return ""
-        return f"the recording until then is in {self.path}" + ("" if answered else ", but for its end: the disk does not answer")
+        return f"the recording until then is in {self.path}" + (
+            "" if answered else ", but for its end: the disk does not answer"
+        )
 
     def _end(self) -> None:
         try:

@@ -59,8 +59,18 @@ def record(options: RecordOptions, say: Say = lambda text: None) -> None:
 
 def _of_window(options: RecordOptions, say: Say) -> None:
     """Without latency and warp: what is shown is the scene as it is."""
-    asked = {"seconds": options.seconds, "rate_hz": options.rate_hz, "reconnect_s": options.reconnect_s, "hang_s": options.hang_s}
-    live(LiveOptions(source=DESKTOP, scene=options.scene, warp="none", fill="none", latency_ms=0.0, record=options.out, **asked), say)
+    asked = {
+        "seconds": options.seconds,
+        "rate_hz": options.rate_hz,
+        "reconnect_s": options.reconnect_s,
+        "hang_s": options.hang_s,
+    }
+    live(
+        LiveOptions(
+            source=DESKTOP, scene=options.scene, warp="none", fill="none", latency_ms=0.0, record=options.out, **asked
+        ),
+        say,
+    )
 
 
 def _made_up(options: RecordOptions, say: Say) -> None:
@@ -91,7 +101,9 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
         say(_telling(f"{head.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
         _Sampler(head, recorder, ending, round(1e9 / rate_hz), options.reconnect_s, say).run()
         if recorder.count < LEAST and ending.asked is None:
-            raise MachineError("the runtime has not told where the head is: put the headset on, where its tracking can see the room")
+            raise MachineError(
+                "the runtime has not told where the head is: put the headset on, where its tracking can see the room"
+            )
 
 
 def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:

@@ -11,7 +11,9 @@ from .ending import Ending
 RETRY_S = 0.5
 
 
-def come_back(reopen: Callable[[], bool], lost: Lost, wait_s: float, ending: Ending, say: Callable[[str], None]) -> bool:
+def come_back(
+    reopen: Callable[[], bool], lost: Lost, wait_s: float, ending: Ending, say: Callable[[str], None]
+) -> bool:
     """Try again and again until it is there; False if somebody asked for the end first. Errors: Lost, once it has taken too long."""
     say(f"{lost}; waiting up to {wait_s:g} s for it to come back (Ctrl-C ends)")
     until = time.monotonic() + wait_s

@@ -27,7 +27,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     """
     scene = checked_scene(options)
     with ExitStack() as stack:
-        ending = stack.enter_context(Ending(options.seconds, options.frames))  # outermost: a signal ends the program when all is written
+        ending = stack.enter_context(
+            Ending(options.seconds, options.frames)
+        )  # outermost: a signal ends the program when all is written
         recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
         log = stack.enter_context(LiveLog(options))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))

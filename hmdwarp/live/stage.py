@@ -111,7 +111,10 @@ class Stage:
     def fit(self) -> None:
         """Build anew where the eyes have come to see so much more or less that frames with their guard band get another size."""
         options = self.options
-        if options.guard > 1 and guarded_size(options.guard, self._display.eyes, self.pipeline.sizes.shown) != self.pipeline.sizes.late:
+        if (
+            options.guard > 1
+            and guarded_size(options.guard, self._display.eyes, self.pipeline.sizes.shown) != self.pipeline.sizes.late
+        ):
             self._rebuild(options)
 
     def _ladder_for(self, options: LiveOptions) -> Ladder:
@@ -141,10 +144,14 @@ class Stage:
         refuse_one_eye(needs, len(shown.eyes.views(Pose())))
         size = options.size or shown.size
         guarded_size(options.guard, shown.eyes, size)
-        predicted = self.recent.predictor(options.predict, expected_age_ns(options, latency_ns(options)), options.horizon_ms)
+        predicted = self.recent.predictor(
+            options.predict, expected_age_ns(options, latency_ns(options)), options.horizon_ms
+        )
         requested = Requested(self.recent, predicted, size, options.guard, needs, round(options.scanout_ms * 1e6))
         course = Course(options.rate_hz or shown.rate_hz, latency_ns(options))
-        return build_pipeline(shown.gpu, options, scene, shown.eyes, plans, requested, course, shown.headset, ladder.rungs)
+        return build_pipeline(
+            shown.gpu, options, scene, shown.eyes, plans, requested, course, shown.headset, ladder.rungs
+        )
 
     def close(self) -> None:
         """Free it."""
@@ -162,4 +169,6 @@ def _carries(carried: Needs, wanted: Needs) -> bool:
 def refuse_one_eye(needs: Needs, eyes: int) -> None:
     """Errors: InputError where the passes look into the other eye's picture, and there is none."""
     if needs.other_eye and eyes < 2:
-        raise InputError("the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes")
+        raise InputError(
+            "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes"
+        )

@@ -53,7 +53,9 @@ class Watchdog:
         for say_last in self._last_words:
             _within(LAST_WORDS_S, lambda say_last=say_last: saved.append(say_last()))
         found = f"the OpenXR runtime has not answered {what} for {self._limit_s:g} s"
-        line = "; ".join([f"hmdwarp: {found}: it hangs; end its service, start it again, then try once more", *filter(None, saved)])
+        line = "; ".join(
+            [f"hmdwarp: {found}: it hangs; end its service, start it again, then try once more", *filter(None, saved)]
+        )
         _within(PRINTING_S, lambda: _print(line))
         os._exit(MachineError.exit_status)
 
@@ -79,7 +81,9 @@ class _Watch:
         dog._under_way.append(self._what)
         dog._entered += 1
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._dog._under_way.pop()
 
 

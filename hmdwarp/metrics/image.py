@@ -21,13 +21,19 @@ SSIM_WINDOW = 11
 def check_pair(shown: NDArray, truth: NDArray) -> None:
     """Errors: InputError unless both are (h, w, 3), of one size and one type, uint8 or finite floats within 0..1."""
     if shown.shape != truth.shape or shown.ndim != 3 or shown.shape[2] != 3 or shown.size == 0:
-        raise InputError(f"cannot compare pictures of shapes {shown.shape} and {truth.shape}: wanted two of the same (h, w, 3)")
+        raise InputError(
+            f"cannot compare pictures of shapes {shown.shape} and {truth.shape}: wanted two of the same (h, w, 3)"
+        )
     if shown.dtype != truth.dtype:
         raise InputError(f"cannot compare a {shown.dtype} picture with a {truth.dtype} one: convert both to uint8 sRGB")
     if shown.dtype == np.uint8:
         return
-    if shown.dtype.kind != "f" or not all(p.min() >= 0 and p.max() <= 1 for p in (shown, truth)):  # NaN fails both comparisons
-        raise InputError(f"pictures of {shown.dtype} have values outside 0..1 (or NaN): wanted uint8 or sRGB floats within 0..1")
+    if shown.dtype.kind != "f" or not all(
+        p.min() >= 0 and p.max() <= 1 for p in (shown, truth)
+    ):  # NaN fails both comparisons
+        raise InputError(
+            f"pictures of {shown.dtype} have values outside 0..1 (or NaN): wanted uint8 or sRGB floats within 0..1"
+        )
 
 
 def psnr_db(shown: NDArray, truth: NDArray) -> float:
@@ -90,6 +96,8 @@ def flip(shown: NDArray, truth: NDArray, pixels_per_degree: float) -> tuple[floa
     scale = np.float32(255 if shown.dtype == np.uint8 else 1)
     reference, test = (np.ascontiguousarray(p, dtype=np.float32) / scale for p in (truth, shown))
     parameters = {"ppd": float(pixels_per_degree)}
-    error, _, _ = evaluate(reference, test, "LDR", inputsRGB=True, applyMagma=False, computeMeanError=False, parameters=parameters)
+    error, _, _ = evaluate(
+        reference, test, "LDR", inputsRGB=True, applyMagma=False, computeMeanError=False, parameters=parameters
+    )
     error = error[..., 0]
     return float(error.mean(dtype=np.float64)), error

@@ -64,7 +64,9 @@ class QualityJob:
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: wanted the same (h, w)")
         if self.regions and (self.covered is None or self.truth_inverse_depth is None):
-            raise InputError("where the error is can be told only with the coverage and the truth's inverse depth: give both")
+            raise InputError(
+                "where the error is can be told only with the coverage and the truth's inverse depth: give both"
+            )
 
 
 @attrs.frozen(eq=False)
@@ -87,7 +89,9 @@ def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
         "flip": flip_mean,
         "hole_share": None if job.covered is None else hole_share(job.covered),
         "border_share": _border(job),
-        "flicker": None if job.previous is None else flicker(now.error, now.view, job.previous.error, job.previous.view),
+        "flicker": None
+        if job.previous is None
+        else flicker(now.error, now.view, job.previous.error, job.previous.view),
     }
     error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
     regions = region_sums(now.shown, now.truth, job.covered, job.truth_inverse_depth, flip_map) if job.regions else None

@@ -45,9 +45,13 @@ class SharedSurface:
 
         shape = left_inverse_depth.shape
         if shape != right_inverse_depth.shape or len(shape) != 2:
-            raise InputError(f"the eyes' inverse depths have shapes {shape} and {right_inverse_depth.shape}: wanted two of the same (h, w)")
+            raise InputError(
+                f"the eyes' inverse depths have shapes {shape} and {right_inverse_depth.shape}: wanted two of the same (h, w)"
+            )
         height, width = self._shape = shape
-        here, there = (np.nan_to_num(flip_rows(np.asarray(d, np.float64))) for d in (left_inverse_depth, right_inverse_depth))
+        here, there = (
+            np.nan_to_num(flip_rows(np.asarray(d, np.float64))) for d in (left_inverse_depth, right_inverse_depth)
+        )
         there = there.ravel()
         mapping = WarpMap.between(left, (width, height), right, (width, height))
         mine, theirs = [], []
@@ -70,6 +74,8 @@ class SharedSurface:
         from ..gpu.textures import flip_rows
 
         if not left_coverage.shape == right_coverage.shape == self._shape:
-            raise InputError(f"coverages have shapes {left_coverage.shape} and {right_coverage.shape}: wanted {self._shape}")
+            raise InputError(
+                f"coverages have shapes {left_coverage.shape} and {right_coverage.shape}: wanted {self._shape}"
+            )
         holes = [(flip_rows(np.asarray(c)) == 0).ravel() for c in (left_coverage, right_coverage)]
         return Mismatch(len(self._left), int(np.count_nonzero(holes[0][self._left] != holes[1][self._right])))

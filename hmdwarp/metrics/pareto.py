@@ -35,7 +35,9 @@ def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_ti
     rows = list(rows)
     measured = [(index, *pair) for index, pair in enumerate(map(costs, rows)) if None not in pair]
     if any(math.isnan(error) or math.isnan(time) for _, error, time in measured):
-        raise HmdwarpError("a cost is not a number: wanted an error and a time that were measured, or None for what was not")
+        raise HmdwarpError(
+            "a cost is not a number: wanted an error and a time that were measured, or None for what was not"
+        )
     kept: set[int] = set()
     least: tuple[float, float] | None = None  # (error, time) of the last row kept; times only grow from here on
     for index, error, time in sorted(measured, key=lambda entry: (entry[2], entry[1])):

@@ -243,7 +243,9 @@ class _Worker:
             )
         except OSError as error:
             self._complaints.close()
-            raise MachineError(f"cannot start a measuring process ({error.strerror or error}): use 0 metric workers") from error
+            raise MachineError(
+                f"cannot start a measuring process ({error.strerror or error}): use 0 metric workers"
+            ) from error
         self._first = pickle.dumps(pixels_per_degree)
 
     def measure(self, job: QualityJob) -> QualityResult:

@@ -93,7 +93,10 @@ def region_sums(
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
     columns = (np.ones(region.size), squared, flip_map.ravel())  # float64 holds integers exactly up to 2^53
     sums = [np.bincount(region, weights=column, minlength=len(REGIONS)) for column in columns]
-    return {name: {key: float(total[index]) for key, total in zip(SUMS, sums, strict=True)} for index, name in enumerate(REGIONS)}
+    return {
+        name: {key: float(total[index]) for key, total in zip(SUMS, sums, strict=True)}
+        for index, name in enumerate(REGIONS)
+    }
 
 
 def pooled(pictures: Iterable[Mapping[str, Mapping[str, float]]]) -> dict[str, dict[str, float | None]]:

@@ -34,11 +34,15 @@ def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64
     """`aggregate` for whole columns, without what was not measured; a column that is not there was never measured. Errors: as aggregate."""
     for name, values in columns.items():
         if not np.isfinite(values).all():
-            raise HmdwarpError(f"a {name} that is no finite number was measured; wanted a number, or None for not measured")
+            raise HmdwarpError(
+                f"a {name} that is no finite number was measured; wanted a number, or None for not measured"
+            )
     quality = {name: columns.get(name, ()) for name in QUALITY}
     return {
         "time_ms": {stage: middle_and_tail(columns.get(f"{stage}_ms", ())) for stage in STAGES},
-        "quality": {name: _mean_and_tail(values, 5 if name in HIGHER_IS_BETTER else 95) for name, values in quality.items()},
+        "quality": {
+            name: _mean_and_tail(values, 5 if name in HIGHER_IS_BETTER else 95) for name, values in quality.items()
+        },
         "measured": {name: len(values) for name, values in quality.items()},
     }
 

@@ -40,7 +40,12 @@ class _State:
 
     @property
     def at_rest(self) -> bool:
-        return not any(self.wish) and not any(self.velocity) and self.yaw == self.yaw_goal and self.pitch == self.pitch_goal
+        return (
+            not any(self.wish)
+            and not any(self.velocity)
+            and self.yaw == self.yaw_goal
+            and self.pitch == self.pitch_goal
+        )
 
     def after(self, time_ns: int) -> _State:
         """What becomes of it when it is told nothing more: first-order lags, solved exactly, with the heading held at its mean."""
@@ -52,7 +57,10 @@ class _State:
         for x, v, u in zip(self.position, self.velocity, wanted, strict=True):
             velocity.append(u + (v - u) * slowed)
             moved.append(x + u * seconds + (v - u) * WALK_S * (1 - slowed))
-        yaw, pitch = self.yaw_goal + (self.yaw - self.yaw_goal) * turned, self.pitch_goal + (self.pitch - self.pitch_goal) * turned
+        yaw, pitch = (
+            self.yaw_goal + (self.yaw - self.yaw_goal) * turned,
+            self.pitch_goal + (self.pitch - self.pitch_goal) * turned,
+        )
         return _State(time_ns, tuple(moved), tuple(velocity), yaw, pitch, self.yaw_goal, self.pitch_goal, self.wish)
 
     def settled(self) -> _State:
@@ -64,8 +72,15 @@ class _State:
         return self
 
     def pose(self) -> Pose:
-        sy, cy, sp, cp = math.sin(self.yaw / 2), math.cos(self.yaw / 2), math.sin(self.pitch / 2), math.cos(self.pitch / 2)
-        return Pose(self.position, (cy * sp, sy * cp, -sy * sp, cy * cp))  # about the world's y after the head's x: never any roll
+        sy, cy, sp, cp = (
+            math.sin(self.yaw / 2),
+            math.cos(self.yaw / 2),
+            math.sin(self.pitch / 2),
+            math.cos(self.pitch / 2),
+        )
+        return Pose(
+            self.position, (cy * sp, sy * cp, -sy * sp, cy * cp)
+        )  # about the world's y after the head's x: never any roll
 
 
 class Walker:
@@ -88,7 +103,9 @@ class Walker:
         state.yaw_goal += yaw_rad
         state.pitch_goal = _clamped(state.pitch_goal + pitch_rad)
 
-    def walk(self, time_ns: int, right: float = 0.0, up: float = 0.0, forward: float = 0.0, *, fast: bool = False) -> None:
+    def walk(
+        self, time_ns: int, right: float = 0.0, up: float = 0.0, forward: float = 0.0, *, fast: bool = False
+    ) -> None:
         """From now on in this direction, -1..1 each, level with the ground whatever the pitch; zeros to stop."""
         length = max(1.0, math.hypot(right, forward))
         pace = WALK_M_S * (FASTER if fast else 1.0)
@@ -121,11 +138,17 @@ class Walker:
         """world_from_head: as it was, for the last quarter of a second (HELD before that); what is to come is PREDICTED as if nothing more
         were told, for 50 ms at most: it goes on turning and walking as its lags have it, so it never overshoots when the hand stops."""
         if time_ns > self._now_ns:
-            pose, origin = self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)).pose(), Origin.PREDICTED
+            pose, origin = (
+                self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)).pose(),
+                Origin.PREDICTED,
+            )
         elif time_ns < self._states[0].time_ns:
             pose, origin = self._states[0].pose(), Origin.HELD
         else:
-            pose, origin = self._known(time_ns).pose(), Origin.MEASURED if time_ns == self._now_ns else Origin.INTERPOLATED
+            pose, origin = (
+                self._known(time_ns).pose(),
+                Origin.MEASURED if time_ns == self._now_ns else Origin.INTERPOLATED,
+            )
         return PoseSample(time_ns, pose, origin, read_ns=self._now_ns)
 
     def _known(self, time_ns: int) -> _State:

@@ -47,7 +47,9 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     options = options or TraceOptions()
     path = trace_path(name_or_path)
     if not path.exists() and path.stem in _recordings():
-        raise TraceError(f"{path}: no such file; the shipped recording is called '{path.stem}', without folder and ending")
+        raise TraceError(
+            f"{path}: no such file; the shipped recording is called '{path.stem}', without folder and ending"
+        )
     head = read_head(path)
     found = find_format(head, options)
     cleaned = found.read(head, options)

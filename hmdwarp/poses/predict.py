@@ -56,7 +56,11 @@ def _window(track: PoseTrack, i: int) -> tuple[int, int]:
     if track.time_ns[i] - track.time_ns[last] >= WINDOW_NS:
         return i, i
     first = last
-    while first > 0 and not track.broken[first - 1] and (first == last or track.time_ns[last] - track.time_ns[first - 1] <= WINDOW_NS):
+    while (
+        first > 0
+        and not track.broken[first - 1]
+        and (first == last or track.time_ns[last] - track.time_ns[first - 1] <= WINDOW_NS)
+    ):
         first -= 1
     return first, last
 
@@ -68,7 +72,9 @@ PREDICTORS: dict[str, Callable[[PoseTrack, int, int, int], PoseSample]] = {
 }
 
 
-def predict(track: PoseTrack, now_ns: int, target_ns: int, method: str = "constant_velocity", horizon_ns: int = HORIZON_NS) -> PoseSample:
+def predict(
+    track: PoseTrack, now_ns: int, target_ns: int, method: str = "constant_velocity", horizon_ns: int = HORIZON_NS
+) -> PoseSample:
     """The head at `target_ns` as it can be known at `now_ns`: no sample after `now_ns` is looked at.
 
     method: none or constant_velocity (cav). horizon_ns: how far ahead of the last sample at most; beyond it the pose stays where

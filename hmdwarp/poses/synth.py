@@ -155,7 +155,9 @@ def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
 
     Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control during standing and walking.
     """
-    sway = np.stack([_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1)
+    sway = np.stack(
+        [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
+    )
     return size * sway + np.array([0.0, EYE_HEIGHT_M, 0.0]) - NECK_TO_EYES_M
 
 
@@ -192,7 +194,9 @@ def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = m
 
 
 def _still(rng: random.Random, seconds: float, t: Array) -> Motion:
-    return Motion(_sines(rng, t, 4.0, 0.1, 1.2), _sines(rng, t, 3.0, 0.1, 1.2), _sines(rng, t, 1.5, 0.1, 1.0), _sway(rng, t))
+    return Motion(
+        _sines(rng, t, 4.0, 0.1, 1.2), _sines(rng, t, 3.0, 0.1, 1.2), _sines(rng, t, 1.5, 0.1, 1.0), _sway(rng, t)
+    )
 
 
 def _look_around(rng: random.Random, seconds: float, t: Array) -> Motion:
@@ -258,13 +262,20 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     bob = 0.022 * going * np.sin(step + 0.5 * math.pi)
     _, heading = _path(t + _LEAD_S * going, seconds)
     side = 0.018 * going * np.sin(step / 2)
-    place = place + side[:, None] * np.stack([np.cos(np.radians(heading)), np.zeros_like(t), -np.sin(np.radians(heading))], axis=1)
+    place = place + side[:, None] * np.stack(
+        [np.cos(np.radians(heading)), np.zeros_like(t), -np.sin(np.radians(heading))], axis=1
+    )
     place[:, 1] += bob
     glances = _sum_of(_glances(rng, seconds), t)
     # The head nods against the bob and so keeps the gaze steady (Pozzo et al. 1990).
     pitch = -6.0 * going - 1.0 * going * np.sin(step + 0.5 * math.pi) + _sines(rng, t, 3.0, 0.1, 0.7)
     roll = 0.8 * going * np.sin(step / 2) + _sines(rng, t, 1.0, 0.1, 0.7)
-    return Motion(heading + glances, pitch, roll, place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + NECK_TO_EYES_M))
+    return Motion(
+        heading + glances,
+        pitch,
+        roll,
+        place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + NECK_TO_EYES_M),
+    )
 
 
 def _path_pace(t: Array, seconds: float) -> Array:
@@ -304,8 +315,20 @@ KINDS: dict[str, Kind] = {
     kind.name: kind
     for kind in (
         Kind("still", "standing still: sway only", 20.0, 1, _still),
-        Kind("look-around", "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene", 30.0, 66, _look_around),
-        Kind("reversals", "the head turns back and forth without resting, the worst case for prediction", 20.0, 1, _reversals),
+        Kind(
+            "look-around",
+            "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene",
+            30.0,
+            66,
+            _look_around,
+        ),
+        Kind(
+            "reversals",
+            "the head turns back and forth without resting, the worst case for prediction",
+            20.0,
+            1,
+            _reversals,
+        ),
         Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
         Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
     )

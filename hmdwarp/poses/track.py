@@ -89,11 +89,15 @@ class PoseTrack:
             raise TraceError("a head track needs at least one sample")
         if self.position_m.shape != (n, 3) or self.orientation_xyzw.shape != (n, 4):
             shapes = f"{self.position_m.shape} and {self.orientation_xyzw.shape}"
-            raise TraceError(f"{n} instants with positions and orientations of shape {shapes}: wanted ({n}, 3) and ({n}, 4)")
+            raise TraceError(
+                f"{n} instants with positions and orientations of shape {shapes}: wanted ({n}, 3) and ({n}, 4)"
+            )
         steps = np.diff(self.time_ns)
         if n > 1 and steps.min() <= 0:
             i = int(np.argmax(steps <= 0))
-            raise TraceError(f"time_ns does not increase at sample {i + 1}: {self.time_ns[i]} then {self.time_ns[i + 1]}")
+            raise TraceError(
+                f"time_ns does not increase at sample {i + 1}: {self.time_ns[i]} then {self.time_ns[i + 1]}"
+            )
         for array in (self.position_m, self.orientation_xyzw):
             if not np.isfinite(array).all():
                 i = int(np.argmin(np.isfinite(array).all(axis=1)))
@@ -187,7 +191,10 @@ class PoseTrack:
         # A jump after sample i stays in front of the next pose that is kept.
         jumps = set(np.searchsorted(keep, np.asarray(self.jumps, dtype=np.int64), side="right") - 1) - {len(keep) - 1}
         return self.evolve(
-            time_ns=self.time_ns[keep], position_m=self.position_m[keep], orientation_xyzw=self.orientation_xyzw[keep], jumps=sorted(jumps)
+            time_ns=self.time_ns[keep],
+            position_m=self.position_m[keep],
+            orientation_xyzw=self.orientation_xyzw[keep],
+            jumps=sorted(jumps),
         )
 
     def evolve(self, **changes: Any) -> PoseTrack:
@@ -202,7 +209,9 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
     worst = int(np.argmax(off))
     if not abs(np.sqrt(norm_squared[worst]) - 1) <= 1e-2:
         length = np.sqrt(norm_squared[worst])
-        raise TraceError(f"sample {worst}: a quaternion of length {length:.4g}, wanted 1 within 0.01: {q[worst].tolist()}")
+        raise TraceError(
+            f"sample {worst}: a quaternion of length {length:.4g}, wanted 1 within 0.01: {q[worst].tolist()}"
+        )
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]
     elif not (np.einsum("ij,ij->i", q[1:], q[:-1]) < 0).any():

@@ -29,7 +29,14 @@ class RaysInLate:
     along_error: Array
 
     @classmethod
-    def of(cls, late: View, size: tuple[int, int], shown: View, shown_size: tuple[int, int], directions: Array | None = None) -> RaysInLate:
+    def of(
+        cls,
+        late: View,
+        size: tuple[int, int],
+        shown: View,
+        shown_size: tuple[int, int],
+        directions: Array | None = None,
+    ) -> RaysInLate:
         """Through the pixel centres of the shown view, or along `directions` (..., 3) of length 1 along its axis."""
         rays = world_directions(shown, shown_size) if directions is None else directions
         moved = shown.pose.position_m - late.pose.position_m

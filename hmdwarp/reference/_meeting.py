@@ -18,7 +18,10 @@ from .picture import LatePicture, ReferencePicture, sample_covered
 Mask = NDArray[np.bool_]
 MOST_STEP = 0.5  # pixels
 DEPTH_TOLERANCE, DEPTH_FLOOR = 0.03, 0.02
-SAME, FARTHEST = 2.0**-16, 2.0**-20  # depths that differ by less, relative or in 1/m, are one: guesses often lead to the same point
+SAME, FARTHEST = (
+    2.0**-16,
+    2.0**-20,
+)  # depths that differ by less, relative or in 1/m, are one: guesses often lead to the same point
 
 
 @attrs.frozen(eq=False)
@@ -64,7 +67,9 @@ class Rays:
 
     def error(self, shown_depth: Array) -> Array:
         """(h, w): pixels by which the shader's place of a point may be off: it adds two more products and a quotient to the bound's."""
-        bound = pixel_error_bound(WarpMap.between(self.shown, self.shown_size, self.view, self.size), self.shown_size, np.abs(shown_depth))
+        bound = pixel_error_bound(
+            WarpMap.between(self.shown, self.shown_size, self.view, self.size), self.shown_size, np.abs(shown_depth)
+        )
         return 4 * bound + 8 * FLOAT32_UNIT * max(self.size)
 
 
@@ -158,7 +163,9 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
         depth_error = 4 * (np.abs(slope).sum(axis=-1) * error + 8 * FLOAT32_UNIT * (np.abs(own) + np.abs(r)))
         place_error = np.nan_to_num(error + reach * depth_error, nan=np.inf)
         inside = ((place >= 0) & (place < np.array(rays.size))).all(axis=-1)
-        shown_depth, on_the_plane = rays.shown_depth(np.where(np.isfinite(place), place, 0), np.where(np.isfinite(r_met), r_met, 0))
+        shown_depth, on_the_plane = rays.shown_depth(
+            np.where(np.isfinite(place), place, 0), np.where(np.isfinite(r_met), r_met, 0)
+        )
         met = usable & is_depth(own) & (moved <= MOST_STEP) & inside & np.isfinite(shown_depth)
         # Borders between texels decide which is met; their middles, to which side it slants, which matters if the step leads away.
         from_border, from_middle = (np.abs(q - np.round(q)).min(axis=-1) for q in (p, p - 0.5))
@@ -171,7 +178,9 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
             | (_from_border(place, rays.size) <= place_error)
         )
     look = np.where(connected, place, centre)
-    return Meetings(np.where(met, shown_depth, -1), np.where(met, r_met, -1), place, look, connected, place_error, unsure)
+    return Meetings(
+        np.where(met, shown_depth, -1), np.where(met, r_met, -1), place, look, connected, place_error, unsure
+    )
 
 
 def _held(picture: LatePicture, texel: NDArray[np.int64]) -> Array:
@@ -229,5 +238,7 @@ def met_by(picture: LatePicture, shown: View, shown_size: tuple[int, int], sampl
     tried, unsure = guesses(picture, shown, shown_size)
     found = first_of([meet(picture, rays, guess) for guess in tried])
     found = attrs.evolve(found, undecided=found.undecided | unsure)
-    looked = sample_covered(picture.colour, np.where(found.met[..., None], found.look, np.nan), found.place_error, sampler_pixels)
+    looked = sample_covered(
+        picture.colour, np.where(found.met[..., None], found.look, np.nan), found.place_error, sampler_pixels
+    )
     return Found(rays, tried[0], found, attrs.evolve(looked, undecided=looked.undecided & found.met))

@@ -40,7 +40,9 @@ def rays_through(view: View, size: tuple[int, int], at: Array) -> Array:
     return np.concatenate([tangents, -np.ones((*tangents.shape[:-1], 1))], axis=-1)
 
 
-def project(directions: Array, offset_m: Array, inverse_depth: Array, view: View, size: tuple[int, int]) -> tuple[Array, Array, Array]:
+def project(
+    directions: Array, offset_m: Array, inverse_depth: Array, view: View, size: tuple[int, int]
+) -> tuple[Array, Array, Array]:
     """Where points at eye + direction / inverse_depth appear in `view`, whose eye lies at eye - offset_m.
 
     Returns pixel (..., 2), inverse depth there (...) and w (...), the depth ratio; NaN pixels where w <= 0. Points are scaled by
@@ -57,7 +59,9 @@ def project(directions: Array, offset_m: Array, inverse_depth: Array, view: View
     return np.stack([u * size[0], v * size[1]], axis=-1), inverse_depth / before, w
 
 
-def pixel_error_bound(warp: WarpMap, size: tuple[int, int], inverse_depth: Array, places: Places | None = None) -> Array:
+def pixel_error_bound(
+    warp: WarpMap, size: tuple[int, int], inverse_depth: Array, places: Places | None = None
+) -> Array:
     """(h, w): how far, in pixels, the float32 evaluation of `warp` may lie from the exact one at each pixel of a (w, h) picture.
 
     Standard model: an inner product of four float32 terms with rounded entries is off by at most 6 u times the sum of the

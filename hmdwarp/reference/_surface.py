@@ -86,10 +86,17 @@ def _joined(rows: Array, limit: float, cut_by_slope: bool, sign: int) -> np.ndar
 
 def _edges(joins: Joins, j: int, i: int) -> tuple[bool, ...]:
     """Below, above, left, right of the cell."""
-    return bool(joins.along_x[j, i]), bool(joins.along_x[j + 1, i]), bool(joins.along_y[j, i]), bool(joins.along_y[j, i + 1])
+    return (
+        bool(joins.along_x[j, i]),
+        bool(joins.along_x[j + 1, i]),
+        bool(joins.along_y[j, i]),
+        bool(joins.along_y[j, i + 1]),
+    )
 
 
-def _cell(i: int, j: int, values: tuple, edges: tuple[bool, ...], shape: tuple[int, int], *, doubtful: bool) -> list[tuple]:
+def _cell(
+    i: int, j: int, values: tuple, edges: tuple[bool, ...], shape: tuple[int, int], *, doubtful: bool
+) -> list[tuple]:
     """Triangles of the cell between the centres of pixels (i-1, j-1) and (i, j), its part outside the picture cut off."""
     nowhere = (np.nan, np.nan)
 
@@ -114,7 +121,10 @@ def _cell(i: int, j: int, values: tuple, edges: tuple[bool, ...], shape: tuple[i
         }
         points = [(*place(*grown), value) for grown, value in _reaching_out(values_at, x, y)]
         centre = (min(max(i - 1 + x, 0), shape[1] - 1) + 0.5, min(max(j - 1 + y, 0), shape[0] - 1) + 0.5)
-        out += [(tuple(points[k] for k in half), centre, (to_beside * (1 - 2 * x), to_over * (1 - 2 * y)), doubtful) for half in HALVES]
+        out += [
+            (tuple(points[k] for k in half), centre, (to_beside * (1 - 2 * x), to_over * (1 - 2 * y)), doubtful)
+            for half in HALVES
+        ]
     return out
 
 

@@ -12,7 +12,9 @@ from .picture import Asked, ReferencePicture, near_edge
 from .scanout import Twin, scanned_out
 
 
-def fused(asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None) -> ReferencePicture:
+def fused(
+    asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None
+) -> ReferencePicture:
     """The panel picture (h, w, 4) that `twin`'s warp makes in one resample; black where the lens shows more than the shown view.
 
     last: the view of the panel's last row, if rows light up one after the other. tolerance is that of the worst of the three colours;
@@ -34,7 +36,9 @@ def fused(asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tupl
     return ReferencePicture(out, tolerance, undecided)
 
 
-def looked_at(headset: Headset, eye: int, panel_size: tuple[int, int], asked: Asked, colour: str) -> tuple[Array, Array]:
+def looked_at(
+    headset: Headset, eye: int, panel_size: tuple[int, int], asked: Asked, colour: str
+) -> tuple[Array, Array]:
     """(h, w, 2) the pixel of the shown view where each panel pixel sees that colour, in polar form; (h, w) a float32 shader's error.
 
     A place on the lens is a product and a sum of rounded numbers (4 units of their absolute values); nine Horner steps and their

@@ -53,7 +53,9 @@ def planar(asked: Asked) -> ReferencePicture:
         pixels, _, _ = project(rays, moved, inverse_length, late, size)
         towards = (rays @ axis) / past > 0
     pixels = np.where(towards[..., None], pixels, np.nan)
-    bound = asked.map_error(WarpMap.between(shown, shown_size, late, size), np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0)))
+    bound = asked.map_error(
+        WarpMap.between(shown, shown_size, late, size), np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
+    )
     # The shader's form cancels by up to 1 + 2 r |moved| before it divides by past.
     grown = 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
     return sample_covered(asked.colour, pixels, grown, asked.sampler_pixels)
@@ -74,8 +76,12 @@ def backward(asked: Asked) -> ReferencePicture:
     both_ahead = known & ~np.isnan(pixels).any(axis=-1) & ~np.isnan(centres).any(axis=-1)
     pixels = np.where(both_ahead[..., None], pixels, np.nan)
     bound = asked.map_error(WarpMap.between(shown, shown_size, late, size), own)
-    at, agree, undecided = _where_depth_agrees(asked.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor)
-    looked = sample_covered(asked.colour, np.where(agree[..., None], at, np.nan), bound, asked.sampler_pixels, least=0.0)
+    at, agree, undecided = _where_depth_agrees(
+        asked.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
+    )
+    looked = sample_covered(
+        asked.colour, np.where(agree[..., None], at, np.nan), bound, asked.sampler_pixels, least=0.0
+    )
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known
@@ -83,7 +89,9 @@ def backward(asked: Asked) -> ReferencePicture:
     return ReferencePicture(looked.colour, looked.tolerance, undecided)
 
 
-def _where_depth_agrees(inverse_depth: Array, pixels: Array, centres: Array, expected: Array, error: Array, tolerance: float, floor: float):
+def _where_depth_agrees(
+    inverse_depth: Array, pixels: Array, centres: Array, expected: Array, error: Array, tolerance: float, floor: float
+):
     """The place, or the centre of the one of two texels that agrees; whether any agrees; where rounding may decide.
 
     The two texels: the one that the centre of the shown pixel falls into, and of the other three of the place's bilinear footprint the

@@ -12,7 +12,9 @@ from .picture import Asked, ReferencePicture, near_edge, sample_covered
 BLOCK = 4
 SAME_SURFACE = 0.9
 MOST_CELLS = 8
-FARTHEST_BITS, NEAREST_BITS = (int(np.float32(x).view(np.uint32)) for x in (2.0**-20, np.nextafter(np.float32(2**11), np.float32(0))))
+FARTHEST_BITS, NEAREST_BITS = (
+    int(np.float32(x).view(np.uint32)) for x in (2.0**-20, np.nextafter(np.float32(2**11), np.float32(0)))
+)
 
 
 def iterative(asked: Asked) -> ReferencePicture:
@@ -53,21 +55,29 @@ def _coloured(
     seen = met & ahead & inside
     looked = sample_covered(asked.colour, np.where(seen[..., None], at, np.nan), error, asked.sampler_pixels)
     edge = near_edge(pixels, size, error) & (rays.lead > 0)
-    return ReferencePicture(looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside)
+    return ReferencePicture(
+        looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside
+    )
 
 
 def _nothing(like: Array) -> tuple[Array, Array, Bools]:
     return np.zeros(like.shape), np.zeros(like.shape), np.zeros(like.shape, bool)
 
 
-def _plain_look(surface: LateSurface, rays: RaysInLate, r: Array, r_error: Array, unsure: Bools) -> tuple[Array, Array, Bools]:
+def _plain_look(
+    surface: LateSurface, rays: RaysInLate, r: Array, r_error: Array, unsure: Bools
+) -> tuple[Array, Array, Bools]:
     """The depth of the texel where the guess appears, unless the guess agrees with it."""
     place, error = rays.place(r), rays.place_error(r, r_error)
     seen = surface.held(surface.texel(place))
     limit = surface.tolerance * (r + surface.floor)
     takes = (seen >= 0) & (np.abs(seen - r) > limit)
     close = (seen >= 0) & (np.abs(np.abs(seen - r) - limit) <= 2 * r_error + 16 * FLOAT32_UNIT * (seen + r + limit))
-    return np.where(takes, seen, r), np.where(takes, 0.0, r_error), unsure | close | surface.near_other_texel(place, error)
+    return (
+        np.where(takes, seen, r),
+        np.where(takes, 0.0, r_error),
+        unsure | close | surface.near_other_texel(place, error),
+    )
 
 
 def first_guess(asked: Asked, surface: LateSurface) -> tuple[Array, Array, Bools]:
@@ -111,7 +121,14 @@ def _in_front(asked: Asked) -> tuple[Array, Array, Bools]:
 
 
 def _splat_block(
-    asked: Asked, block: Array, column: int, row: int, bits: list[int], cells: tuple[int, ...], least: Array, most: Array
+    asked: Asked,
+    block: Array,
+    column: int,
+    row: int,
+    bits: list[int],
+    cells: tuple[int, ...],
+    least: Array,
+    most: Array,
 ) -> None:
     nearest = block.max()
     code = min(int(np.float32(nearest).view(np.uint32)), NEAREST_BITS) if nearest > 0 else 0
@@ -127,7 +144,9 @@ def _splat_block(
         return
     for where, grow in ((least, -error), (most, error)):
         start = np.maximum(np.floor((low - grow) / BLOCK).astype(int), 0)
-        stop = np.minimum(np.minimum(np.floor((high + grow) / BLOCK).astype(int), np.array(cells) - 1), start + MOST_CELLS - 1)
+        stop = np.minimum(
+            np.minimum(np.floor((high + grow) / BLOCK).astype(int), np.array(cells) - 1), start + MOST_CELLS - 1
+        )
         if (stop >= start).all():
             part = where[start[1] : stop[1] + 1, start[0] : stop[0] + 1]
             np.maximum(part, key, out=part)
@@ -138,7 +157,9 @@ def _box(asked: Asked, column: int, row: int, nearest: float, farthest: float):
     late, wide, high = asked.late, *asked.size
     left, right, down, up = late.fov.tangents
     corners = np.array([(column + dx, row + dy) for dy in (0, BLOCK) for dx in (0, BLOCK)], float)
-    tangents = np.stack([left + corners[:, 0] * (right - left) / wide, down + corners[:, 1] * (up - down) / high, -np.ones(4)], axis=-1)
+    tangents = np.stack(
+        [left + corners[:, 0] * (right - left) / wide, down + corners[:, 1] * (up - down) / high, -np.ones(4)], axis=-1
+    )
     rays = np.tile(tangents @ late.pose.rotation.as_matrix().T, (2, 1))
     own = np.repeat([nearest, farthest], 4)
     pixels, _, w = project(rays, late.pose.position_m - asked.shown.pose.position_m, own, asked.shown, asked.shown_size)

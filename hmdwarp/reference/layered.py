@@ -17,7 +17,9 @@ def layered(asked: Asked) -> ReferencePicture:
     for number, layer in enumerate((front, *asked.layers[: asked.settings.layers - 1])):
         one = met_by(layer, asked.shown, asked.shown_size, asked.sampler_pixels)
         found, looked = one.meetings, one.looked
-        free, unsure = (np.ones(shape, bool), np.zeros(shape, bool)) if number == 0 else _uncovered(front, one.rays, found)
+        free, unsure = (
+            (np.ones(shape, bool), np.zeros(shape, bool)) if number == 0 else _uncovered(front, one.rays, found)
+        )
         nearer, close = is_nearer(found.depth, depth)
         # Where even the nearest guess lies behind what is there, no surface is looked for.
         worth, close_guess = is_nearer(one.nearest_guess, depth)
@@ -25,7 +27,11 @@ def layered(asked: Asked) -> ReferencePicture:
         # Whatever was uncertain of a layer counts where it might have shown.
         sought = worth | close_guess
         undecided |= sought & (found.undecided | (found.met & (unsure | looked.undecided | close | close_guess)))
-        colour[shows], tolerance[shows], depth[shows] = looked.colour[shows], looked.tolerance[shows], found.depth[shows]
+        colour[shows], tolerance[shows], depth[shows] = (
+            looked.colour[shows],
+            looked.tolerance[shows],
+            found.depth[shows],
+        )
     return ReferencePicture(colour, tolerance, undecided)
 
 

@@ -52,7 +52,11 @@ def fill_from(
         sought = worth | unsure_worth
         doubt = found.undecided | (found.met & (one.looked.undecided | unsure | unsure_worth))
         undecided |= empty & sought & doubt
-        out[shows], tolerance[shows], depth_out[shows] = one.looked.colour[shows], one.looked.tolerance[shows], found.depth[shows]
+        out[shows], tolerance[shows], depth_out[shows] = (
+            one.looked.colour[shows],
+            one.looked.tolerance[shows],
+            found.depth[shows],
+        )
         depth[shows] = SETTLED if newest and number == 0 else found.depth[shows]
         confidence[shows] = sure[shows]
     return Filled(ReferencePicture(out, tolerance, undecided), depth_out)
@@ -65,7 +69,9 @@ def _nearest_of_blocks(depth: Array) -> Array:
     return even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2).max(axis=(1, 3))
 
 
-def _met_by(picture: LatePicture, guessed: LatePicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float) -> Found:
+def _met_by(
+    picture: LatePicture, guessed: LatePicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float
+) -> Found:
     """As _meeting.met_by, with guesses for cells of the shown picture instead of its pixels."""
     cells = (-(-size[0] // cell), -(-size[1] // cell))
     rays = Rays.between(shown, size, picture.view, picture.inverse_depth.shape[1::-1])
@@ -74,7 +80,9 @@ def _met_by(picture: LatePicture, guessed: LatePicture, shown: View, size: tuple
     here = np.ix_(row, column)
     found = first_of([meet(picture, rays, guess[here]) for guess in tried])
     found = attrs.evolve(found, undecided=found.undecided | unsure[here])
-    looked = sample_covered(picture.colour, np.where(found.met[..., None], found.look, np.nan), found.place_error, sampler_pixels)
+    looked = sample_covered(
+        picture.colour, np.where(found.met[..., None], found.look, np.nan), found.place_error, sampler_pixels
+    )
     return Found(rays, tried[0][here], found, attrs.evolve(looked, undecided=looked.undecided & found.met))
 
 
@@ -101,8 +109,12 @@ def forgotten(kept: LatePicture, late: LatePicture) -> tuple[Mask, Mask]:
     # Another cell may be looked at within the pixel's error of an even border; limits within rounding are close calls.
     border = np.abs(pixels / 2 - np.round(pixels / 2)).min(axis=-1) * 2
     unit = 64 * FLOAT32_UNIT * (expected + 1)
-    close = np.minimum.reduce([np.abs(nearest - expected - limit), np.abs(farthest - expected + limit), np.abs(nearest - expected + limit)])
-    near_margin = np.minimum(np.abs(own - low + margin), np.abs(own - high - margin)).min(axis=-1) <= 2.0**-9 * (1 + high.max(axis=-1))
+    close = np.minimum.reduce(
+        [np.abs(nearest - expected - limit), np.abs(farthest - expected + limit), np.abs(nearest - expected + limit)]
+    )
+    near_margin = np.minimum(np.abs(own - low + margin), np.abs(own - high - margin)).min(axis=-1) <= 2.0**-9 * (
+        1 + high.max(axis=-1)
+    )
     unsure = (border <= error) | (close <= unit) | near_margin | (np.abs(w) <= unit)
     return gone, known & np.nan_to_num(unsure, nan=1).astype(bool)
 

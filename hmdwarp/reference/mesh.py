@@ -72,7 +72,9 @@ def _seen(asked: Asked, cut: str, tolerance: float = 0.0, overlap: float = 0.0) 
     def hits(offset: tuple[float, float], grown: float = 0.0, reach: float = 0.0) -> _Hits:
         found = _hits(asked, triangles, np.array(offset), grown, reach)
         if cut != "slope":
-            return _nearest_first(_coloured(asked.colour, _without_sheets(asked, triangles, found, limits, np.array(offset))))
+            return _nearest_first(
+                _coloured(asked.colour, _without_sheets(asked, triangles, found, limits, np.array(offset)))
+            )
         return _nearest_first(_coloured(asked.colour, found.coloured_by_owner(triangles)))
 
     edge = EDGE_PIXELS + tolerance
@@ -114,7 +116,9 @@ def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0, r
     which, pixels = _pairs(corners, asked.shown_size, offset, grown, reach * whole)
     ray = _rays(asked, pixels, offset)
     a, b, c = (corners[which, k] for k in range(3))
-    lines = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)  # through the edges; opposite each corner
+    lines = np.stack(
+        [np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1
+    )  # through the edges; opposite each corner
     volume = np.einsum("nk,nk->n", a, lines[:, 0])
     values = triangles.corners[which]
     turned = np.abs(volume) <= _volume_error(asked, values, corners[which], lines)  # it may face the eye, or not
@@ -124,7 +128,10 @@ def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0, r
     a_pixel = np.abs(lines[..., :2]).sum(axis=2)  # what spans change by
     with np.errstate(divide="ignore", invalid="ignore"):
         place = np.einsum("ne,nek->nk", spans, values[..., :2]) / total[:, None]
-        slopes = np.einsum("nec,nek->nkc", lines[..., :2], values[..., :2]) - place[..., None] * lines[..., :2].sum(axis=1)[:, None, :]
+        slopes = (
+            np.einsum("nec,nek->nkc", lines[..., :2], values[..., :2])
+            - place[..., None] * lines[..., :2].sum(axis=1)[:, None, :]
+        )
         scale = np.abs(slopes / total[:, None, None]).sum(axis=2).max(axis=1)
         depth = np.einsum("ne,ne->n", spans, values[..., 2]) / np.abs(volume)
         slope = np.abs(np.einsum("nec,ne->nc", lines[..., :2], values[..., 2]) / volume[:, None]).sum(axis=1)
@@ -152,7 +159,9 @@ def _rays(asked: Asked, pixels: np.ndarray, offset: Array) -> Array:
     return np.stack([pixels % wide + 0.5 + offset[0], pixels // wide + 0.5 + offset[1], np.ones(len(pixels))], axis=-1)
 
 
-def _pairs(corners: Array, shown_size: tuple[int, int], offset: Array, grown: float, reach: Array) -> tuple[np.ndarray, np.ndarray]:
+def _pairs(
+    corners: Array, shown_size: tuple[int, int], offset: Array, grown: float, reach: Array
+) -> tuple[np.ndarray, np.ndarray]:
     """Triangles and the pixels of the box around each, grown by pixels and by twice (perspective) `reach` (n,) times itself; all pixels
     where a corner lies behind the eye."""
     wide, high = shown_size
@@ -197,7 +206,9 @@ def _without_sheets(asked: Asked, triangles: Surface, hits: _Hits, limits: tuple
     error = 64 * FLOAT32_UNIT * (np.nan_to_num(surface_depth) + np.nan_to_num(own))
     far = 1e-3 * (1 + hits.scale)
     sheet = (difference > slack) & ~(away <= 0.5)
-    unsure = (np.abs(difference - slack) <= error + far * max(limits) * np.nan_to_num(own)) | (np.abs(away - 0.5) <= far)
+    unsure = (np.abs(difference - slack) <= error + far * max(limits) * np.nan_to_num(own)) | (
+        np.abs(away - 0.5) <= far
+    )
     border = np.abs(hits.place - np.round(hits.place)).min(axis=1) <= far  # which pixel is nearest
     doubtful = hits.doubtful | ((unsure | border) & (difference > 0))
     coloured = hits.coloured_by_owner(triangles).place
@@ -207,7 +218,9 @@ def _without_sheets(asked: Asked, triangles: Surface, hits: _Hits, limits: tuple
 
 def _coloured(colour: Array, hits: _Hits) -> _Hits:
     """Without hits on what the late picture did not draw."""
-    looked = ndimage.map_coordinates(colour[..., 3], [hits.place[:, 1] - 0.5, hits.place[:, 0] - 0.5], order=1, mode="nearest")
+    looked = ndimage.map_coordinates(
+        colour[..., 3], [hits.place[:, 1] - 0.5, hits.place[:, 0] - 0.5], order=1, mode="nearest"
+    )
     return hits.only(looked >= LEAST_ALPHA)
 
 
@@ -235,7 +248,11 @@ def _picture(asked: Asked, hits: _Hits, beside: list[_Hits], edge: float, merged
     seen = winner >= 0
     place, scale = np.full((count, 2), np.nan), np.zeros(count)
     triangle = np.full(count, -1)
-    place[seen], scale[seen], triangle[seen] = hits.place[winner[seen]], hits.scale[winner[seen]], hits.triangle[winner[seen]]
+    place[seen], scale[seen], triangle[seen] = (
+        hits.place[winner[seen]],
+        hits.scale[winner[seen]],
+        hits.triangle[winner[seen]],
+    )
     # Places are interpolated as place / w and 1 / w from the picture's corner: a few roundings of the place itself and of its
     # slope times the shown place, in each.
     error = 16 * FLOAT32_UNIT * (max(asked.size) + max(asked.shown_size) * scale)

@@ -72,15 +72,21 @@ def moved_picture(asked: MotionAsked) -> MovedPicture:
     """Everything that moves, moved; holes where it was. What a place within SNAP_PX shows otherwise is tolerance, or undecided."""
     squares = _Squares.of(asked)
     exact = _looked(asked, squares, np.zeros(2))
-    beside = [_looked(asked, squares, SNAP_PX * np.array(offset)) for offset in product((-1, 0, 1), repeat=2) if any(offset)]
+    beside = [
+        _looked(asked, squares, SNAP_PX * np.array(offset)) for offset in product((-1, 0, 1), repeat=2) if any(offset)
+    ]
     spread = np.max([np.abs(one.colour - exact.colour)[..., :3].max(axis=-1) for one in beside], axis=0)
     deep = np.max([np.abs(one.inverse_depth - exact.inverse_depth) for one in beside], axis=0)
-    other = np.any([(one.owner != exact.owner) & ~_touching(one.owner, exact.owner, asked.size[0]) for one in beside], axis=0)
+    other = np.any(
+        [(one.owner != exact.owner) & ~_touching(one.owner, exact.owner, asked.size[0]) for one in beside], axis=0
+    )
     undecided = other | np.any([one.near_tie for one in (exact, *beside)], axis=0)
     moved = exact.owner >= 0
     rounding = np.where(moved, 2 * HALF_UNIT * np.abs(exact.colour).max(axis=-1) + HALF_SMALLEST, 0)
     picture = ReferencePicture(exact.colour, np.where(moved, 1.5 * spread, 0) + rounding, undecided)
-    return MovedPicture(picture, exact.inverse_depth, np.where(moved, 1.5 * deep + 1e-5 * np.abs(exact.inverse_depth), 0))
+    return MovedPicture(
+        picture, exact.inverse_depth, np.where(moved, 1.5 * deep + 1e-5 * np.abs(exact.inverse_depth), 0)
+    )
 
 
 def _touching(a: NDArray[np.int64], b: NDArray[np.int64], wide: int) -> NDArray[np.bool_]:
@@ -130,7 +136,9 @@ def _corner(asked: MotionAsked, keys: NDArray, row: int, column: int, dx: int, d
     return point, pixel, inverse_depth
 
 
-def _surface(asked: MotionAsked, keys: NDArray, start: tuple[int, int], around: list[tuple[int, int]]) -> list[tuple[int, int]]:
+def _surface(
+    asked: MotionAsked, keys: NDArray, start: tuple[int, int], around: list[tuple[int, int]]
+) -> list[tuple[int, int]]:
     """Those of the pixels `around` a corner that are reached from `start` over joined sides."""
     reached, waiting = [start], [start]
     while waiting:

@@ -122,11 +122,15 @@ def sample_covered(
     outside = ~((pixels >= 0) & (pixels < np.array(colour.shape[1::-1]))).all(axis=-1)
     place = np.where(np.isnan(pixels), 0.0, pixels) - 0.5
     coords = [place[..., 1], place[..., 0]]
-    looked = np.stack([ndimage.map_coordinates(colour[..., c], coords, order=1, mode="nearest") for c in range(4)], axis=-1)
+    looked = np.stack(
+        [ndimage.map_coordinates(colour[..., c], coords, order=1, mode="nearest") for c in range(4)], axis=-1
+    )
     alpha = looked[..., 3]
     covered = (alpha >= least) & (alpha > 0) & ~outside
     out = np.zeros_like(looked)
-    out[covered] = np.concatenate([looked[covered][:, :3] / alpha[covered][:, None], np.ones((covered.sum(), 1))], axis=1)
+    out[covered] = np.concatenate(
+        [looked[covered][:, :3] / alpha[covered][:, None], np.ones((covered.sum(), 1))], axis=1
+    )
 
     error = np.minimum(position_error + sampler_pixels, _ANYWHERE)
     slope = _contrast_near(colour, coords) * 2 * error[..., None]  # both axes
@@ -146,6 +150,8 @@ def near_edge(pixels: Array, size: tuple[int, int], error: Array) -> NDArray[np.
 
 def _contrast_near(colour: Array, coords: list[Array]) -> Array:
     """Largest difference within the 4x4 texels around each place, per channel: bounds the slope a moved look can meet."""
-    spread = ndimage.maximum_filter(colour, size=(5, 5, 1), mode="nearest") - ndimage.minimum_filter(colour, size=(5, 5, 1), mode="nearest")
+    spread = ndimage.maximum_filter(colour, size=(5, 5, 1), mode="nearest") - ndimage.minimum_filter(
+        colour, size=(5, 5, 1), mode="nearest"
+    )
     y, x = (np.clip(np.round(c).astype(int), 0, n - 1) for c, n in zip(coords, colour.shape, strict=False))
     return spread[y, x]

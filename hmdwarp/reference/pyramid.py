@@ -87,7 +87,11 @@ def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -
         )
     )  # fmt: skip
     borders = KERNEL.ravel() * np.where(weight > 0, border, 0)
-    farthest = np.where(weight > 0, depth, np.inf).min(axis=-1) if from_picture else _farthest_of_enough(depth, borders, behind, least)
+    farthest = (
+        np.where(weight > 0, depth, np.inf).min(axis=-1)
+        if from_picture
+        else _farthest_of_enough(depth, borders, behind, least)
+    )
     holes = (KERNEL.ravel() * holes).sum(axis=-1)
     beside = KERNEL.ravel() * _share(depth, farthest[..., None], behind) * (holes > 0)[..., None]
     counts = beside * weight
@@ -96,7 +100,9 @@ def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -
     new_weight = np.where(total > 0, np.clip(GAIN * total, LEAST, 1), 0)
     if from_picture:
         holes = np.where((holes > 0) & (new_weight > 0), CRACKS, holes)
-    return Level(pulled, new_weight, mean_depth, holes / (KERNEL.ravel() * inside).sum(axis=-1), (beside * border).sum(axis=-1))
+    return Level(
+        pulled, new_weight, mean_depth, holes / (KERNEL.ravel() * inside).sum(axis=-1), (beside * border).sum(axis=-1)
+    )
 
 
 def _farthest_of_enough(depth: Array, borders: Array, behind: Behind, least: float) -> Array:
@@ -129,15 +135,25 @@ def _windows(values: Array, outside: float) -> Array:
     rest = ((0, 0),) * (values.ndim - 2)
     padded = np.pad(values, ((1, 2 + high % 2), (1, 2 + wide % 2), *rest), constant_values=outside)
     windows = sliding_window_view(padded, (4, 4), axis=(0, 1))[::2, ::2][: -(-high // 2), : -(-wide // 2)]
-    return np.moveaxis(windows, 2, -1).reshape(*windows.shape[:2], 16, 3) if values.ndim == 3 else windows.reshape(*windows.shape[:2], 16)
+    return (
+        np.moveaxis(windows, 2, -1).reshape(*windows.shape[:2], 16, 3)
+        if values.ndim == 3
+        else windows.reshape(*windows.shape[:2], 16)
+    )
 
 
 def _enlarged(above: Level, shape: tuple[int, int], behind: Behind, least: float) -> Level:
     """What the level above says at each texel of a level of that shape: bilinear, of the farthest alone."""
     rows, columns = (_two_nearest(n, m) for n, m in zip(shape, above.weight.shape, strict=True))
-    pairs = [(y, x, a * b) for y, a in zip(rows, (0.75, 0.25), strict=True) for x, b in zip(columns, (0.75, 0.25), strict=True)]
+    pairs = [
+        (y, x, a * b)
+        for y, a in zip(rows, (0.75, 0.25), strict=True)
+        for x, b in zip(columns, (0.75, 0.25), strict=True)
+    ]
     below = (above.colour, above.weight, above.depth, above.holes, above.border)
-    colour, weight, depth, holes, border = (np.stack([values[np.ix_(y, x)] for y, x, _ in pairs], axis=2) for values in below)
+    colour, weight, depth, holes, border = (
+        np.stack([values[np.ix_(y, x)] for y, x, _ in pairs], axis=2) for values in below
+    )
     shares = np.array([share for *_, share in pairs])
     farthest = _farthest_of_enough(depth, shares * border, behind, least)
     beside = shares * _share(depth, farthest[..., None], behind)

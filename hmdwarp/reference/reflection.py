@@ -68,7 +68,9 @@ def with_reflection(pictures: MirrorPictures, mirrors: Sequence[Mirror], *, glos
     out = base.copy()
     out[:, :3] = base[:, :3] * (1 - share) + image[:, :3] * share
     brightest = np.abs(np.concatenate([base[:, :3], image[:, :3]], axis=1)).max(axis=1)
-    tolerance = share[:, 0] * tolerance + (HALF_UNIT + 1e-5) * brightest + HALF_SMALLEST  # 1e-5: Schlick's fifth power in float32
+    tolerance = (
+        share[:, 0] * tolerance + (HALF_UNIT + 1e-5) * brightest + HALF_SMALLEST
+    )  # 1e-5: Schlick's fifth power in float32
     shape = size[::-1]
     return ReferencePicture(out.reshape(*shape, 4), tolerance.reshape(shape), undecided.reshape(shape))
 
@@ -85,13 +87,19 @@ def _meet(mirrors: Sequence[Mirror], eye: Array, rays: Array) -> Hits:
             edges = [half * (1 + apron_m / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
             hits = cast_quads([(mirror.centre_m, *edges)], eye, rays)
             before = rays @ mirror.normal < 0
-            found.append(attrs.evolve(hits, inverse_depth=np.where(before, hits.inverse_depth, 0), shape=np.where(before, hits.shape, -1)))
+            found.append(
+                attrs.evolve(
+                    hits, inverse_depth=np.where(before, hits.inverse_depth, 0), shape=np.where(before, hits.shape, -1)
+                )
+            )
         return _first(found)
 
     exact, around = all_of(0.0), all_of(APRON_M)
     none = exact.shape < 0
     return attrs.evolve(
-        exact, inverse_depth=np.where(none, around.inverse_depth, exact.inverse_depth), shape=np.where(none, around.shape, exact.shape)
+        exact,
+        inverse_depth=np.where(none, around.inverse_depth, exact.inverse_depth),
+        shape=np.where(none, around.shape, exact.shape),
     )
 
 
@@ -121,7 +129,14 @@ def _tilted(mirrors: Sequence[Mirror], which: NDArray, normals: Array, tilt: Arr
 
 
 def _look(
-    pictures: MirrorPictures, place: Array, unit: Array, normals: Array, tilted: Array, depth: Array, met: Array, rays: Array
+    pictures: MirrorPictures,
+    place: Array,
+    unit: Array,
+    normals: Array,
+    tilted: Array,
+    depth: Array,
+    met: Array,
+    rays: Array,
 ) -> ReferencePicture:
     """What the disturbed rays meet, looked up where its mirror image is seen."""
     length = np.linalg.norm(rays, axis=1)
@@ -163,7 +178,10 @@ def image_by_two_rays(away_m: float, radius_m: float, incidence_rad: float, step
         return np.array([c * vector[0] + s * vector[1], -s * vector[0] + c * vector[1]])  # clockwise, as normal_at
 
     first = radius_m * normal_at(0.0)
-    mirrored, incoming = turned(normal_at(0.0), incidence_rad), turned(normal_at(0.0), -incidence_rad)  # both away from the surface
+    mirrored, incoming = (
+        turned(normal_at(0.0), incidence_rad),
+        turned(normal_at(0.0), -incidence_rad),
+    )  # both away from the surface
     point = first + away_m * mirrored
     second = radius_m * normal_at(step)
     towards_point = (point - second) / np.linalg.norm(point - second)

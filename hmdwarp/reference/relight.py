@@ -39,7 +39,10 @@ class Relit:
         """(h, w, 2) of the pixel centres."""
         left, right, down, up = self.fov.tangents
         high, wide = self.inverse_depth.shape
-        x, y = left + (np.arange(wide) + 0.5) * (right - left) / wide, down + (np.arange(high) + 0.5) * (up - down) / high
+        x, y = (
+            left + (np.arange(wide) + 0.5) * (right - left) / wide,
+            down + (np.arange(high) + 0.5) * (up - down) / high,
+        )
         return np.stack(np.meshgrid(x, y), axis=-1)
 
 
@@ -58,7 +61,12 @@ def relight(asked: Relit) -> Array:
         at = np.where(inside, rows + y, 0) // asked.block, np.where(inside, columns + x, 0) // asked.block
         way = (lights.point[at] - point) * (depth + FLOOR)[:, None]
         distance, off = np.linalg.norm(way, axis=1) / asked.near, (way * normal).sum(axis=1) / asked.off_plane
-        weight = inside * np.maximum((normal * lights.normal[at]).sum(axis=1), 0) ** 4 / (1 + distance**2) ** 2 / (1 + off**2)
+        weight = (
+            inside
+            * np.maximum((normal * lights.normal[at]).sum(axis=1), 0) ** 4
+            / (1 + distance**2) ** 2
+            / (1 + off**2)
+        )
         seen += weight[:, None] * lights.seen[at]
         plain += weight[:, None] * lights.plain[at]
     out = asked.warped.copy()
@@ -99,7 +107,9 @@ def _lights(asked: Relit) -> _Lights:
     ahead, above = (_mean_slope(np.diff(depth, axis=axis)) for axis in (3, 2))
     normal = _normals(tangent, mean, (step[0], mean + ahead), (step[1], mean + above))
     area = asked.block**2
-    return _Lights(total(asked.warped[..., :3]) / area, total(asked.albedo[..., :3]) / area, _points(tangent, mean), normal)
+    return _Lights(
+        total(asked.warped[..., :3]) / area, total(asked.albedo[..., :3]) / area, _points(tangent, mean), normal
+    )
 
 
 def _one_pixel(asked: Relit) -> Array:
@@ -113,7 +123,9 @@ def _blocks(picture: Array, block: int, empty: float) -> Array:
     high, wide = picture.shape[:2]
     rest = ((0, 0),) * (picture.ndim - 2)
     padded = np.pad(picture, ((0, -high % block), (0, -wide % block), *rest), constant_values=empty)
-    return padded.reshape(padded.shape[0] // block, block, padded.shape[1] // block, block, *picture.shape[2:]).swapaxes(1, 2)
+    return padded.reshape(
+        padded.shape[0] // block, block, padded.shape[1] // block, block, *picture.shape[2:]
+    ).swapaxes(1, 2)
 
 
 def _mean_slope(steps: Array) -> Array:

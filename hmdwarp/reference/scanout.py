@@ -46,7 +46,9 @@ def scanned_out(asked: Asked, last: View, twin: Twin) -> ReferencePicture:
         here = np.s_[row : row + 1]
         one = Places(places.pixels[here], error[here], 2 * places.rounding)
         pictures.append(twin(attrs.evolve(asked, shown=row_view(asked.shown, last, row, rows), places=one)))
-    return ReferencePicture(*(np.concatenate([getattr(one, part) for one in pictures]) for part in ("colour", "tolerance", "undecided")))
+    return ReferencePicture(
+        *(np.concatenate([getattr(one, part) for one in pictures]) for part in ("colour", "tolerance", "undecided"))
+    )
 
 
 def turned_pixels(asked: Asked, places: Array, angle: float) -> Array:

@@ -47,7 +47,9 @@ def forward_ordered(asked: Asked) -> ReferencePicture:
         return _painted(asked, landed, np.lexsort((quadrant, last_is_least * dx, last_is_least * dy)))
     beside = dx >= dy
     triangle = np.where(beside, right < x0, 2 + (up < y0))
-    return _painted(asked, landed, np.lexsort((np.where(beside, up, right), triangle, last_is_least * np.maximum(dx, dy))))
+    return _painted(
+        asked, landed, np.lexsort((np.where(beside, up, right), triangle, last_is_least * np.maximum(dx, dy)))
+    )
 
 
 def _epipole(asked: Asked) -> tuple[int, int, bool]:
@@ -97,7 +99,9 @@ def _painted(asked: Asked, landed: _Landings, order: NDArray[np.int64]) -> Refer
     """The picture when what lands is painted in that order, later over earlier."""
     wide, high = asked.shown_size
     out = np.zeros((wide * high, 4))
-    out[landed.slot[order]] = asked.colour.reshape(-1, 4)[landed.source[order]]  # NumPy: of repeated indices the last stays
+    out[landed.slot[order]] = asked.colour.reshape(-1, 4)[
+        landed.source[order]
+    ]  # NumPy: of repeated indices the last stays
     return ReferencePicture(out.reshape(high, wide, 4), np.zeros((high, wide)), landed.undecided.reshape(high, wide))
 
 

@@ -27,7 +27,10 @@ def search(asked: Asked) -> ReferencePicture:
     crossed = _crossings(rays, run, size, first, last)
     near, far = crossed[..., :-1], crossed[..., 1:]
     slack = (settings.gap / np.linalg.norm(run, axis=-1))[..., None]
-    middle = np.nan_to_num(rays.start)[..., None, :] + 0.5 * (near + far)[..., None] * np.nan_to_num(rays.along)[..., None, :]
+    middle = (
+        np.nan_to_num(rays.start)[..., None, :]
+        + 0.5 * (near + far)[..., None] * np.nan_to_num(rays.along)[..., None, :]
+    )
     found = surface.at(middle, np.zeros(near.shape))
     along, start = (np.nan_to_num(v)[..., None, :] for v in (rays.along, rays.start))
     facing = 1 - (found.slope * along).sum(axis=-1)
@@ -98,7 +101,9 @@ def _beyond_bounds(inverse_depth: Array, texel: Array, r: Array) -> Bools:
 def _coloured(asked: Asked, rays: RaysInLate, hits: _Hits, unsure: Bools) -> ReferencePicture:
     pixels = rays.place(hits.r)
     own_error = rays.place_error(hits.r, np.zeros(hits.r.shape))
-    r_error = (4 * FLOAT32_UNIT * np.abs(hits.r) + np.abs(hits.slope).sum(axis=-1) * own_error) / np.maximum(hits.facing, LEAST_FACING)
+    r_error = (4 * FLOAT32_UNIT * np.abs(hits.r) + np.abs(hits.slope).sum(axis=-1) * own_error) / np.maximum(
+        hits.facing, LEAST_FACING
+    )
     error = rays.place_error(hits.r, 2 * r_error)
     with np.errstate(invalid="ignore"):
         seen = hits.some & ((pixels >= 0) & (pixels < np.array(asked.size))).all(axis=-1)
@@ -106,4 +111,6 @@ def _coloured(asked: Asked, rays: RaysInLate, hits: _Hits, unsure: Bools) -> Ref
     looked = sample_covered(asked.colour, np.where(seen[..., None], at, np.nan), error, asked.sampler_pixels)
     edge = hits.some & near_edge(pixels, asked.size, error)
     beside = np.abs(rays.lead) <= 1e-5
-    return ReferencePicture(looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside)
+    return ReferencePicture(
+        looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside
+    )

@@ -46,7 +46,9 @@ def look_through(sheets: Sequence[Sheet], eye: ArrayLike, rays: Array, behind: A
             met[ray].append((inverse[ray], sheet))
     veil, passing = np.zeros((len(rays), 3)), np.ones((len(rays), 3))
     for ray, found in enumerate(met):
-        for _, sheet in sorted(found, key=lambda one: -one[0]):  # from the eye on: what comes later is dimmed by all before it
+        for _, sheet in sorted(
+            found, key=lambda one: -one[0]
+        ):  # from the eye on: what comes later is dimmed by all before it
             veil[ray] += passing[ray] * sheet.opacity * sheet.colour
             passing[ray] *= (1 - sheet.opacity) * sheet.tint
     nearest = np.array([max((one[0] for one in found), default=-1.0) for found in met])

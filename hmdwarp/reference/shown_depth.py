@@ -31,7 +31,9 @@ def shown_depth(asked: Asked, twin: Callable[[Asked], ReferencePicture]) -> Refe
 def _as_colour(picture: LatePicture, shown: View) -> Array:
     size = picture.inverse_depth.shape[::-1]
     offset_m = picture.view.pose.position_m - shown.pose.position_m
-    _, depth, w = project(world_directions(picture.view, size), offset_m, np.maximum(picture.inverse_depth, 0), shown, size)
+    _, depth, w = project(
+        world_directions(picture.view, size), offset_m, np.maximum(picture.inverse_depth, 0), shown, size
+    )
     known = (picture.inverse_depth >= 0) & (w > 0) & (np.nan_to_num(depth, nan=np.inf) <= LARGEST_HALF)
     out = np.zeros((*picture.inverse_depth.shape, 4))
     out[known, 0], out[known, 3] = depth[known], 1

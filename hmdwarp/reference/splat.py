@@ -95,9 +95,13 @@ def _patches(asked: Asked) -> _Patches:
 
     def opened(other: Array) -> Array:
         """Pixels from where each drawn pixel lands to where it would with another depth."""
-        return np.nan_to_num(np.abs(project(rays, back, other, shown, asked.shown_size)[0] - landing).max(axis=-1), nan=np.inf)
+        return np.nan_to_num(
+            np.abs(project(rays, back, other, shown, asked.shown_size)[0] - landing).max(axis=-1), nan=np.inf
+        )
 
-    steps, shaky = zip(*(_steps(np.where(known, depth, np.nan), opened, axis, asked.settings) for axis in (1, 0)), strict=True)
+    steps, shaky = zip(
+        *(_steps(np.where(known, depth, np.nan), opened, axis, asked.settings) for axis in (1, 0)), strict=True
+    )
     steps = np.stack(steps, axis=-1)
     steep = np.abs(steps).sum(axis=-1) > own
     steps[steep] *= (own[steep] / np.abs(steps[steep]).sum(axis=-1))[:, None]
@@ -115,7 +119,9 @@ def _patches(asked: Asked) -> _Patches:
     )
 
 
-def _steps(depth: Array, opened: Callable[[Array], Array], axis: int, settings: object) -> tuple[Array, NDArray[np.bool_]]:
+def _steps(
+    depth: Array, opened: Callable[[Array], Array], axis: int, settings: object
+) -> tuple[Array, NDArray[np.bool_]]:
     """The change of inverse depth to the next pixel along an axis: the mean of those that hang together; and close calls."""
     edge = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(depth, edge, constant_values=np.nan)
@@ -124,7 +130,9 @@ def _steps(depth: Array, opened: Callable[[Array], Array], axis: int, settings: 
         other = np.take(padded, range(start, start + depth.shape[axis]), axis=axis)
         change, most, gap = np.abs(other - depth), settings.tolerance * (depth + settings.floor), opened(other)
         with np.errstate(invalid="ignore"):
-            close = (np.abs(change - most) <= 16 * FLOAT32_UNIT * (change + 2 * depth + most)) | (np.abs(gap - 1) <= 1e-3)
+            close = (np.abs(change - most) <= 16 * FLOAT32_UNIT * (change + 2 * depth + most)) | (
+                np.abs(gap - 1) <= 1e-3
+            )
         holds = (change <= most) | (np.isfinite(change) & (gap <= 1))
         total += np.where(holds, sign * (other - depth), 0)
         count += holds
@@ -135,7 +143,9 @@ def _steps(depth: Array, opened: Callable[[Array], Array], axis: int, settings: 
 def _ray_steps(view: View, size: tuple[int, int]) -> Array:
     """(2, 3) how the ray changes in the world from one pixel to the next, on x and on y."""
     left, right, down, up = view.fov.tangents
-    return np.array([[(right - left) / size[0], 0, 0], [0, (up - down) / size[1], 0]]) @ view.pose.rotation.as_matrix().T
+    return (
+        np.array([[(right - left) / size[0], 0, 0], [0, (up - down) / size[1], 0]]) @ view.pose.rotation.as_matrix().T
+    )
 
 
 def _at(patches: _Patches, grid: Array, x: float, y: float) -> tuple[Array, Array]:
@@ -145,12 +155,17 @@ def _at(patches: _Patches, grid: Array, x: float, y: float) -> tuple[Array, Arra
 
 def _planes(patches: _Patches, grid: Array) -> Array:
     """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the late eye: what all four minors give."""
-    points = [np.concatenate([ray, r[:, None]], axis=1) for ray, r in (_at(patches, grid, *d) for d in ((0, 0), (0.5, 0), (0, 0.5)))]
+    points = [
+        np.concatenate([ray, r[:, None]], axis=1)
+        for ray, r in (_at(patches, grid, *d) for d in ((0, 0), (0.5, 0), (0, 0.5)))
+    ]
     stacked = np.stack(points, axis=1)
     return np.stack([(-1) ** k * np.linalg.det(np.delete(stacked, k, axis=2)) for k in range(4)], axis=1)
 
 
-def _pairs(asked: Asked, patches: _Patches, grid: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _pairs(
+    asked: Asked, patches: _Patches, grid: Array
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Patch number and shown pixel of all pairs where the patch might be met, at most `reach` from where it lands."""
     back, half = asked.late.pose.position_m - asked.shown.pose.position_m, 0.55 + asked.settings.overlap
     corners = [_at(patches, grid, half * x, half * y) for x, y in CORNERS]
@@ -176,13 +191,18 @@ def _margins(asked: Asked, patches: _Patches, grid: Array) -> tuple[Array, Array
     per late pixel (derivatives are differences of the same terms): 4 of them cover the landing, both columns and the perspective.
     """
     back = asked.late.pose.position_m - asked.shown.pose.position_m
-    ends = [project(*_swap(_at(patches, grid, x, y), back), asked.shown, asked.shown_size) for x, y in ((0.01, 0), (0, 0.01))]
+    ends = [
+        project(*_swap(_at(patches, grid, x, y), back), asked.shown, asked.shown_size)
+        for x, y in ((0.01, 0), (0, 0.01))
+    ]
     here = project(patches.ray, back, patches.inverse_depth, asked.shown, asked.shown_size)
     columns = np.stack([(end[0] - here[0]) / 0.01 for end in ends], axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         shrinks = np.linalg.norm(columns, axis=(1, 2)) / np.abs(np.linalg.det(columns))
     per_pixel = np.sum([np.abs(end[1] - here[1]) / 0.01 for end in ends], axis=0)
-    return np.nan_to_num(4 * patches.error * shrinks + 8 * FLOAT32_UNIT, nan=np.inf), np.nan_to_num(per_pixel, nan=np.inf)
+    return np.nan_to_num(4 * patches.error * shrinks + 8 * FLOAT32_UNIT, nan=np.inf), np.nan_to_num(
+        per_pixel, nan=np.inf
+    )
 
 
 def _swap(point: tuple[Array, Array], offset: Array) -> tuple[Array, Array, Array]:
@@ -201,8 +221,14 @@ def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArra
     around = np.floor(np.nan_to_num(np.clip(place, -9, 1e6))).astype(int)
     taps = [_Tap.of(asked, around + np.array([x, y]), low, high, expected) for y in range(-2, 3) for x in range(-2, 3)]
     most = asked.settings.tolerance * (expected + asked.settings.floor)
-    four = [_Tap.of(asked, around + np.array([x, y]), place - 0.5, place + 0.5, expected) for y in (-1, 0, 1) for x in (-1, 0, 1)]
-    best, *others = (np.min([np.where(tap.area > least, tap.off, UNKNOWN) for tap in four], axis=0) for least in (0, error, -error))
+    four = [
+        _Tap.of(asked, around + np.array([x, y]), place - 0.5, place + 0.5, expected)
+        for y in (-1, 0, 1)
+        for x in (-1, 0, 1)
+    ]
+    best, *others = (
+        np.min([np.where(tap.area > least, tap.off, UNKNOWN) for tap in four], axis=0) for least in (0, error, -error)
+    )
     limit = np.maximum(most, best)
     undecided = undecided | (covers & (error >= 1))
     for other in others:
@@ -222,7 +248,9 @@ def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArra
     # Both sides of a tap may move by the error; the sides are at most 1 long.
     tolerance = 4 * error * apart.sum(axis=0) / np.maximum(total[..., 3], 1e-6)
     brightest = np.where(touched, np.abs(colours[..., :3]).max(axis=-1), 0).max(axis=0)
-    tolerance = tolerance + HALF_UNIT * np.abs(mean[..., :3]).max(axis=-1) + 64 * FLOAT32_UNIT * brightest + HALF_SMALLEST
+    tolerance = (
+        tolerance + HALF_UNIT * np.abs(mean[..., :3]).max(axis=-1) + 64 * FLOAT32_UNIT * brightest + HALF_SMALLEST
+    )
     return ReferencePicture(mean, np.where(covers, tolerance, 0), undecided)
 
 
@@ -256,7 +284,10 @@ def _looks(asked: Asked, nearest: Array, depth_error: Array) -> tuple[Array, Arr
     moved = shown.pose.position_m - late.pose.position_m
     rays, own = world_directions(shown, asked.shown_size), np.maximum(nearest, 0)
     place, expected, _ = project(rays, moved, own, late, size)
-    ends = [[project(rays + h * step, moved, own, late, size)[0] for h in (-1e-3, 1e-3)] for step in _ray_steps(shown, asked.shown_size)]
+    ends = [
+        [project(rays + h * step, moved, own, late, size)[0] for h in (-1e-3, 1e-3)]
+        for step in _ray_steps(shown, asked.shown_size)
+    ]
     columns = [(end[1] - end[0]) / 2e-3 for end in ends]
     half = 0.5 * np.clip(SHARPNESS * np.hypot(*columns), 1, WIDEST)
     small = 1e-6 * (own + 1e-3)

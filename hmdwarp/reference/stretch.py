@@ -14,7 +14,9 @@ MOST_TAPS = 4
 REACH = 3
 SLIGHT = 1e-3  # 1/m: a point that far goes where everything nearer on its ray goes
 CLOSE = 1e-5  # relative: depths that rounding may take for one another
-CLOSE_PIXELS = 1e-3  # from the border of a pixel; a line that float32 may move by more, over the whole picture, is left undecided
+CLOSE_PIXELS = (
+    1e-3  # from the border of a pixel; a line that float32 may move by more, over the whole picture, is left undecided
+)
 
 
 @attrs.frozen(eq=False)
@@ -42,7 +44,9 @@ class _Picture:
         self.colour, self.depth, self.behind = colour, known_or_infinite(inverse_depth), behind
         self.shape, self.close = colour.shape[:2], False
 
-    def pixels(self, start: Array, line: Array, steps: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
+    def pixels(
+        self, start: Array, line: Array, steps: Array
+    ) -> tuple[NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
         """The pixels (n, 2) that a line passes after these steps, whether they are inside, and whether rounding decides which they are."""
         places = start + line * np.asarray(steps)[:, None]
         close = (np.abs(places - np.round(places)) < CLOSE_PIXELS).any(axis=1)
@@ -91,7 +95,12 @@ class _Picture:
 
 
 def stretch(
-    colour: Array, inverse_depth: Array, late: tuple[View, tuple[int, int]], shown: View, settings, least_parallax: float
+    colour: Array,
+    inverse_depth: Array,
+    late: tuple[View, tuple[int, int]],
+    shown: View,
+    settings,
+    least_parallax: float,
 ) -> Stretched:
     """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with holes filled from what lies behind.
 
@@ -151,7 +160,9 @@ def _in_view(
     return inside, close
 
 
-def _smoothed(drawn: Stretched, holes: NDArray[np.bool_], away: Array, lines: Array, picture: _Picture, spread: float) -> Stretched:
+def _smoothed(
+    drawn: Stretched, holes: NDArray[np.bool_], away: Array, lines: Array, picture: _Picture, spread: float
+) -> Stretched:
     """Averages over streaks beside each other, of the same surface, in holes alone."""
     out = Stretched(drawn.colour.copy(), drawn.inverse_depth, drawn.undecided.copy())
     depths = known_or_infinite(drawn.inverse_depth)

@@ -26,5 +26,6 @@ def lay_over(asked: Asked, passing: Array, behind: Array) -> ReferencePicture:
     out[shows, :3] = veil.colour[shows][:, :3] + (1 - stops.colour[shows][:, :3]) * behind[shows][:, :3]
     bright = np.abs(behind[..., :3]).max(axis=-1)
     tolerance = veil.tolerance + bright * stops.tolerance + HALF_UNIT * np.abs(out[..., :3]).max(axis=-1)
-    return ReferencePicture(out, np.where(shows, tolerance, 0), (veil.undecided | stops.undecided) & (behind[..., 3] > 0))
-
+    return ReferencePicture(
+        out, np.where(shows, tolerance, 0), (veil.undecided | stops.undecided) & (behind[..., 3] > 0)
+    )

@@ -80,7 +80,13 @@ def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
             axes.plot([min(there), max(there)], [y, y], color=PAGE.grid, linewidth=2, zorder=1)
     for number, marker in enumerate(_REGION_MARKERS):
         points = [(values[number], y) for y, values in enumerate(flips) if values[number] is not None]
-        style = {"markersize": 6, "markeredgecolor": PAGE.ink, "markeredgewidth": 0.7, "linestyle": "none", "color": PAGE.regions[number]}
+        style = {
+            "markersize": 6,
+            "markeredgecolor": PAGE.ink,
+            "markeredgewidth": 0.7,
+            "linestyle": "none",
+            "color": PAGE.regions[number],
+        }
         axes.plot([x for x, _ in points], [y for _, y in points], marker=marker, **style)
 
 
@@ -92,7 +98,12 @@ def _region_key(figure: Any) -> None:
     handles = []
     for colour, hatch, marker in zip(PAGE.regions, HATCHES, _REGION_MARKERS, strict=True):
         dot = {"color": colour, "markeredgecolor": PAGE.ink, "markeredgewidth": 0.7, "linestyle": "none"}
-        handles.append((Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5), Line2D([], [], marker=marker, **dot)))
+        handles.append(
+            (
+                Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5),
+                Line2D([], [], marker=marker, **dot),
+            )
+        )
     figure.legend(
         handles, REGIONS, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
         loc="outside upper left", ncols=len(REGIONS), frameon=False, labelcolor=PAGE.ink,
@@ -157,7 +168,16 @@ def traffic_chart(passes: Sequence[Traffic]) -> str:
         for y, entry in enumerate(shown):
             colour = PAGE.warp(entry.name) if entry.kind == "warp" else PAGE.ink
             axes.plot([entry.bound_ms, entry.median_ms], [y, y], color=colour, linewidth=1.6, zorder=2)
-            axes.plot(entry.bound_ms, y, marker="|", markersize=11, markeredgewidth=1.8, color=PAGE.ink, linestyle="none", zorder=3)
+            axes.plot(
+                entry.bound_ms,
+                y,
+                marker="|",
+                markersize=11,
+                markeredgewidth=1.8,
+                color=PAGE.ink,
+                linestyle="none",
+                zorder=3,
+            )
             axes.plot(entry.median_ms, y, marker="o", markersize=6, color=colour, linestyle="none", zorder=4)
             text = {"textcoords": "offset points", "va": "center", "color": PAGE.ink}
             axes.annotate(f"{entry.times_bound:.1f}×", (max(entry.median_ms, entry.bound_ms), y), (8, 0), **text)

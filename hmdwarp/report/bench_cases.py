@@ -45,7 +45,10 @@ class Case:
     def ordered(self, measure: str = "flip") -> list[Row]:
         """The rows by mean error, the best first, then by time; those not measured last."""
         costs = [(error_and_time(row, measure), row) for row in self.rows]
-        return [row for pair, row in sorted(costs, key=lambda entry: tuple((cost is None, cost or 0.0) for cost in entry[0]))]
+        return [
+            row
+            for pair, row in sorted(costs, key=lambda entry: tuple((cost is None, cost or 0.0) for cost in entry[0]))
+        ]
 
     def front(self, measure: str = "flip") -> list[Row]:
         """The rows that nobody beats in both error and time, in the order of the bench."""

@@ -46,7 +46,9 @@ def pareto_chart(case: Case, measure: str = "flip", *, markers: Mapping[str, str
         return svg_text(figure)
 
 
-def pareto_plot_png(path: str | os.PathLike, rows: Iterable[Row], *, measure: str = "flip", columns: int | None = None) -> None:
+def pareto_plot_png(
+    path: str | os.PathLike, rows: Iterable[Row], *, measure: str = "flip", columns: int | None = None
+) -> None:
     """The same charts, one for each case of the rows, in one PNG 1600 pixels wide on white: for a README or a paper.
 
     columns: charts side by side, by default two, or one where they hold many points. Errors: as files.write_bytes.
@@ -67,7 +69,9 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
         figure.patch.set_facecolor("white")
         if groups:
             anchor = (0.5 / 8, 1 - 0.06 / (lines * height + _KEY_IN))
-            figure.legend(handles=_key(markers, PAPER), loc="upper left", bbox_to_anchor=anchor, ncols=4, **_key_style(PAPER))
+            figure.legend(
+                handles=_key(markers, PAPER), loc="upper left", bbox_to_anchor=anchor, ncols=4, **_key_style(PAPER)
+            )
         for number, group in enumerate(groups):
             left, top = number % columns * width, (lines - number // columns) * height
             axes = _axes_in(figure, (left + 0.55, top - height + 0.45, left + width - 0.1, top - 0.3))
@@ -125,7 +129,13 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
     line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
     for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
         colour = palette.warp(row["warp"])
-        style = {"marker": markers[row["fill"]], "markersize": _MARKER_PT, "markeredgewidth": 1.5, "color": colour, "linestyle": "none"}
+        style = {
+            "marker": markers[row["fill"]],
+            "markersize": _MARKER_PT,
+            "markeredgewidth": 1.5,
+            "color": colour,
+            "linestyle": "none",
+        }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
     better = "better ↖" if measure in HIGHER_IS_BETTER else "better ↙"
@@ -144,7 +154,9 @@ def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
         axis.set_major_locator(MaxNLocator(6))
         return
     low, high = np.log10(np.maximum([values.min(), values.max()], 1e-3))
-    margin = max(0.06 * (high - low), (np.log10(4) - (high - low)) / 2)  # at least a factor of four, so that two ticks are in it
+    margin = max(
+        0.06 * (high - low), (np.log10(4) - (high - low)) / 2
+    )  # at least a factor of four, so that two ticks are in it
     getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
     limits(10 ** (low - margin), 10 ** (high + margin))
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
@@ -163,7 +175,9 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
     return np.stack([np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]], axis=1)
 
 
-def _draw_names(axes: Axes, names: list[str], points: np.ndarray, is_best: np.ndarray, line: np.ndarray, palette: Palette) -> None:
+def _draw_names(
+    axes: Axes, names: list[str], points: np.ndarray, is_best: np.ndarray, line: np.ndarray, palette: Palette
+) -> None:
     """Each point's warp beside it; points of one warp that nearly coincide (its fills) share one name."""
     to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
     area = (box.width * to_points, box.height * to_points)
@@ -176,7 +190,14 @@ def _draw_names(axes: Axes, names: list[str], points: np.ndarray, is_best: np.nd
     sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(texts, weights, strict=True)])
     corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends)
     for group, text, weight, corner, size in zip(groups, texts, weights, corners, sizes, strict=True):
-        style = {"weight": weight, "ha": "center", "va": "center", "color": palette.ink, "parse_math": False, "zorder": 6}
+        style = {
+            "weight": weight,
+            "ha": "center",
+            "va": "center",
+            "color": palette.ink,
+            "parse_math": False,
+            "zorder": 6,
+        }
         axes.text(*(corner + size / 2) / area, text, transform=axes.transAxes, **style)
         (start,), (tip,) = leaders(at[group], np.array([[*corner, *(corner + size)]]))
         length = np.linalg.norm(tip - start)
@@ -188,14 +209,22 @@ def _draw_names(axes: Axes, names: list[str], points: np.ndarray, is_best: np.nd
 def _size_pt(figure: Figure, text: str, weight: str) -> tuple[float, float]:
     from matplotlib.text import Text
 
-    extent = Text(0, 0, text, weight=weight, parse_math=False, figure=figure).get_window_extent(figure.canvas.get_renderer())
+    extent = Text(0, 0, text, weight=weight, parse_math=False, figure=figure).get_window_extent(
+        figure.canvas.get_renderer()
+    )
     return extent.width * 72 / figure.dpi, extent.height * 72 / figure.dpi
 
 
 def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
     from matplotlib.lines import Line2D
 
-    style = {"color": palette.ink, "markerfacecolor": "none", "markeredgewidth": 1.3, "linestyle": "none", "markersize": 6}
+    style = {
+        "color": palette.ink,
+        "markerfacecolor": "none",
+        "markeredgewidth": 1.3,
+        "linestyle": "none",
+        "markersize": 6,
+    }
     fills = [Line2D([], [], marker=marker, label=f"fill {fill}", **style) for fill, marker in markers.items()]
     return [*fills, Line2D([], [], color=palette.ink, linewidth=1.1, alpha=0.55, label="Pareto front (filled, bold)")]
 

@@ -66,7 +66,9 @@ def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip"
         names_in = max(map(len, lines), default=0) * _CHAR_PT / 72 + 0.45
         width_in = 0.6 + _PLOT_IN + names_in
         figure = Figure(figsize=(width_in, height_in))
-        axes = figure.add_axes((0.6 / width_in, _BELOW_IN / height_in, _PLOT_IN / width_in, 1 - (_BELOW_IN + _ABOVE_IN) / height_in))
+        axes = figure.add_axes(
+            (0.6 / width_in, _BELOW_IN / height_in, _PLOT_IN / width_in, 1 - (_BELOW_IN + _ABOVE_IN) / height_in)
+        )
         dress(axes, PAGE)
         axes.set_xlabel(f"offset in {'degrees' if is_turn(axis) else 'metres'}")
         axes.set_ylabel(measure_label(measure))
@@ -83,7 +85,9 @@ def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = "flip")
     ends = {warp: points[-1, 1] for warp, points in curves(grid, axis, measure).items() if len(points)}
     names = [f"{warp} {ends[warp]:.3g}" for warp in sorted(ends, key=ends.get, reverse=True)]
     told = ", ".join(names) or "nothing"
-    return f"Error against offset, {axis_heading(axis)}, {measure_label(measure)}. At the right end, from above: {told}."
+    return (
+        f"Error against offset, {axis_heading(axis)}, {measure_label(measure)}. At the right end, from above: {told}."
+    )
 
 
 def _limits(grid: Sequence[GridRow], axis: str, measure: str) -> tuple[float, float]:
@@ -109,7 +113,13 @@ def _draw(axes: Axes, lines: Mapping[str, NDArray[np.float64]], dashes: Mapping[
     heights = spread(wanted, _LINE_PT, 0, area_pt)
     for warp, end, height in zip(lines, ends, heights, strict=True):
         # A short line in the warp's own colour and dash ties the name to its end, and is the key to the line.
-        tie = {"arrowstyle": "-", "color": PAGE.warp(warp), "linestyle": dashes[warp], "linewidth": 1.2, "relpos": (0, 0.5)}
+        tie = {
+            "arrowstyle": "-",
+            "color": PAGE.warp(warp),
+            "linestyle": dashes[warp],
+            "linewidth": 1.2,
+            "relpos": (0, 0.5),
+        }
         name = warp + (" ↑" if end > high else " ↓" if end < low else "")
         axes.annotate(
             name, (lines[warp][-1, 0], np.clip(end, low, high)), (1.09, height / area_pt), xycoords="data", textcoords=axes.transAxes,

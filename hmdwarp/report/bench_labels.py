@@ -39,7 +39,11 @@ def place_labels(
     middles = np.stack([own.mean(axis=0) for own in points])
     crowd = np.linalg.norm(middles[:, None] - middles[None], axis=2).clip(max=120).sum(axis=1)
     best, least = np.zeros((len(points), 2)), np.inf
-    for order in (np.argsort(crowd, kind="stable"), np.argsort(-middles[:, 0], kind="stable"), np.argsort(middles[:, 1], kind="stable")):
+    for order in (
+        np.argsort(crowd, kind="stable"),
+        np.argsort(-middles[:, 0], kind="stable"),
+        np.argsort(middles[:, 1], kind="stable"),
+    ):
         corners, cost = _settled(choices, order)
         if cost < least:
             best, least = corners, cost
@@ -73,7 +77,15 @@ class _Places:
     cost: Array
 
     @classmethod
-    def of(cls, index: int, points: list[Array], size: Array, area: tuple[float, float], clearance: float, line: Array | None) -> _Places:
+    def of(
+        cls,
+        index: int,
+        points: list[Array],
+        size: Array,
+        area: tuple[float, float],
+        clearance: float,
+        line: Array | None,
+    ) -> _Places:
         corners = np.concatenate([_corners(point, size, clearance) for point in points[index]])
         boxes = np.concatenate([corners, corners + size], axis=1)
         starts, tips = leaders(points[index], boxes)
@@ -83,10 +95,14 @@ class _Places:
         outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
         everybody = np.concatenate(points)
         markers = np.concatenate([everybody - clearance, everybody + clearance], axis=1)
-        cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0) + _COVERS * boxes_touch(boxes, markers).sum(axis=1)
+        cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0) + _COVERS * boxes_touch(boxes, markers).sum(
+            axis=1
+        )
         foreign = np.concatenate([np.zeros((0, 2)), *(other for i, other in enumerate(points) if i != index)])
         if len(foreign):
-            cost += _PASSES * segments_hit(starts, tips, np.concatenate([foreign - clearance, foreign + clearance], axis=1)).sum(axis=1)
+            cost += _PASSES * segments_hit(
+                starts, tips, np.concatenate([foreign - clearance, foreign + clearance], axis=1)
+            ).sum(axis=1)
             # A point at the very same place cannot be told from its own, wherever the label is.
             apart = foreign[np.abs(foreign[:, None] - points[index][None]).max(axis=2).min(axis=1) > 0.5]
             if len(apart):
@@ -120,7 +136,11 @@ def groups_of(names: Sequence[str], points: Array, distance: float) -> list[list
     """Indices of points that one label can name: those of one name that lie within `distance` of each other, directly or in a chain."""
     groups: list[list[int]] = []
     for index, name in enumerate(names):
-        near = [g for g in groups if any(names[i] == name and np.linalg.norm(points[i] - points[index]) <= distance for i in g)]
+        near = [
+            g
+            for g in groups
+            if any(names[i] == name and np.linalg.norm(points[i] - points[index]) <= distance for i in g)
+        ]
         groups = [g for g in groups if g not in near] + [sorted([index, *(i for g in near for i in g)])]
     return sorted(groups)
 
@@ -156,7 +176,9 @@ def _segments_cross(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]
     """(m, k): which segments a-b (m, 2) properly cross which c-d (k, 2)."""
 
     def side(p: Array, q: Array, r: Array) -> Array:
-        return np.sign((q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0]))
+        return np.sign(
+            (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
+        )
 
     a, b, c, d = a[:, None], b[:, None], c[None], d[None]
     return (side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)

@@ -66,30 +66,36 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
     groups = cases(rows)
     grid = list(data.get("grid") or ())
     passes = traffic(rows)
-    return environment().get_template("bench.html").render(
-        title=_title(rows, groups),
-        facts=_facts(rows, groups),
-        command=data.get("command") or "",
-        tiles=_tiles(data, rows),
-        notes=_notes(data, rows),
-        choice=_choice(data.get("choice")),
-        winners=_winners(groups),
-        decisions=[(group.label, _decision(group)) for group in groups],
-        fronts=_fronts(groups, rows),
-        displacement=[_displacement(grid, axis) for axis in axes_of(grid)],
-        displacement_table=_displacement_table(grid),
-        displacement_at=_taken_at(data.get("grid_at")),
-        regions=_regions(groups),
-        fused=_fused(data.get("fused") or ()),
-        fused_at=_taken_at(data.get("fused_at")),
-        traffic=PageChart("", (("", traffic_chart(passes), _traffic_text(passes)),), _traffic_table(passes)) if passes else None,
-        measures=[(name, measure_label(name).partition(",")[0]) for name in MEASURES],
-        clock=_CLOCKS.get(data.get("clock"), str(data.get("clock"))),
-        clock_note=(data.get("clocks") or {}).get("note") or "",
-        machine=data.get("machine") or {},
-        version=data.get("hmdwarp") or "–",
-        light=css_variables(dark=False),
-        dark=css_variables(dark=True),
+    return (
+        environment()
+        .get_template("bench.html")
+        .render(
+            title=_title(rows, groups),
+            facts=_facts(rows, groups),
+            command=data.get("command") or "",
+            tiles=_tiles(data, rows),
+            notes=_notes(data, rows),
+            choice=_choice(data.get("choice")),
+            winners=_winners(groups),
+            decisions=[(group.label, _decision(group)) for group in groups],
+            fronts=_fronts(groups, rows),
+            displacement=[_displacement(grid, axis) for axis in axes_of(grid)],
+            displacement_table=_displacement_table(grid),
+            displacement_at=_taken_at(data.get("grid_at")),
+            regions=_regions(groups),
+            fused=_fused(data.get("fused") or ()),
+            fused_at=_taken_at(data.get("fused_at")),
+            traffic=PageChart("", (("", traffic_chart(passes), _traffic_text(passes)),), _traffic_table(passes))
+            if passes
+            else None,
+            measures=[(name, measure_label(name).partition(",")[0]) for name in MEASURES],
+            clock=_CLOCKS.get(data.get("clock"), str(data.get("clock"))),
+            clock_note=(data.get("clocks") or {}).get("note") or "",
+            machine=data.get("machine") or {},
+            version=data.get("hmdwarp") or "–",
+            light=css_variables(dark=False),
+            dark=css_variables(dark=True),
+        )
     )
 
 
@@ -103,7 +109,9 @@ def _count(number: int, word: str) -> str:
 
 def _title(rows: Sequence[Row], groups: Sequence[Case]) -> tuple[str, str]:
     warps, fills = len(_unique(rows, "warp")), len(_unique(rows, "fill"))
-    return _count(warps, "warp") + (f" × {_count(fills, 'fill')}" if fills > 1 else ""), f"in {_count(len(groups), 'case')}"
+    return _count(warps, "warp") + (
+        f" × {_count(fills, 'fill')}" if fills > 1 else ""
+    ), f"in {_count(len(groups), 'case')}"
 
 
 def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[tuple[str, str]]:
@@ -121,12 +129,24 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[dict[str, str]]
     both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
     seconds = data.get("seconds")
     tiles = [
-        ("Combinations", str(len(rows)), "", f"run in {seconds / 60:.1f} min" if seconds else "warp, fill, recording, latency"),
+        (
+            "Combinations",
+            str(len(rows)),
+            "",
+            f"run in {seconds / 60:.1f} min" if seconds else "warp, fill, recording, latency",
+        ),
         ("Clock", {"gpu": "GPU", "wall": "wall"}.get(data.get("clock"), "?"), "", _CLOCKS.get(data.get("clock"), "")),
         ("One pass, two clocks", both, "ms", "GPU timer / wall clock; where they agree, the timer is real"),
     ]
     if data.get("copy_gb_s"):
-        tiles.append(("Copy bandwidth", f"{data['copy_gb_s']:.1f}", "GB/s", "measured on this device; the bounds below follow from it"))
+        tiles.append(
+            (
+                "Copy bandwidth",
+                f"{data['copy_gb_s']:.1f}",
+                "GB/s",
+                "measured on this device; the bounds below follow from it",
+            )
+        )
     return [dict(zip(("label", "text", "unit", "note"), tile, strict=True)) for tile in tiles]
 
 
@@ -136,7 +156,10 @@ def _notes(data: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
     for row in rows:
         for note in row.get("notes") or ():
             found.setdefault(str(note), []).append(f"{row_name(row)}, {row['trace']}, {row['latency_ms']:g} ms")
-    return [f"{note} ({'; '.join(where)})" if 0 < len(where) <= 3 else _many(note, len(where)) for note, where in found.items()]
+    return [
+        f"{note} ({'; '.join(where)})" if 0 < len(where) <= 3 else _many(note, len(where))
+        for note, where in found.items()
+    ]
 
 
 def _many(note: str, count: int) -> str:
@@ -200,11 +223,15 @@ def _winners(groups: Sequence[Case]) -> PageTable:
         limit = next((_total(row) for row in measured if (row["warp"], row["fill"]) == _YARDSTICK), None)
         within = [row for row in measured if limit is not None and _total(row) is not None and _total(row) <= limit]
         has_limit |= limit is not None
-        lines.append(_line([group.label, *_told(measured), *_told(within), "–" if limit is None else f"{limit:.2f}"], 1))
+        lines.append(
+            _line([group.label, *_told(measured), *_told(within), "–" if limit is None else f"{limit:.2f}"], 1)
+        )
     heads = [("case", ""), ("most accurate", ""), ("time", "ms"), ("FLIP", "")]
     heads += [("best no slower than forward + interpolate", ""), ("time", "ms"), ("FLIP", ""), ("that takes", "ms")]
     shown = len(heads) if has_limit else 4
-    lines = [Line(tuple(Cell(cell.text, n not in (0, 1, 4)) for n, cell in enumerate(line.cells[:shown]))) for line in lines]
+    lines = [
+        Line(tuple(Cell(cell.text, n not in (0, 1, 4)) for n, cell in enumerate(line.cells[:shown]))) for line in lines
+    ]
     return PageTable("The most accurate of each case", tuple(heads[:shown]), tuple(lines))
 
 
@@ -222,7 +249,10 @@ def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> list[PageChart]:
     markers = markers_of(row["fill"] for row in rows)
 
     def versions(group: Case) -> tuple[tuple[str, str, str], ...]:
-        return tuple((measure, pareto_chart(group, measure, markers=markers), pareto_text(group, measure)) for measure in MEASURES)
+        return tuple(
+            (measure, pareto_chart(group, measure, markers=markers), pareto_text(group, measure))
+            for measure in MEASURES
+        )
 
     return [PageChart(group.label, versions(group)) for group in groups]
 
@@ -248,7 +278,9 @@ def _displacement_table(grid: Sequence[Mapping[str, Any]]) -> PageTable | None:
         return f"±{max(abs(row['offset']) for row in grid if row['axis'] == axis):g} {'°' if is_turn(axis) else 'm'}"
 
     lines = tuple(_line([warp, *(worse_end(axis, warp) for axis in axes)], 1) for warp in warps)
-    return PageTable("FLIP at the worse end of each axis", (("warp", ""), *((axis, reach(axis)) for axis in axes)), lines)
+    return PageTable(
+        "FLIP at the worse end of each axis", (("warp", ""), *((axis, reach(axis)) for axis in axes)), lines
+    )
 
 
 def _regions(groups: Sequence[Case]) -> list[PageChart]:
@@ -273,7 +305,10 @@ def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
         ("psnr_db", "PSNR", lambda v: f"{v:.2f}"), ("flip", "FLIP", lambda v: f"{v:.3f}"), ("sharpness", "sharpness", lambda v: f"{v:.2f}"),
     ]  # fmt: skip
     for name, label, _ in figures:
-        heads += [(f"{label} fused", "dB" if name == "psnr_db" else ""), (f"{label} separate", "dB" if name == "psnr_db" else "")]
+        heads += [
+            (f"{label} fused", "dB" if name == "psnr_db" else ""),
+            (f"{label} separate", "dB" if name == "psnr_db" else ""),
+        ]
     lines = []
     for row in rows:
         texts = [str(row["warp"]), *(_number(row.get(name)) for name in ("fused_ms", "separate_ms", "speedup"))]
@@ -302,7 +337,8 @@ def _number(value: float | None, digits: int = 2) -> str:
 def _traffic_table(passes: Sequence[Any]) -> PageTable:
     heads = (("pass", ""), ("size", ""), ("moves", "MB"), ("bound", "ms"), ("takes", "ms"), ("times the bound", ""))
     lines = tuple(
-        _line([p.label, p.size, *map(_number, (p.bytes / 1e6, p.bound_ms, p.median_ms)), _number(p.times_bound, 1)], 2) for p in passes
+        _line([p.label, p.size, *map(_number, (p.bytes / 1e6, p.bound_ms, p.median_ms)), _number(p.times_bound, 1)], 2)
+        for p in passes
     )
     return PageTable("What each pass moves and takes", heads, lines)
 

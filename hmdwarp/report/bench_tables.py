@@ -48,8 +48,14 @@ def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = "flip")
         best = _identities(group.front(measure))
         for row in group.ordered(measure):
             marked = id(row) in best
-            cells = [_folded(column(name).text(row), warp_width) if name == "warp" else column(name).text(row) for name in names]
-            table.add_row(Text(MARK if marked else "", style="bold green"), *(Text(cell, style="bold" if marked else "") for cell in cells))
+            cells = [
+                _folded(column(name).text(row), warp_width) if name == "warp" else column(name).text(row)
+                for name in names
+            ]
+            table.add_row(
+                Text(MARK if marked else "", style="bold green"),
+                *(Text(cell, style="bold" if marked else "") for cell in cells),
+            )
     return table
 
 

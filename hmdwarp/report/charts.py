@@ -69,7 +69,9 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
     return Band(np.bincount(index, time_s, minlength=count) / amount, mean, low, high)
 
 
-def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, width_in: float = 5.0, height_in: float = 2.2) -> str:
+def time_series(
+    series: Sequence[Series], unit: str, *, from_zero: bool = True, width_in: float = 5.0, height_in: float = 2.2
+) -> str:
     """Lines over time as one <svg> element; a pale band spans what the two eyes, or the pooled frames, range over.
 
     unit: of the vertical axis, "" for a plain number. Empty series are left out; a chart of nothing says so.
@@ -88,7 +90,15 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, 
         if not any(drawn):
             axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=INK)
         elif len(drawn) > 1:
-            axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, labelcolor=INK, borderaxespad=0, handlelength=2.5)
+            axes.legend(
+                loc="lower left",
+                bbox_to_anchor=(0, 1),
+                ncols=2,
+                frameon=False,
+                labelcolor=INK,
+                borderaxespad=0,
+                handlelength=2.5,
+            )
         return svg_text(figure)
 
 

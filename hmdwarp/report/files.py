@@ -43,7 +43,9 @@ def atomic(path: str | os.PathLike) -> Iterator[Path]:
     temporary = path.with_name(f".{path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
     try:
         yield temporary
-        _sync(temporary)  # a full disk may show only here, and a crash must not leave an empty file under the final name
+        _sync(
+            temporary
+        )  # a full disk may show only here, and a crash must not leave an empty file under the final name
         temporary.replace(path)
     except OSError as error:
         raise write_error(error, path) from error
@@ -74,7 +76,9 @@ def write_bytes(path: str | os.PathLike, content: bytes) -> None:
 
 def write_text(path: str | os.PathLike, content: str) -> None:
     """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
-    write_bytes(path, content.encode(errors="replace"))  # a file name that is no text (in a command, a note) holds lone surrogates
+    write_bytes(
+        path, content.encode(errors="replace")
+    )  # a file name that is no text (in a command, a note) holds lone surrogates
 
 
 def write_stream(path: Path, write: Callable[[IO[str]], None], source: Path | None = None) -> None:
@@ -112,7 +116,9 @@ def write_csv(path: str | os.PathLike, rows: Iterable[Mapping[str, Any]], column
         writer.writerow(columns)
         for row in rows:
             if not known.issuperset(row):
-                raise HmdwarpError(f"{path}: a row has {', '.join(sorted(set(row) - known))}, which are no columns of this table")
+                raise HmdwarpError(
+                    f"{path}: a row has {', '.join(sorted(set(row) - known))}, which are no columns of this table"
+                )
             writer.writerow(["" if row.get(name) is None else _field(row[name]) for name in columns])
 
 

@@ -25,32 +25,51 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     none: time_s, age_ms, pose_age_ms, period_ms, busy_ms, angular_speed_deg_s, linear_speed_m_s, hole_share/0, hole_share/1.
     command: what the user typed."""
     live = summary["live"]
-    return environment().get_template("live.html").render(
-        summary=summary,
-        live=live,
-        command=command,
-        about=[(name, text) for name, text in live["about"].items() if text],
-        notes=summary["notes"],
-        tiles=_tiles(summary),
-        budget=[(what, median, tail, f"{share:.0%}", min(100.0, 100 * share)) for what, median, tail, share in budget_rows(summary)],
-        over=f"{live['over'] / max(1, live['timed']):.1%}",
-        changes=[_change(one) for one in live["changes"]],
-        notices=list(live["notices"].items()),
-        collector=live["garbage_collector"],
-        charts=_charts(summary, column),
-        filled=[],
-        response=response_rows(summary),
-        frames=frame_rows(summary),
-        coding=coding_rows(summary),
-        clock=CLOCK_NAMES[summary["clock"]],
+    return (
+        environment()
+        .get_template("live.html")
+        .render(
+            summary=summary,
+            live=live,
+            command=command,
+            about=[(name, text) for name, text in live["about"].items() if text],
+            notes=summary["notes"],
+            tiles=_tiles(summary),
+            budget=[
+                (what, median, tail, f"{share:.0%}", min(100.0, 100 * share))
+                for what, median, tail, share in budget_rows(summary)
+            ],
+            over=f"{live['over'] / max(1, live['timed']):.1%}",
+            changes=[_change(one) for one in live["changes"]],
+            notices=list(live["notices"].items()),
+            collector=live["garbage_collector"],
+            charts=_charts(summary, column),
+            filled=[],
+            response=response_rows(summary),
+            frames=frame_rows(summary),
+            coding=coding_rows(summary),
+            clock=CLOCK_NAMES[summary["clock"]],
+        )
     )
 
 
 def _tiles(summary: Summary) -> list[Tile]:
     live, holes = summary["live"], next(figure for figure in QUALITY_FIGURES if figure.name == "hole_share")
-    missed = Tile("Missed refreshes", "", str(live["missed"]), f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}", None)
+    missed = Tile(
+        "Missed refreshes",
+        "",
+        str(live["missed"]),
+        f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}",
+        None,
+    )
     return [
-        Tile("Age of the frame", "ms", _MS.text(live["age_ms"]["median"]), _tail(_MS, live["age_ms"], "from drawing to showing"), None),
+        Tile(
+            "Age of the frame",
+            "ms",
+            _MS.text(live["age_ms"]["median"]),
+            _tail(_MS, live["age_ms"], "from drawing to showing"),
+            None,
+        ),
         Tile(
             "Age of the pose",
             "ms",
@@ -66,7 +85,13 @@ def _tiles(summary: Summary) -> list[Tile]:
             _tail(TIME_FIGURES[-1], summary["time_ms"]["total"], "all stages"),
             None,
         ),
-        Tile(holes.label, holes.unit, holes.text(summary["quality"]["hole_share"]["mean"]), "empty after the warp, before the fill", None),
+        Tile(
+            holes.label,
+            holes.unit,
+            holes.text(summary["quality"]["hole_share"]["mean"]),
+            "empty after the warp, before the fill",
+            None,
+        ),
     ]
 
 

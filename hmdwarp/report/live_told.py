@@ -43,7 +43,9 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     rows = []
     for name, entry in live["refresh_ms"].items():
         what = {"render": "the server draws", "total": "all of it"}.get(name, name)
-        rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), (entry["median"] or 0.0) / live["budget_ms"]))
+        rows.append(
+            (what, _MS.text(entry["median"]), _MS.text(entry["p95"]), (entry["median"] or 0.0) / live["budget_ms"])
+        )
     return rows
 
 
@@ -61,7 +63,11 @@ def _per_eye(summary: Summary) -> str:
     times = summary["time_ms"]
     if times["total"]["median"] is None:
         return ""
-    parts = [f"{figure.name} {times[figure.name]['median']:.2f}" for figure in TIME_FIGURES[:-1] if times[figure.name]["median"]]
+    parts = [
+        f"{figure.name} {times[figure.name]['median']:.2f}"
+        for figure in TIME_FIGURES[:-1]
+        if times[figure.name]["median"]
+    ]
     clock = "" if summary["clock"] == "gpu" else ", by the wall clock"
     return f"{_pair(times['total'])}: {', '.join(parts) or 'nothing to be done'}{clock}"
 

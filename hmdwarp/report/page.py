@@ -95,24 +95,28 @@ def render_report(
     """
     names = column_names(summary, baseline_summary)
     comparison = comparison_rows(summary, baseline_summary)
-    return environment().get_template("report.html").render(
-        summary=summary,
-        command=command,
-        notes=list(notes),
-        columns=names,
-        baseline=baseline_summary,
-        quality_rows=comparison[: len(QUALITY_FIGURES)],
-        time_rows=comparison[len(QUALITY_FIGURES) :],
-        tiles=_tiles(summary, baseline_summary, names),
-        charts=_charts(summary, names, rows, baseline_rows),
-        worst=[_worst(frame) for frame in worst],
-        measured=_measured(summary),
-        auto=_auto(summary),
-        filled=filled_rows(summary),
-        response=response_rows(summary),
-        frames=frame_rows(summary),
-        coding=coding_rows(summary),
-        clock=CLOCK_NAMES[summary["clock"]],
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            summary=summary,
+            command=command,
+            notes=list(notes),
+            columns=names,
+            baseline=baseline_summary,
+            quality_rows=comparison[: len(QUALITY_FIGURES)],
+            time_rows=comparison[len(QUALITY_FIGURES) :],
+            tiles=_tiles(summary, baseline_summary, names),
+            charts=_charts(summary, names, rows, baseline_rows),
+            worst=[_worst(frame) for frame in worst],
+            measured=_measured(summary),
+            auto=_auto(summary),
+            filled=filled_rows(summary),
+            response=response_rows(summary),
+            frames=frame_rows(summary),
+            coding=coding_rows(summary),
+            clock=CLOCK_NAMES[summary["clock"]],
+        )
     )
 
 
@@ -121,7 +125,11 @@ def environment() -> Environment:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     made = Environment(
-        loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("hmdwarp.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     made.filters["pieces"] = name_pieces
     return made
@@ -156,7 +164,10 @@ def _auto(summary: Summary) -> dict[str, Any] | None:
     if "auto" not in summary:
         return None
     auto = summary["auto"]
-    ladder = [(r["name"], f"{r['total_ms']:.2f}", f"{r['flip']:.4f}", f"{r['refreshes'] / summary['frames']:.1%}") for r in auto["ladder"]]
+    ladder = [
+        (r["name"], f"{r['total_ms']:.2f}", f"{r['flip']:.4f}", f"{r['refreshes'] / summary['frames']:.1%}")
+        for r in auto["ladder"]
+    ]
     changes = [(f"{c['time_s']:.2f} s", c["from"], c["to"], c["reason"]) for c in auto["changes"]]
     return {"budget": f"{auto['budget_ms']:g}", "ladder": ladder, "changes": changes}
 

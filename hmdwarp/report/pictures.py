@@ -75,7 +75,9 @@ def _scaled(picture: Picture, height: int):
     if image.height == height:
         return image
     width = max(1, round(image.width * height / image.height))
-    return image.resize((width, height), Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS)
+    return image.resize(
+        (width, height), Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS
+    )
 
 
 def png_bytes(picture: NDArray) -> bytes:

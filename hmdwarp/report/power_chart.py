@@ -37,7 +37,15 @@ def power_chart(path: Path, ns: Sequence[int], lines: Sequence[PowerLine], wante
         colour = COLOURS[number % len(COLOURS)]
         style = DASHES[number // len(COLOURS) % len(DASHES)]
         axes.fill_between(ns, line.low, line.high, color=colour, alpha=0.15, linewidth=0)
-        axes.plot(ns, line.power, color=colour, linestyle=style, marker=MARKERS[number % len(MARKERS)], markersize=5, label=line.name)
+        axes.plot(
+            ns,
+            line.power,
+            color=colour,
+            linestyle=style,
+            marker=MARKERS[number % len(MARKERS)],
+            markersize=5,
+            label=line.name,
+        )
         axes.plot(ns, line.unlimited, color=colour, linestyle=(0, (1, 2)), linewidth=1)
     axes.plot([], [], color=INK, linestyle=(0, (1, 2)), linewidth=1, label="without ends and steps of the scale")
     axes.set(xlabel="people who begin", ylabel="power (found, after Holm)", ylim=(-0.02, 1.02), title=title)

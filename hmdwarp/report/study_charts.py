@@ -36,7 +36,9 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
         axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names], parse_math=False)
         axes.set_xlim(-0.6, len(names) - 0.4)
         _rating_axis(axes, measure, [v for row in part["conditions"] for v in row["ratings"].values()])
-        figure.legend(handles=_rating_key(bool(pairs)), loc="outside upper left", ncols=4, frameon=False, labelcolor=PAGE.ink)
+        figure.legend(
+            handles=_rating_key(bool(pairs)), loc="outside upper left", ncols=4, frameon=False, labelcolor=PAGE.ink
+        )
         return svg_text(figure)
 
 
@@ -51,7 +53,10 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
             _forest_line(axes, y, row)
         axes.set_yticks(range(len(shown)), [_comparison_label(row) for row in shown], parse_math=False)
         axes.set_ylim(len(shown) - 0.4, -0.7)
-        reach = max((abs(v) for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]), default=1.0)
+        reach = max(
+            (abs(v) for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]),
+            default=1.0,
+        )
         axes.set_xlim(-1.08 * max(reach, 1e-9), 1.08 * max(reach, 1e-9))
         axes.set_xlabel(f"difference in {unit}:  the second was rated worse  ←  0  →  better")
         figure.legend(handles=_forest_key(), loc="outside upper left", ncols=3, frameon=False, labelcolor=PAGE.ink)
@@ -66,9 +71,13 @@ def place_chart(part: Row, measure: Row) -> str:
         figure, axes = _figure(5.0, 2.4)
         dress(axes, PAGE)
         axes.axhline(0, color=PAGE.ink, linewidth=1)
-        axes.plot(places + _spread(len(places)), rest, "o", color=_BETTER, alpha=0.35, markersize=3.5, markeredgewidth=0)
+        axes.plot(
+            places + _spread(len(places)), rest, "o", color=_BETTER, alpha=0.35, markersize=3.5, markeredgewidth=0
+        )
         levels = np.unique(places)
-        axes.plot(levels, [rest[places == level].mean() for level in levels], "D-", color=_WORSE, markersize=5, linewidth=1.2)
+        axes.plot(
+            levels, [rest[places == level].mean() for level in levels], "D-", color=_WORSE, markersize=5, linewidth=1.2
+        )
         axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
         axes.set_xlabel("place of the trial in the session")
         axes.set_ylabel(f"{measure['unit']} (up is better)")
@@ -105,7 +114,9 @@ def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[lis
     if len(comparisons) > _MOST_PAIRS:
         return names, []
     columns = [name for row in comparisons for name in (row["a"], row["b"])]
-    return [*columns, *(name for name in names if name not in columns)], [(2 * k, row) for k, row in enumerate(comparisons)]
+    return [*columns, *(name for name in names if name not in columns)], [
+        (2 * k, row) for k, row in enumerate(comparisons)
+    ]
 
 
 def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
@@ -122,16 +133,34 @@ def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Map
     for who, difference in row["differences"].items():
         x = [at + shifts[a][who], at + 1 + shifts[b][who]]
         y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
-        style = {"color": _BETTER, "linestyle": "solid"} if difference > 0 else {"color": _WORSE, "linestyle": (0, (4, 2))}
-        axes.plot(x, y, linewidth=0.9, alpha=0.6, zorder=1, **(style if difference else {"color": PAGE.ink, "linestyle": (0, (1, 2))}))
+        style = (
+            {"color": _BETTER, "linestyle": "solid"} if difference > 0 else {"color": _WORSE, "linestyle": (0, (4, 2))}
+        )
+        axes.plot(
+            x,
+            y,
+            linewidth=0.9,
+            alpha=0.6,
+            zorder=1,
+            **(style if difference else {"color": PAGE.ink, "linestyle": (0, (1, 2))}),
+        )
 
 
 def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
     who = list(row["ratings"])
-    style = {"linestyle": "none", "marker": "o", "markersize": 5, "color": PAGE.ink, "markerfacecolor": "none", "zorder": 3}
+    style = {
+        "linestyle": "none",
+        "marker": "o",
+        "markersize": 5,
+        "color": PAGE.ink,
+        "markerfacecolor": "none",
+        "zorder": 3,
+    }
     axes.plot([x + shifts[name] for name in who], [row["ratings"][name] for name in who], **style)
     if row["median"] is not None:
-        axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=PAGE.ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
+        axes.plot(
+            [x - 0.3, x + 0.3], [row["median"]] * 2, color=PAGE.ink, linewidth=2.2, zorder=2, solid_capstyle="butt"
+        )
         axes.plot(x - 0.36, row["mean"], marker=">", markersize=6, color=PAGE.ink, linestyle="none", zorder=4)
 
 
@@ -143,7 +172,9 @@ def _wrapped(name: str) -> str:
     import textwrap
 
     # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together.
-    return "\n".join(line for part in name.split(", ") for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
+    return "\n".join(
+        line for part in name.split(", ") for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part]
+    )
 
 
 def _rating_axis(axes: Axes, measure: Row, values: Sequence[float]) -> None:
@@ -173,12 +204,16 @@ def _rating_key(lines: bool) -> list[Any]:
 
 def _forest_line(axes: Axes, y: int, row: Row) -> None:
     values = np.array(list(row["differences"].values()))
-    axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", color=PAGE.ink, alpha=0.45, markersize=3.2, markeredgewidth=0)
+    axes.plot(
+        values, y + 0.28 + _spread(len(values), 0.1), "o", color=PAGE.ink, alpha=0.45, markersize=3.2, markeredgewidth=0
+    )
     if row["low"] is not None:
         axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, solid_capstyle="butt")
     axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
     if row["shift_low"] is not None:
-        axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, solid_capstyle="butt")
+        axes.plot(
+            [row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, solid_capstyle="butt"
+        )
     axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
 
 
@@ -192,7 +227,15 @@ def _forest_key() -> list[Any]:
 
     return [
         Line2D([], [], color=_BETTER, marker="o", markersize=7, linewidth=2.6, label="mean, BCa 95 %"),
-        Line2D([], [], color=_WORSE, marker="D", markersize=4.5, linewidth=1.4, label="Hodges-Lehmann shift, exact 95 % or next level"),
+        Line2D(
+            [],
+            [],
+            color=_WORSE,
+            marker="D",
+            markersize=4.5,
+            linewidth=1.4,
+            label="Hodges-Lehmann shift, exact 95 % or next level",
+        ),
         Line2D([], [], color=PAGE.ink, alpha=0.45, marker="o", markersize=3.2, linestyle="none", label="one person"),
     ]
 

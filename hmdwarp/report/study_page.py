@@ -38,8 +38,16 @@ def _tiles(data: Row) -> list[Row]:
     shown = sum(row["holm"] <= 0.05 for row in rows)
     parts = len(data["scales"][0]["parts"]) if data["scales"] else 0
     texts = [
-        ("Participants", str(data["participants"]), f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"),
-        ("Ratings", str(data["ratings"]), f"{data['missing']} missing, listed below" if data["missing"] else "none missing"),
+        (
+            "Participants",
+            str(data["participants"]),
+            f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began",
+        ),
+        (
+            "Ratings",
+            str(data["ratings"]),
+            f"{data['missing']} missing, listed below" if data["missing"] else "none missing",
+        ),
         ("Differences shown", f"{shown} of {len(rows)}", "comparisons with p ≤ .05 after Holm in their family"),
     ]
     return [{"label": label, "text": text, "note": note} for label, text, note in texts]
@@ -70,7 +78,10 @@ def _missing(rows: Sequence[Row]) -> list[str]:
     for row in rows:
         why = "empty in the table" if row["why"].startswith("empty in line ") else row["why"]
         found.setdefault((row["part"], str(row["participant"]), why), []).append(row["condition"])
-    return [f"{part}{', ' * bool(part)}participant {who}: {'; '.join(names)} ({why})" for (part, who, why), names in found.items()]
+    return [
+        f"{part}{', ' * bool(part)}participant {who}: {'; '.join(names)} ({why})"
+        for (part, who, why), names in found.items()
+    ]
 
 
 def _said(rows: Sequence[Row]) -> str:
@@ -82,13 +93,18 @@ def _said(rows: Sequence[Row]) -> str:
 
 
 def _part(part: Row, rows: Sequence[Row], measure: Row) -> Row:
-    said = "Ratings by condition: " + ", ".join(f"{row['condition']}: median {plain(row['median'])}" for row in part["conditions"])
+    said = "Ratings by condition: " + ", ".join(
+        f"{row['condition']}: median {plain(row['median'])}" for row in part["conditions"]
+    )
     chart = PageChart("", (("", ratings_chart(part, rows, measure), said),))
     return {
         "name": part["part"] or "All conditions",
         "participants": counted(part["participants"], "participant"),
         "chart": chart,
-        "conditions": _table(", ".join(["Ratings of each condition", *filter(None, [part["part"]])]), *condition_lines(part["conditions"])),
+        "conditions": _table(
+            ", ".join(["Ratings of each condition", *filter(None, [part["part"]])]),
+            *condition_lines(part["conditions"]),
+        ),
         "friedman": part["friedman_sentence"],
         "reference": part["reference_sentence"],
         "without": _without(part.get("without", ())),
@@ -108,7 +124,9 @@ def _without(rows: Sequence[Row]) -> PageTable | None:
     if not rows:
         return None
     heads = (("without them", ""), ("pairs", ""), ("mean", ""), ("p", ""), ("Holm", ""))
-    lines = [[pair_text(r["a"], r["b"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])] for r in rows]
+    lines = [
+        [pair_text(r["a"], r["b"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])] for r in rows
+    ]
     return _table("The same comparisons without those who missed the reference", heads, lines)
 
 

@@ -20,10 +20,17 @@ def prediction_of(data: Mapping[str, Any] | None, measure: Mapping[str, Any]) ->
         return None
     titles = {one["name"]: one["title"] for one in data["measures"]}
     charts = [
-        PageChart(titles[name], (("", scatter_chart(points, titles[name], measure), f"{titles[name]} against {measure['title']}"),))
+        PageChart(
+            titles[name],
+            (("", scatter_chart(points, titles[name], measure), f"{titles[name]} against {measure['title']}"),),
+        )
         for name, points in data["points"].items()
     ]
-    return {"sentences": data["sentences"], "table": _table(data["measures"]) if data["measures"] else None, "charts": charts}
+    return {
+        "sentences": data["sentences"],
+        "table": _table(data["measures"]) if data["measures"] else None,
+        "charts": charts,
+    }
 
 
 def _table(measures: list[Mapping[str, Any]]) -> PageTable:

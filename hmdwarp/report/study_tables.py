@@ -24,12 +24,30 @@ MISSING_COLUMNS = ("scale", "part", "participant", "session", "condition", "why"
 
 def condition_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     """Heads and cells of the table of a part's conditions."""
-    heads = (("condition", ""), ("n", ""), ("missing", ""), ("median", ""), ("mean", ""), ("sd", ""), ("quartiles", ""), ("range", ""))
+    heads = (
+        ("condition", ""),
+        ("n", ""),
+        ("missing", ""),
+        ("median", ""),
+        ("mean", ""),
+        ("sd", ""),
+        ("quartiles", ""),
+        ("range", ""),
+    )
     lines = []
     for row in rows:
         name = condition_text(row)
         middle = [plain(row["median"]), plain(row["mean"]), plain(row["sd"])]
-        lines.append([name, str(row["n"]), str(row["missing"]), *middle, _range(row["q1"], row["q3"]), _range(row["least"], row["most"])])
+        lines.append(
+            [
+                name,
+                str(row["n"]),
+                str(row["missing"]),
+                *middle,
+                _range(row["q1"], row["q3"]),
+                _range(row["least"], row["most"]),
+            ]
+        )
     return heads, lines
 
 
@@ -89,7 +107,15 @@ def felt_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     for row in rows:
         name = f"{row['scale']} {row['score']}"
         middle = [plain(row["before"], 1), plain(row["after"], 1), signed(row.get("change"), 1)]
-        lines.append([name, str(row["n"]), *middle, _exact(row.get("low"), row.get("high"), row.get("level"), 1), p_text(row.get("p"))])
+        lines.append(
+            [
+                name,
+                str(row["n"]),
+                *middle,
+                _exact(row.get("low"), row.get("high"), row.get("level"), 1),
+                p_text(row.get("p")),
+            ]
+        )
     return heads, lines
 
 
@@ -106,7 +132,9 @@ def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]
         for row in scale["comparisons"]:
             comparisons.append({key: row[key] for key in COMPARISON_COLUMNS})
             own = named | {key: row[key] for key in ("part", "a", "b")}
-            differences += [own | {"participant": who, "difference": value} for who, value in row["differences"].items()]
+            differences += [
+                own | {"participant": who, "difference": value} for who, value in row["differences"].items()
+            ]
         missing += [named | row for row in scale["missing"]]
     return {
         "conditions.csv": (CONDITION_COLUMNS, conditions),

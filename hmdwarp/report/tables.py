@@ -68,7 +68,12 @@ def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
 
 def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -> Row:
     cells = tuple((figure.text(e[main]), figure.text(e["p95"])) for e in entries)
-    if figure.name not in _CONTESTS or len(entries) < 2 or None in (entries[0][main], entries[1][main]) or cells[0][0] == cells[1][0]:
+    if (
+        figure.name not in _CONTESTS
+        or len(entries) < 2
+        or None in (entries[0][main], entries[1][main])
+        or cells[0][0] == cells[1][0]
+    ):
         return Row(figure, cells, None)
     first_is_larger = entries[0][main] > entries[1][main]
     return Row(figure, cells, 0 if first_is_larger == (figure.name in HIGHER_IS_BETTER) else 1)

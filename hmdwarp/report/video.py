@@ -19,7 +19,16 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError, MachineError
 from .files import write_error
 
-ENCODERS = ("libopenh264", "libx264", "h264_nvenc", "h264_qsv", "h264_amf", "h264_videotoolbox", "h264_vaapi", "h264_v4l2m2m")
+ENCODERS = (
+    "libopenh264",
+    "libx264",
+    "h264_nvenc",
+    "h264_qsv",
+    "h264_amf",
+    "h264_videotoolbox",
+    "h264_vaapi",
+    "h264_v4l2m2m",
+)
 _OPTIONS = {
     "libx264": {"crf": "18", "preset": "veryfast"},  # 18: no difference to be seen at normal distance
     "libopenh264": {"rc_mode": "quality", "qmin": "10", "qmax": "24"},
@@ -98,8 +107,14 @@ class VideoWriter:
             stream = self._container.add_stream(name, rate=rate)
             _set_up(stream.codec_context, self.size, rate, name)
             return stream
-        what = f"none of its H.264 encoders opens: {', '.join(tried)}" if tried else "it was built without an H.264 encoder"
-        raise MachineError(f"PyAV {av.__version__} cannot write {self.path.name}: {what}; install PyAV from its wheel (pip install av)")
+        what = (
+            f"none of its H.264 encoders opens: {', '.join(tried)}"
+            if tried
+            else "it was built without an H.264 encoder"
+        )
+        raise MachineError(
+            f"PyAV {av.__version__} cannot write {self.path.name}: {what}; install PyAV from its wheel (pip install av)"
+        )
 
     def add(self, picture: NDArray[np.uint8]) -> None:
         """The next picture, (h, w, 3) uint8 sRGB, top row first."""
@@ -110,7 +125,9 @@ class VideoWriter:
             raise HmdwarpError(f"{self.path.name} is closed: pictures go in before close()")
         width, height = self.size
         if picture.shape != (height, width, 3) or picture.dtype != np.uint8:
-            raise HmdwarpError(f"a {picture.dtype} picture of shape {picture.shape} for a video of {(height, width, 3)} uint8")
+            raise HmdwarpError(
+                f"a {picture.dtype} picture of shape {picture.shape} for a video of {(height, width, 3)} uint8"
+            )
         even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
         frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24").reformat(
             format="yuv420p",

@@ -34,7 +34,9 @@ _FATES = {
 def filled_rows(summary: Summary) -> Pairs:
     """(fill, share of all pixels) of each step of the chain, and what stayed empty; empty where the summary does not say."""
     filled = summary.get("filled") or {}
-    return [("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()]
+    return [
+        ("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()
+    ]
 
 
 def response_rows(summary: Summary) -> Pairs:
@@ -80,7 +82,12 @@ def told_lines(summary: Summary) -> list[str]:
         lines.append("holes: " + ", ".join(f"{name} {share}" for name, share in filled))
     link = summary.get("link") or {}
     counts = link.get("frames") or {}
-    if link.get("codec", "none") != "none" or any(counts.get(name) for name in ("dropped", "lost", "late", "superseded", "undecodable")):
+    if link.get("codec", "none") != "none" or any(
+        counts.get(name) for name in ("dropped", "lost", "late", "superseded", "undecodable")
+    ):
         lines.append("frames: " + ", ".join(f"{count} {told}" for told, count in frame_rows(summary)))
-        lines.append("link: " + ", ".join(f"{told} {text}" for told, text in (*coding_rows(summary), *response_rows(summary)[-1:])))
+        lines.append(
+            "link: "
+            + ", ".join(f"{told} {text}" for told, text in (*coding_rows(summary), *response_rows(summary)[-1:]))
+        )
     return lines

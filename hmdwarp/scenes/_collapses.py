@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from ._decimate import Array, Indices, Soup
 
-CHEAPEST = (0.3, 0.6, 1.0)  # of what could go, this share may go in a round, or dear ones would while cheap ones wait for neighbours;
-ENOUGH = 0.015  # unless fewer vertices than this share of all faces would go at all: most of the cheap ones may be folds
+CHEAPEST = (
+    0.3,
+    0.6,
+    1.0,
+)  # of what could go, this share may go in a round, or dear ones would while cheap ones wait for neighbours;
+ENOUGH = (
+    0.015  # unless fewer vertices than this share of all faces would go at all: most of the cheap ones may be folds
+)
 LEAST_COSINE = 0.35  # between a face before and after: none turns by more than 70 degrees at a time
 LEAST_COMPACTNESS = 0.02  # twice the area over the longest edge squared, unless it was less before
 
@@ -54,7 +60,9 @@ class _Moves:
         kept = np.isin(row, np.flatnonzero(chosen) if chosen.dtype == bool else chosen)
         counts = np.diff([*self.first, len(self.wedge_from)])[chosen]
         first = np.cumsum(counts) - counts
-        return _Moves(self.u[chosen], self.v[chosen], self.cost[chosen], first, self.wedge_from[kept], self.wedge_to[kept])
+        return _Moves(
+            self.u[chosen], self.v[chosen], self.cost[chosen], first, self.wedge_from[kept], self.wedge_to[kept]
+        )
 
 
 def one_round(soup: Soup, too_many: int) -> float | None:

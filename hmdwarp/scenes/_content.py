@@ -31,20 +31,26 @@ class Material:
     see_through: bool = False
     opacity: float = 1.0
     head_locked: bool = False
-    tint: tuple[float, float, float] = attrs.field(default=(1.0, 1.0, 1.0), converter=lambda value: tuple(map(float, value)))
+    tint: tuple[float, float, float] = attrs.field(
+        default=(1.0, 1.0, 1.0), converter=lambda value: tuple(map(float, value))
+    )
 
     def __attrs_post_init__(self) -> None:
         for name in ("reflectivity", "opacity"):
             if not 0 <= getattr(self, name) <= 1:
                 raise SceneError(f"material with {name} {getattr(self, name):g}: wanted 0 to 1")
         if not self.reflectivity and (self.curved or self.normal_map >= 0):
-            raise SceneError("material with a normal map or a curved mirror, but reflectivity 0: give it a reflectivity or leave them out")
+            raise SceneError(
+                "material with a normal map or a curved mirror, but reflectivity 0: give it a reflectivity or leave them out"
+            )
         if len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
             raise SceneError(f"material with tint {self.tint}: wanted three shares, each 0 to 1")
         if self.tint != (1.0, 1.0, 1.0) and not self.see_through:
             raise SceneError("material with a tint that nothing passes: make it see_through or leave the tint out")
         if self.see_through and self.head_locked:
-            raise SceneError("material that is see-through and head-locked: what is head-locked lets through by its opacity anyway")
+            raise SceneError(
+                "material that is see-through and head-locked: what is head-locked lets through by its opacity anyway"
+            )
         if self.reflectivity and (self.see_through or self.head_locked):
             raise SceneError("material that mirrors and is see-through or head-locked: wanted one of these")
 

@@ -93,7 +93,9 @@ def _pieces(soup: Soup) -> Indices:
 
     start, end = soup.faces[:, :2].ravel(), soup.faces[:, 1:].ravel()
     count = len(soup.positions)
-    _, label = connected_components(sparse.coo_array((np.ones(len(start), np.int8), (start, end)), shape=(count, count)), directed=False)
+    _, label = connected_components(
+        sparse.coo_array((np.ones(len(start), np.int8), (start, end)), shape=(count, count)), directed=False
+    )
     return np.unique(label[soup.faces[:, 0]], return_inverse=True)[1].reshape(-1)
 
 
@@ -105,7 +107,9 @@ def _soup(meshes: Sequence[Mesh]) -> tuple[Soup, Indices]:
     """Everything before the first collapse, and which vertex (counted through all meshes) each wedge is."""
     owner = np.repeat(np.arange(len(meshes)), [len(mesh.positions) for mesh in meshes])
     moves = np.array([_moves_with(meshes, k) for k in range(len(meshes))])[owner]
-    position, light, uv, normal = (np.concatenate([getattr(m, name) for m in meshes]) for name in ("positions", "light", "uv", "normals"))
+    position, light, uv, normal = (
+        np.concatenate([getattr(m, name) for m in meshes]) for name in ("positions", "light", "uv", "normals")
+    )
     faces = np.concatenate([m.triangles.astype(np.int64) + s for m, s in zip(meshes, _starts(meshes), strict=True)])
     first, wedge = _same_rows(owner, position, uv, light, normal)
     seat, at = _same_rows(moves, position)

@@ -39,7 +39,10 @@ def _effects_of_mesh(scene: Scene, mesh: Mesh) -> SceneEffect:
         (SceneEffect.CURVED_REFLECTIONS, material.curved),
         (SceneEffect.RIGID_MOTION, mesh.body > 0),
         (SceneEffect.SOFT_MOTION, mesh.deformation is not None),
-        (SceneEffect.TRANSPARENCY, material.see_through and not is_cutout(scene, mesh)),  # a fence has a depth of its own
+        (
+            SceneEffect.TRANSPARENCY,
+            material.see_through and not is_cutout(scene, mesh),
+        ),  # a fence has a depth of its own
         (SceneEffect.OVERLAY, material.head_locked),
     )
     for effect, called_for in calls:

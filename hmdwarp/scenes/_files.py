@@ -75,21 +75,30 @@ def _rich_scene(path: Path) -> Scene:
         with np.errstate(all="ignore"):
             parts = rich_parts(path, _normals, is_closed)
             if not parts.drafts:
-                raise SceneError(f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)")
+                raise SceneError(
+                    f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)"
+                )
             standing = [draft.positions for draft in parts.drafts if not draft.look.material.head_locked]
-            low, high = (np.array([getattr(one, end)(axis=0) for one in standing or [np.zeros((1, 3))]]) for end in ("min", "max"))
+            low, high = (
+                np.array([getattr(one, end)(axis=0) for one in standing or [np.zeros((1, 3))]])
+                for end in ("min", "max")
+            )
             low, high = low.min(axis=0), high.max(axis=0)
             origin = np.round((low + high) / 2)
             meshes = [draft.mesh(origin, _light_on) for draft in parts.drafts]
             viewpoint, bounds = viewpoint_of(low, high)
             summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
             told = {"bodies": parts.bodies, "origin_m": origin, "notes": dict.fromkeys(parts.notes)}
-            return Scene(path.stem, summary, meshes, parts.textures, SKY, viewpoint=viewpoint, walk_bounds_m=bounds, **told)
+            return Scene(
+                path.stem, summary, meshes, parts.textures, SKY, viewpoint=viewpoint, walk_bounds_m=bounds, **told
+            )
     except (SceneError, MemoryError):
         raise
     except Exception as error:  # a damaged file may have anything where something else is wanted
         reason = " ".join(str(error).split())[:120]
-        raise SceneError(f"{path}: not a readable GLB file ({type(error).__name__}: {reason}); export it again") from error
+        raise SceneError(
+            f"{path}: not a readable GLB file ({type(error).__name__}: {reason}); export it again"
+        ) from error
 
 
 def _is_rich(path: Path) -> bool:
@@ -139,7 +148,9 @@ def _parts_of(path: Path, notes: list[str]) -> list[trimesh.Trimesh]:
         raise
     except Exception as error:  # trimesh's readers raise whatever their parsing trips over
         reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise SceneError(f"{path}: not a readable {kind.upper()} file ({type(error).__name__}: {reason}); export it again") from error
+        raise SceneError(
+            f"{path}: not a readable {kind.upper()} file ({type(error).__name__}: {reason}); export it again"
+        ) from error
     finally:
         quiet.setLevel(before)
     notes += {"obj": _missing_pictures, "ply": _missing_ply_pictures}.get(kind, lambda _: [])(path)
@@ -182,15 +193,21 @@ def _check_shape(path: Path, part: Any) -> None:
     """trimesh hands on what a damaged file says, vertices of two numbers for instance."""
     for name, array in (("vertices", part.vertices), ("faces", part.faces)):
         if np.ndim(array) != 2 or np.shape(array)[1] != 3:
-            raise SceneError(f"{path}: {name} of shape {np.shape(array)}; wanted three numbers each; export the file again")
+            raise SceneError(
+                f"{path}: {name} of shape {np.shape(array)}; wanted three numbers each; export the file again"
+            )
 
 
 def _check_finite(path: Path, part: Any) -> None:
     bad = ~np.isfinite(part.vertices).all(axis=1)
     if bad.any():
-        raise SceneError(f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it")
+        raise SceneError(
+            f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it"
+        )
     if int(part.faces.max()) >= len(part.vertices) or int(part.faces.min()) < 0:
-        raise SceneError(f"{path}: a triangle uses vertex {int(part.faces.max())} of {len(part.vertices)}; the file is damaged")
+        raise SceneError(
+            f"{path}: a triangle uses vertex {int(part.faces.max())} of {len(part.vertices)}; the file is damaged"
+        )
 
 
 def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes: list[str]) -> Mesh:
@@ -200,7 +217,18 @@ def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes:
     double_sided = bool(getattr(getattr(part.visual, "material", None), "doubleSided", False)) or not _is_closed(part)
     lit = _light_on(normals, double_sided)
     material = _see_through(getattr(part.visual, "material", None))
-    return Mesh(name, vertices - origin, normals, uv, colour * lit[:, None], faces, texture, double_sided, material, albedo=colour)
+    return Mesh(
+        name,
+        vertices - origin,
+        normals,
+        uv,
+        colour * lit[:, None],
+        faces,
+        texture,
+        double_sided,
+        material,
+        albedo=colour,
+    )
 
 
 def _see_through(material: Any) -> Material:
@@ -237,7 +265,9 @@ def _normals(vertices: NDArray, faces: NDArray) -> NDArray:
     return np.where(length > 0, total / np.where(length > 0, length, 1), (0.0, 1.0, 0.0))
 
 
-def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], name: str) -> tuple[NDArray, NDArray, int]:
+def _surface(
+    part: Any, count: int, textures: list[Texture], notes: list[str], name: str
+) -> tuple[NDArray, NDArray, int]:
     """Linear colour (n, 3), uv (n, 2) and texture index of a part: its picture, else its vertex colours, else its material, else grey."""
     visual, uv = part.visual, np.zeros((count, 2))
     material = getattr(visual, "material", None)

@@ -75,7 +75,9 @@ class GltfFile:
         accessor = self.one("accessors", index, wanted_by)
         kind, width, count = accessor.get("componentType"), _COLUMNS.get(accessor.get("type")), accessor.get("count")
         if kind not in _NUMBERS or width is None or not isinstance(count, int) or count < 0 or "sparse" in accessor:
-            raise self.wrong(f"{wanted_by}: accessor {index} is of a kind that is not read (component {kind}, {accessor.get('type')})")
+            raise self.wrong(
+                f"{wanted_by}: accessor {index} is of a kind that is not read (component {kind}, {accessor.get('type')})"
+            )
         if columns is not None and width != columns:
             raise self.wrong(f"{wanted_by}: accessor {index} has {width} numbers an element, wanted {columns}")
         number = np.dtype(_NUMBERS[kind]).newbyteorder("<")
@@ -84,7 +86,9 @@ class GltfFile:
         view = self.one("bufferViews", accessor["bufferView"], wanted_by)
         start, stride = self._place(view, accessor, number.itemsize * width, wanted_by)
         if count and start + stride * (count - 1) + number.itemsize * width > len(self.binary):
-            raise self.wrong(f"{wanted_by}: accessor {index} reaches beyond the file's {len(self.binary)} bytes; it is cut off or damaged")
+            raise self.wrong(
+                f"{wanted_by}: accessor {index} reaches beyond the file's {len(self.binary)} bytes; it is cut off or damaged"
+            )
         rows = np.ndarray((count, width), number, self.binary, start, (stride, number.itemsize))
         if accessor.get("normalized") and number.kind in "iu":
             return np.maximum(rows / np.iinfo(number).max, -1.0)
@@ -96,7 +100,9 @@ class GltfFile:
         start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
         offset = accessor.get("byteOffset", 0)
         if not all(isinstance(value, int) and value >= 0 for value in (start, stride, offset)) or stride < size:
-            raise self.wrong(f"{wanted_by}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
+            raise self.wrong(
+                f"{wanted_by}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes"
+            )
         return start + offset, stride
 
     def image(self, index: object, wanted_by: str) -> NDArray[np.uint8]:
@@ -109,7 +115,9 @@ class GltfFile:
         try:
             return np.array(Image.open(io.BytesIO(self.binary[start : start + length])).convert("RGBA"))
         except (OSError, ValueError, SyntaxError, TypeError) as error:
-            raise self.wrong(f"{wanted_by}: image {index} cannot be read ({type(error).__name__}); export it again") from error
+            raise self.wrong(
+                f"{wanted_by}: image {index} cannot be read ({type(error).__name__}); export it again"
+            ) from error
 
     def is_rich(self) -> bool:
         """Whether there is more to it than plain surfaces that stand still."""

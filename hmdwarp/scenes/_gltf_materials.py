@@ -43,7 +43,9 @@ def _look(file: GltfFile, parts: RichParts, told: dict, name: str, locked: bool)
     plain = told.get("pbrMetallicRoughness") or {}
     factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
     if factor.shape != (4,) or not np.isfinite(factor).all():
-        raise file.wrong(f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again")
+        raise file.wrong(
+            f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again"
+        )
     mode, base = told.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
     image = _image(file, parts, base, name)
     alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
@@ -55,7 +57,9 @@ def _look(file: GltfFile, parts: RichParts, told: dict, name: str, locked: bool)
     elif mode != "BLEND" and image is not None:
         image = image[..., :3]
     # What is cut out of nothing, or blended without letting anything pass, is a surface like any other.
-    sees_through = mode in ("MASK", "BLEND") and (alpha < 1 or (image is not None and image.shape[2] == 4 and image[..., 3].min() < 255))
+    sees_through = mode in ("MASK", "BLEND") and (
+        alpha < 1 or (image is not None and image.shape[2] == 4 and image[..., 3].min() < 255)
+    )
     material = _material(file, parts, told, name, _Asked(alpha, sees_through, locked, factor[:3]))
     texture = _filed(parts, name, image, srgb=True)
     shown = np.clip(factor[:3], 0, None)
@@ -83,7 +87,9 @@ def _material(file: GltfFile, parts: RichParts, told: dict, name: str, asked: _A
         return Material(see_through=True, opacity=asked.alpha * (1 - passes), tint=tint)
     if not reflects:
         return Material()
-    normal = _filed(parts, f"{name}-normal", _image(file, parts, told.get("normalTexture") or {}, name, channels=3), srgb=False)
+    normal = _filed(
+        parts, f"{name}-normal", _image(file, parts, told.get("normalTexture") or {}, name, channels=3), srgb=False
+    )
     return Material(reflectivity=reflects, normal_map=normal, curved=bool(extras.get("curved", False)))
 
 

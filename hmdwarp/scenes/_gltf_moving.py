@@ -31,7 +31,9 @@ class NodeMotion:
     def _without_turn(self) -> Array:
         """3x3: takes the turn out of world_from_node at time 0 and leaves size and shape: the polar part of it, inverted."""
         left, sizes, right = np.linalg.svd(self.nodes.at(self.node, 0)[0][:3, :3])
-        flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])  # a mirrored node keeps its mirroring in its shape
+        flip = np.diag(
+            [1.0, 1.0, np.sign(np.linalg.det(left @ right))]
+        )  # a mirrored node keeps its mirroring in its shape
         return np.linalg.inv(right.T @ flip @ np.diag(sizes) @ right)
 
     def state(self, time_ns: int) -> RigidState:
@@ -48,7 +50,9 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
     start = nodes.at(node, 0)[0][:3, :3]
     if abs(np.linalg.det(start)) < 1e-12:
         return False
-    keys = np.unique(np.concatenate([c.times_s for one in nodes.line(node) for c in nodes.curves.get(one, {}).values()]))
+    keys = np.unique(
+        np.concatenate([c.times_s for one in nodes.line(node) for c in nodes.curves.get(one, {}).values()])
+    )
     for seconds in np.union1d(keys, (keys[1:] + keys[:-1]) / 2):
         turn = nodes.at(node, round(seconds * 1e9))[0][:3, :3] @ np.linalg.inv(start)
         if np.abs(turn.T @ turn - np.eye(3)).max() > RIGID or np.linalg.det(turn) < 0:
@@ -93,7 +97,9 @@ class Driven:
 def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
     """All vertices by one node."""
     count = len(rest)
-    return Driven(nodes, rest, [node], np.eye(4)[None], np.zeros((count, 1), np.int64), np.ones((count, 1)), np.zeros(3))
+    return Driven(
+        nodes, rest, [node], np.eye(4)[None], np.zeros((count, 1), np.int64), np.ones((count, 1)), np.zeros(3)
+    )
 
 
 def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Array) -> Driven:
@@ -108,9 +114,13 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Arra
         raise file.wrong(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0); export it again")
     sets = [k for k in range(4) if f"JOINTS_{k}" in attributes]
     which = np.concatenate([file.numbers(attributes[f"JOINTS_{k}"], name, 4) for k in sets], axis=1).astype(np.int64)
-    weights = np.concatenate([file.numbers(attributes.get(f"WEIGHTS_{k}"), name, 4) for k in sets], axis=1).astype(np.float64)
+    weights = np.concatenate([file.numbers(attributes.get(f"WEIGHTS_{k}"), name, 4) for k in sets], axis=1).astype(
+        np.float64
+    )
     if len(which) != len(rest) or len(weights) != len(rest):
-        raise file.wrong(f"{name}: {len(rest)} positions, {len(which)} joints, {len(weights)} weights; wanted as many of each")
+        raise file.wrong(
+            f"{name}: {len(rest)} positions, {len(which)} joints, {len(weights)} weights; wanted as many of each"
+        )
     _check_weights(file, name, weights)
     used = weights > 0
     if (which[used] >= len(joints)).any():
@@ -120,13 +130,17 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Arra
     if "inverseBindMatrices" in told:
         found = file.numbers(told["inverseBindMatrices"], name, 16).astype(np.float64)
         if len(found) < len(joints) or not np.isfinite(found).all():
-            raise file.wrong(f"{name}: {len(found)} inverse bind matrices for {len(joints)} joints, or not finite; export it again")
+            raise file.wrong(
+                f"{name}: {len(found)} inverse bind matrices for {len(joints)} joints, or not finite; export it again"
+            )
         inverse = found[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
     return Driven(nodes, rest, joints, inverse, which, weights / weights.sum(axis=1, keepdims=True), np.zeros(3))
 
 
 def _check_weights(file: GltfFile, name: str, weights: Array) -> None:
-    bad = ~(np.isfinite(weights).all(axis=1) & (weights >= 0).all(axis=1) & (np.abs(weights.sum(axis=1) - 1) <= MOST_OFF))
+    bad = ~(
+        np.isfinite(weights).all(axis=1) & (weights >= 0).all(axis=1) & (np.abs(weights.sum(axis=1) - 1) <= MOST_OFF)
+    )
     if bad.any():
         vertex = int(np.argmax(bad))
         told = ", ".join(f"{value:.4g}" for value in weights[vertex])

@@ -50,7 +50,12 @@ class Curve:
     def _on_spline(self, key: int, t: float, length: float) -> tuple[Array, Array]:
         start, out = self.values[key, 1], self.values[key, 2] * length
         into, end = self.values[key + 1, 0] * length, self.values[key + 1, 1]
-        value = (2 * t**3 - 3 * t**2 + 1) * start + (t**3 - 2 * t**2 + t) * out + (3 * t**2 - 2 * t**3) * end + (t**3 - t**2) * into
+        value = (
+            (2 * t**3 - 3 * t**2 + 1) * start
+            + (t**3 - 2 * t**2 + t) * out
+            + (3 * t**2 - 2 * t**3) * end
+            + (t**3 - t**2) * into
+        )
         rate = (6 * t**2 - 6 * t) * (start - end) + (3 * t**2 - 4 * t + 1) * out + (3 * t**2 - 2 * t) * into
         if self.path != "rotation":
             return value, rate / length
@@ -108,7 +113,9 @@ class Nodes:
         rest, curves = self._rest[node], self.curves.get(node)
         if curves is None:
             return rest if isinstance(rest, np.ndarray) else _matrix(rest), np.zeros((4, 4))
-        parts = {path: (np.array(rest[path]), np.zeros(_WIDTH[path])) for path in _WIDTH} | {p: c.at(seconds) for p, c in curves.items()}
+        parts = {path: (np.array(rest[path]), np.zeros(_WIDTH[path])) for path in _WIDTH} | {
+            p: c.at(seconds) for p, c in curves.items()
+        }
         (place, speed), (turn, turning), (scale, growing) = (parts[path] for path in _WIDTH)
         rotation = Rotation.from_quat(turn).as_matrix()
         x, y, z = 2 * _product(turning, turn * (-1, -1, -1, 1))[:3]
@@ -128,7 +135,9 @@ class Nodes:
         for path, width in _WIDTH.items():
             value = np.array(told.get(path, _REST[path]), np.float64)
             if value.shape != (width,) or not np.isfinite(value).all() or (path == "rotation" and not value.any()):
-                raise self._file.wrong(f"node {index}: {path} {told.get(path)!r} is not {width} finite numbers; export it again")
+                raise self._file.wrong(
+                    f"node {index}: {path} {told.get(path)!r} is not {width} finite numbers; export it again"
+                )
             found[path] = value
         return found
 
@@ -161,14 +170,20 @@ class Nodes:
                 notes.append(f"{self._file.path}: {told} moves {path} of node '{name_of}': not played")
                 continue
             if isinstance(self._rest[node], np.ndarray):
-                raise self._file.wrong(f"{told} moves node {node}, which has a matrix: wanted translation, rotation, scale")
+                raise self._file.wrong(
+                    f"{told} moves node {node}, which has a matrix: wanted translation, rotation, scale"
+                )
             index = channel.get("sampler")
             if not isinstance(index, int) or not 0 <= index < len(samplers):
                 raise self._file.wrong(f"{told} wants sampler {index!r} of {len(samplers)}; export it again")
             if path in self.curves.get(node, {}):
-                notes.append(f"{self._file.path}: {told} moves {path} of node '{name_of}' as one before it does; left out")
+                notes.append(
+                    f"{self._file.path}: {told} moves {path} of node '{name_of}' as one before it does; left out"
+                )
                 continue
-            self.curves.setdefault(node, {})[path] = self._curve(samplers[index], path, f"{told}, {path} of node '{name_of}'")
+            self.curves.setdefault(node, {})[path] = self._curve(
+                samplers[index], path, f"{told}, {path} of node '{name_of}'"
+            )
 
     def _curve(self, sampler: dict, path: str, told: str) -> Curve:
         kind, wrong = sampler.get("interpolation", "LINEAR"), self._file.wrong

@@ -53,7 +53,10 @@ class Draft:
         if self.look.material.head_locked:
             positions = self.positions
         elif self.rest is not None:
-            positions, normals = self.rest.inverse().transform(self.positions), self.rest.rotation.inv().apply(self.normals)
+            positions, normals = (
+                self.rest.inverse().transform(self.positions),
+                self.rest.rotation.inv().apply(self.normals),
+            )
         glows = self.look.material.head_locked  # no lamp of the world shines on it
         lit = np.ones(len(normals)) if glows else light_of(self.normals, self.look.double_sided)
         return Mesh(
@@ -72,7 +75,9 @@ class Draft:
         )
 
 
-def rich_parts(path: Path, normals_of: Callable[[Array, NDArray], Array], is_closed: Callable[[Array, NDArray], bool]) -> RichParts:
+def rich_parts(
+    path: Path, normals_of: Callable[[Array, NDArray], Array], is_closed: Callable[[Array, NDArray], bool]
+) -> RichParts:
     """All that can be drawn of a file. Errors: SceneError, one line, naming the file and the animation, skin or mesh that is broken."""
     file = GltfFile.read(path)
     parts = RichParts()
@@ -90,8 +95,12 @@ def rich_parts(path: Path, normals_of: Callable[[Array, NDArray], Array], is_clo
                 if draft is not None:
                     look = draft.look
                     if not look.double_sided and not is_closed(draft.positions, draft.triangles):
-                        look = attrs.evolve(look, double_sided=True)  # a single sheet may be meant to be seen from both sides
-                    parts.drafts.append(attrs.evolve(draft, look=look, normals=normals_of(draft.positions, draft.triangles)))
+                        look = attrs.evolve(
+                            look, double_sided=True
+                        )  # a single sheet may be meant to be seen from both sides
+                    parts.drafts.append(
+                        attrs.evolve(draft, look=look, normals=normals_of(draft.positions, draft.triangles))
+                    )
     return parts
 
 

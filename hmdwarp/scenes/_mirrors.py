@@ -39,7 +39,9 @@ def mirrors_of(scene: Scene) -> tuple[SceneMirror, ...]:
         if not mesh.material.reflectivity:
             continue
         if mesh.body or mesh.deformation is not None:
-            raise SceneError(f"mesh '{mesh.name}': a mirror that moves; wanted one that stands still, or no reflectivity")
+            raise SceneError(
+                f"mesh '{mesh.name}': a mirror that moves; wanted one that stands still, or no reflectivity"
+            )
         what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
         key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
         groups.setdefault((*key, *what), []).append(mesh)
@@ -66,10 +68,14 @@ def _plane_of(mesh: Mesh) -> NDArray[np.float64]:
     mean /= max(np.linalg.norm(mean), 1e-30)
     apart = np.linalg.norm(normals - mean, axis=1).max()
     if apart > SAME_DIRECTION:
-        raise SceneError(f"{told}: its normals differ by up to {np.degrees(2 * np.arcsin(min(apart / 2, 1))):.3g} degrees; {wanted}")
+        raise SceneError(
+            f"{told}: its normals differ by up to {np.degrees(2 * np.arcsin(min(apart / 2, 1))):.3g} degrees; {wanted}"
+        )
     distances = positions @ mean
     if np.ptp(distances) > SAME_PLANE_M:
-        raise SceneError(f"{told}: its vertices leave a plane by {np.ptp(distances) * 1e3:.3g} mm along its normals; {wanted}")
+        raise SceneError(
+            f"{told}: its vertices leave a plane by {np.ptp(distances) * 1e3:.3g} mm along its normals; {wanted}"
+        )
     a, b, c = (positions[mesh.triangles[:, i]] for i in range(3))
     if (np.cross(b - a, c - a) @ mean < 0).any():
         raise SceneError(f"{told}: some triangles face the other way than their normals; {wanted}")
@@ -83,7 +89,9 @@ def _shape(meshes: list[Mesh], origin_m: NDArray) -> Mirror:
         centre = (positions.min(axis=0) + positions.max(axis=0)) / 2
         radius = float(np.linalg.norm(positions - centre, axis=1).max())
         if not radius:
-            raise SceneError(f"mesh '{meshes[0].name}': a curved mirror of no size; wanted a ball or something like one")
+            raise SceneError(
+                f"mesh '{meshes[0].name}': a curved mirror of no size; wanted a ball or something like one"
+            )
         return Mirror(centre + origin_m, radius_m=radius, reflectivity=reflectivity)
     normal = _plane_of(meshes[0])[:3]
     right = _along_u(meshes[0], normal)

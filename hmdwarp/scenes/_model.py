@@ -95,9 +95,13 @@ class Mesh:
             if bad.any():
                 raise SceneError(f"mesh '{self.name}': {field} of vertex {int(np.argmax(bad))} are not finite numbers")
         if self.triangles.size and int(self.triangles.max()) >= count:
-            raise SceneError(f"mesh '{self.name}': a triangle uses vertex {int(self.triangles.max())}, but there are only {count}")
+            raise SceneError(
+                f"mesh '{self.name}': a triangle uses vertex {int(self.triangles.max())}, but there are only {count}"
+            )
         if self.body and self.deformation is not None:
-            raise SceneError(f"mesh '{self.name}' belongs to body {self.body} and deforms by itself: wanted one of the two")
+            raise SceneError(
+                f"mesh '{self.name}' belongs to body {self.body} and deforms by itself: wanted one of the two"
+            )
 
     @property
     def is_surface(self) -> bool:
@@ -141,7 +145,9 @@ class Scene:
     bodies: tuple[Body, ...] = attrs.field(default=(), converter=tuple)
     origin_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=_frozen_vector)
     viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))
-    walk_bounds_m: Array = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=lambda v: np.array(v, np.float64))
+    walk_bounds_m: Array = attrs.field(
+        default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=lambda v: np.array(v, np.float64)
+    )
     notes: tuple[str, ...] = attrs.field(default=(), converter=tuple)
 
     def __attrs_post_init__(self) -> None:

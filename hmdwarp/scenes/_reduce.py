@@ -41,7 +41,9 @@ def reduced(scene: Scene, share: float, folder: Path | None = None) -> Scene:
         raise SceneError(f"share {share:g} of a scene's triangles: wanted more than 0 and at most 1")
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     share = max(share, min(1.0, LEAST_TRIANGLES / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
-    triangles = [mesh.triangles for mesh in surfaces] if share == 1 else _remembered(surfaces, share, folder or cache_folder())
+    triangles = (
+        [mesh.triangles for mesh in surfaces] if share == 1 else _remembered(surfaces, share, folder or cache_folder())
+    )
     meshes = [_with_triangles(mesh, kept) for mesh, kept in zip(surfaces, triangles, strict=True) if len(kept)]
     return attrs.evolve(scene, meshes=meshes)
 
@@ -98,11 +100,19 @@ def _key(meshes: Sequence[Mesh], share: float) -> str:
 def _read(path: Path, meshes: Sequence[Mesh]) -> Triangles | None:
     """None for a file that is not there, or is not what _write() makes for these meshes."""
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:  # given a path it forgets to close what is no archive
+        with (
+            path.open("rb") as file,
+            np.load(file, allow_pickle=False) as stored,
+        ):  # given a path it forgets to close what is no archive
             triangles, counts = stored["triangles"], stored["counts"]
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
         return None
-    fits = triangles.dtype == np.uint32 and triangles.shape[1:] == (3,) and counts.shape == (len(meshes),) and counts.dtype == np.int64
+    fits = (
+        triangles.dtype == np.uint32
+        and triangles.shape[1:] == (3,)
+        and counts.shape == (len(meshes),)
+        and counts.dtype == np.int64
+    )
     if not fits or (counts < 0).any() or counts.sum() != len(triangles):
         return None
     parts = np.split(triangles, np.cumsum(counts)[:-1]) if len(counts) else []
@@ -117,7 +127,9 @@ def _write(path: Path, triangles: Triangles) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             counts = np.array([len(part) for part in triangles], np.int64)
-            np.savez_compressed(file, triangles=np.concatenate([np.zeros((0, 3), np.uint32), *triangles]), counts=counts)
+            np.savez_compressed(
+                file, triangles=np.concatenate([np.zeros((0, 3), np.uint32), *triangles]), counts=counts
+            )
         Path(name).replace(path)
     except BaseException:
         Path(name).unlink(missing_ok=True)
@@ -145,4 +157,6 @@ def _with_triangles(mesh: Mesh, triangles: NDArray[np.uint32]) -> Mesh:
     deformation = None if mesh.deformation is None else _Some(mesh.deformation, kept)
     fields = {name: getattr(mesh, name)[kept] for name in ("positions", "normals", "uv", "light")}
     triangles = which.reshape(-1, 3)
-    return attrs.evolve(mesh, **fields, triangles=triangles, albedo=albedo, deformation=deformation, material=Material())
+    return attrs.evolve(
+        mesh, **fields, triangles=triangles, albedo=albedo, deformation=deformation, material=Material()
+    )

@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 def _points(value: ArrayLike) -> Array:
     array = np.array(value, np.float64)
     if array.ndim != 2 or array.shape[1] != 3 or not np.isfinite(array).all():
-        raise SceneError(f"deformation: wanted (n, 3) finite numbers, found shape {array.shape}{'' if array.ndim != 2 else ' with others'}")
+        raise SceneError(
+            f"deformation: wanted (n, 3) finite numbers, found shape {array.shape}{'' if array.ndim != 2 else ' with others'}"
+        )
     return array
 
 
@@ -53,7 +55,9 @@ class Waving:
         if self.away.shape != (len(self.rest),) or not np.isfinite(self.away).all():
             found = f"{len(self.rest)} points and distances of shape {self.away.shape}"
             raise SceneError(f"waving: {found}: wanted a finite one for each point")
-        if not (self.length_m > 0 and self.period_s > 0 and np.isfinite([self.height_m, self.length_m, self.period_s]).all()):
+        if not (
+            self.length_m > 0 and self.period_s > 0 and np.isfinite([self.height_m, self.length_m, self.period_s]).all()
+        ):
             raise SceneError(f"waving: length {self.length_m:g} m, period {self.period_s:g} s: wanted both above 0")
 
     def _swing(self, time_ns: int, quarter: int) -> Array:
@@ -90,7 +94,9 @@ class Joint:
 
     def __attrs_post_init__(self) -> None:
         if not np.isfinite([self.swing_rad, self.middle_rad, self.period_s, self.phase]).all() or not self.period_s > 0:
-            raise SceneError(f"joint '{self.name}': wanted finite angles and a period above 0, found period {self.period_s:g} s")
+            raise SceneError(
+                f"joint '{self.name}': wanted finite angles and a period above 0, found period {self.period_s:g} s"
+            )
 
     def turn(self, time_ns: int) -> tuple[Array, Array]:
         """4x4 parent_from_joint, both in rest coordinates, and its change in 1/s."""
@@ -123,19 +129,29 @@ class Skinned:
             found = f"{len(self.rest)} points, joints {self.which.shape}, weights {self.weights.shape}"
             raise SceneError(f"skin: {found}: wanted (n, k) for both")
         self._check_joints()
-        bad = ~(np.isfinite(self.weights).all(axis=1) & (self.weights >= 0).all(axis=1) & (np.abs(self.weights.sum(axis=1) - 1) <= 1e-4))
+        bad = ~(
+            np.isfinite(self.weights).all(axis=1)
+            & (self.weights >= 0).all(axis=1)
+            & (np.abs(self.weights.sum(axis=1) - 1) <= 1e-4)
+        )
         if bad.any():
             vertex = int(np.argmax(bad))
-            raise SceneError(f"skin: weights {self.weights[vertex]} of vertex {vertex}: wanted 0 or more each, with sum 1")
+            raise SceneError(
+                f"skin: weights {self.weights[vertex]} of vertex {vertex}: wanted 0 or more each, with sum 1"
+            )
 
     def _check_joints(self) -> None:
         for index, joint in enumerate(self.joints):
             if not -1 <= joint.parent < index:
-                raise SceneError(f"joint '{joint.name}' hangs from joint {joint.parent}: wanted -1 or one before it (it is number {index})")
+                raise SceneError(
+                    f"joint '{joint.name}' hangs from joint {joint.parent}: wanted -1 or one before it (it is number {index})"
+                )
         beyond = (self.which < 0) | (self.which >= len(self.joints))
         if beyond.any():
             vertex = int(np.argmax(beyond.any(axis=1)))
-            raise SceneError(f"skin: vertex {vertex} wants joint {self.which[vertex].max()}, there are {len(self.joints)}")
+            raise SceneError(
+                f"skin: vertex {vertex} wants joint {self.which[vertex].max()}, there are {len(self.joints)}"
+            )
 
     def _blended(self, time_ns: int) -> tuple[Array, Array]:
         """(n, 3, 4) each: how vertices are moved, and the change of that in 1/s."""

@@ -52,7 +52,9 @@ def asked_effects(text: str, declared: SceneEffect) -> SceneEffect:
         else:
             forced |= _effect(word)
     if both := forced & forbidden:
-        raise InputError(f"effects '{text}': {', '.join(effect_names(both))} both forced and forbidden; say one of the two")
+        raise InputError(
+            f"effects '{text}': {', '.join(effect_names(both))} both forced and forbidden; say one of the two"
+        )
     return (declared | forced) & ~forbidden
 
 

@@ -43,7 +43,9 @@ class Spinning:
 
     def __attrs_post_init__(self) -> None:
         if not np.isfinite(self.rad_s) or not np.linalg.norm(self.axis) > 0:
-            raise SceneError(f"spinning about axis {self.axis} at {self.rad_s:g} rad/s: wanted an axis longer than 0 and a finite speed")
+            raise SceneError(
+                f"spinning about axis {self.axis} at {self.rad_s:g} rad/s: wanted an axis longer than 0 and a finite speed"
+            )
 
     def state(self, time_ns: int) -> RigidState:
         """Where it is then, and how it moves."""
@@ -94,18 +96,24 @@ class Track:
     def __attrs_post_init__(self) -> None:
         times, places = self.times_s, self.positions_m
         if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
-            raise SceneError(f"track: {times.shape} key times and {places.shape} positions: wanted (k,) and (k, 3), 2 keys at least")
+            raise SceneError(
+                f"track: {times.shape} key times and {places.shape} positions: wanted (k,) and (k, 3), 2 keys at least"
+            )
         bad = ~(np.isfinite(times) & np.isfinite(places).all(axis=1))
         if bad.any():
             raise SceneError(f"track: key {int(np.argmax(bad))} is not made of finite numbers")
         late = np.diff(times) <= 0
         if late.any():
             key = int(np.argmax(late)) + 1
-            raise SceneError(f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: key times must increase")
+            raise SceneError(
+                f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: key times must increase"
+            )
         if self.turns is not None and len(self.turns) != len(times):
             raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: wanted as many")
         if self.loops and self.smooth and not self._closes():
-            raise SceneError("track: the last key of a loop must be the pose of the first, give or take 1 um and 1 urad")
+            raise SceneError(
+                "track: the last key of a loop must be the pose of the first, give or take 1 um and 1 urad"
+            )
 
     def _closes(self) -> bool:
         apart = np.abs(self.positions_m[-1] - self.positions_m[0]).max()

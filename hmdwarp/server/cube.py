@@ -21,7 +21,9 @@ def checked_cube_size(view: View, size: tuple[int, int], limit: int) -> tuple[in
     return wanted
 
 
-def draw_cube(gl: moderngl.Context, passes: ScenePasses, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0) -> None:
+def draw_cube(
+    gl: moderngl.Context, passes: ScenePasses, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0
+) -> None:
     """All six faces around the eye of `view` at that instant into a framebuffer of 3n x 2n pixels."""
     side = framebuffer.size[0] // 3
     clear_depth(gl, framebuffer)

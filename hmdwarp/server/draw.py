@@ -70,7 +70,9 @@ class Server:
     def _parts_for(self, needs: Needs) -> list[Part]:
         """Those that the scene has, or that are asked for as layers; made when first needed."""
         if needs not in self._chosen:
-            chosen = sorted((part for part in parts if part.in_scene(self.scene) or part.wanted(needs)), key=lambda part: part.order)
+            chosen = sorted(
+                (part for part in parts if part.in_scene(self.scene) or part.wanted(needs)), key=lambda part: part.order
+            )
             for part in chosen:
                 if part.name not in self._parts:
                     self._parts[part.name] = part(self._easel)
@@ -87,7 +89,9 @@ class Server:
             part.add_depth(view, time_ns, into)
         return into
 
-    def draw_frame(self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None) -> Frame:
+    def draw_frame(
+        self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None
+    ) -> Frame:
         """All eyes into pooled targets, each with its field of view enlarged by `guard` (see guarded_eyes), with what `needs` asks for.
 
         The frame's views are the enlarged ones. Give the frame back with recycle(). Errors: InputError for a guard below 1, and for a
@@ -104,7 +108,9 @@ class Server:
     def _with_surroundings(self, eye: EyeImage, needs: Needs) -> EyeImage:
         if needs.layers:
             behind = self._passes_behind(needs)
-            eye = attrs.evolve(eye, layers=peel(behind, self._framebuffers, self.pool(eye.size).acquire, eye, needs.layers))
+            eye = attrs.evolve(
+                eye, layers=peel(behind, self._framebuffers, self.pool(eye.size).acquire, eye, needs.layers)
+            )
         if needs.cube:
             size = checked_cube_size(eye.view, eye.size, self.gpu.max_texture_size)
             cube = self.cube_pool(size).acquire().colour
@@ -116,7 +122,9 @@ class Server:
         """Of what lies behind. What the client moves is no part of it: then it is what fills the place that something left."""
         moving = tuple(one for one in self._moving if not one.moved_by_client(needs))
         if moving not in self._behind:
-            self._behind[moving] = ScenePasses(self.gpu, self.scene, self._buffers, colour=True, peel=True, moving=moving)
+            self._behind[moving] = ScenePasses(
+                self.gpu, self.scene, self._buffers, colour=True, peel=True, moving=moving
+            )
         return self._behind[moving]
 
     def recycle(self, frame: Frame) -> None:
@@ -169,4 +177,6 @@ def _is_marched(mirrors: str) -> bool:
 
 def _check_same_size(found: Size, wanted: Size) -> None:
     if tuple(found) != tuple(wanted):
-        raise InputError(f"target is {found[0]}x{found[1]} pixels, the picture {wanted[0]}x{wanted[1]}: they must be the same")
+        raise InputError(
+            f"target is {found[0]}x{found[1]} pixels, the picture {wanted[0]}x{wanted[1]}: they must be the same"
+        )

@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the last
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
-FACE_PIXELS = 160  # across 90 degrees of what a curved mirror shows: it shrinks a face to about 50 pixels where the ball has 150
+FACE_PIXELS = (
+    160  # across 90 degrees of what a curved mirror shows: it shrinks a face to about 50 pixels where the ball has 150
+)
 CLIP_DISTANCE_0 = 0x3000
 
 
@@ -97,7 +99,9 @@ class MirroredPasses(ScenePasses):
         super().__init__(easel.gpu, easel.scene, easel.colour.buffers, colour=True, moving=easel.colour.moving)
         self._mirror: Mirror | None = None
 
-    def draw_behind(self, mirror: Mirror, view: View, framebuffer: moderngl.Framebuffer, bounds: Bounds, time_ns: int) -> None:
+    def draw_behind(
+        self, mirror: Mirror, view: View, framebuffer: moderngl.Framebuffer, bounds: Bounds, time_ns: int
+    ) -> None:
         """Colour and inverse depth into the pixels of `bounds`; the others hold nothing of use."""
         self._mirror = mirror
         seen = part_of_view(view, framebuffer.size, bounds)
@@ -111,7 +115,12 @@ class MirroredPasses(ScenePasses):
         framebuffer.viewport = (0, 0, *framebuffer.size)
 
     def _draw_surfaces(
-        self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place, sights: Sights | None = None
+        self,
+        vertices: moderngl.VertexArray,
+        buffers: SceneBuffers,
+        view: View,
+        place: Place,
+        sights: Sights | None = None,
     ) -> None:
         """As those of the scene, from behind the mirror: nothing stands there for what stands still here."""
         self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
@@ -167,7 +176,9 @@ class Ball(MirrorSurface):
         self._around: Target | None = None
         self._drawn_ns: int | None = None
 
-    def draw_image(self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target) -> None:
+    def draw_image(
+        self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target
+    ) -> None:
         """Colour and inverse depth of what mirror number `taken` of `mirrors` (their uniforms for this eye) shows."""
         view = eye.view
         from_scene = eye_from_scene(view, self._easel.scene.origin_m)

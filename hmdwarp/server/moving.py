@@ -101,7 +101,9 @@ def _checked(mesh: Mesh, what: str, found: NDArray) -> NDArray[np.float32]:
     """Errors: SceneError for another number of vertices than the mesh has, and for values that are not finite."""
     array = np.ascontiguousarray(found, np.float32)
     if array.shape != mesh.positions.shape:
-        raise SceneError(f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, wanted {mesh.positions.shape}")
+        raise SceneError(
+            f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, wanted {mesh.positions.shape}"
+        )
     if not np.isfinite(array).all():
         raise SceneError(f"mesh '{mesh.name}': its deformation gives {what} that are not finite numbers")
     return array
@@ -111,7 +113,9 @@ def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Movin
     """Of the scene's surfaces all that do not stand still."""
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
-    bodies = [MovingBody(gpu, scene, [mesh for mesh in surfaces if mesh.body == number], textures) for number in numbers]
+    bodies = [
+        MovingBody(gpu, scene, [mesh for mesh in surfaces if mesh.body == number], textures) for number in numbers
+    ]
     return (*bodies, *(DeformingMesh(gpu, scene, mesh, textures) for mesh in surfaces if mesh.deformation is not None))
 
 

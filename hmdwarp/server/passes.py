@@ -26,14 +26,23 @@ class ScenePasses:
     vertex: ClassVar[str] = "server/scene.vert"
 
     def __init__(
-        self, gpu: Gpu, scene: Scene, buffers: SceneBuffers, *, colour: bool, peel: bool = False, moving: Sequence[Moving] = ()
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        buffers: SceneBuffers,
+        *,
+        colour: bool,
+        peel: bool = False,
+        moving: Sequence[Moving] = (),
     ) -> None:
         self._gl, self._scene, self.buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
         self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **defines)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = buffers.vertex_array(gpu.gl, self._surface.program, colour=colour)
-        self._of_moving = [one.buffers.vertex_array(gpu.gl, self._surface.program, colour=colour) for one in self.moving]
+        self._of_moving = [
+            one.buffers.vertex_array(gpu.gl, self._surface.program, colour=colour) for one in self.moving
+        ]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
@@ -42,7 +51,12 @@ class ScenePasses:
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
     def draw_into(
-        self, view: View, framebuffer: moderngl.Framebuffer, viewport: Viewport | None, time_ns: int = 0, **uniforms: object
+        self,
+        view: View,
+        framebuffer: moderngl.Framebuffer,
+        viewport: Viewport | None,
+        time_ns: int = 0,
+        **uniforms: object,
     ) -> None:
         """`view` into a part of a framebuffer, all of it if None, whose depth has been cleared."""
         self._surface.uniforms.set(**uniforms)
@@ -63,7 +77,12 @@ class ScenePasses:
             gl.depth_func = "<"
 
     def _draw_surfaces(
-        self, vertices: moderngl.VertexArray, buffers: SceneBuffers, view: View, place: Place, sights: Sights | None = None
+        self,
+        vertices: moderngl.VertexArray,
+        buffers: SceneBuffers,
+        view: View,
+        place: Place,
+        sights: Sights | None = None,
     ) -> None:
         """sights: where positions stand still in the world's axes."""
         clip = clip_from_eye(view.fov) @ place.eye_from_here
@@ -89,7 +108,9 @@ class ScenePasses:
         self._empty.release()
 
 
-def draw_chunks(gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws) -> Iterator[Batch]:
+def draw_chunks(
+    gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws
+) -> Iterator[Batch]:
     """Draw some of the chunks of some buffers; yields each batch before it is drawn."""
     culled = None
     for index, spans in draws:
@@ -105,7 +126,11 @@ def draw_chunks(gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: S
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:
     """Depth alone: every colour is written by a surface or by the background anyway."""
     wanted, nothing = framebuffer.color_mask, (False,) * 4
-    framebuffer.color_mask = nothing if len(framebuffer.color_attachments) == 1 else (nothing,) * len(framebuffer.color_attachments)
+    framebuffer.color_mask = (
+        nothing if len(framebuffer.color_attachments) == 1 else (nothing,) * len(framebuffer.color_attachments)
+    )
     with drawing_into(framebuffer):
         framebuffer.clear(depth=1.0)
-    framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
+    framebuffer.color_mask = (
+        wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
+    )

@@ -32,7 +32,11 @@ def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:
     first = chunks.first[found]
     end = first + chunks.count[found]
     breaks = (((first[1:] != end[:-1]) | (group[1:] != group[:-1])).nonzero()[0] + 1).tolist()
-    batch, first, end = chunks.batch[found].tolist(), first.tolist(), end.tolist()  # plain numbers: a NumPy one costs as much as the rest
+    batch, first, end = (
+        chunks.batch[found].tolist(),
+        first.tolist(),
+        end.tolist(),
+    )  # plain numbers: a NumPy one costs as much as the rest
     runs = [(batch[i], first[i], end[j - 1] - first[i]) for i, j in zip([0, *breaks], [*breaks, len(end)], strict=True)]
     return _by_batch(runs)
 
@@ -88,7 +92,9 @@ class Sights:
         eye_from_here[:3, 3] = -eye_from_here[:3, :3] @ eye
         boxes = self._chunks.boxes
         clip = clip_from_eye(fov) @ eye_from_here
-        return draws_of(self._chunks, visible(boxes, clip, self._slack(boxes, eye, side_planes(clip_from_eye(fov)))), eye)
+        return draws_of(
+            self._chunks, visible(boxes, clip, self._slack(boxes, eye, side_planes(clip_from_eye(fov)))), eye
+        )
 
     def _slack(self, boxes: Array, eye: Array, planes: Array) -> Array:
         """(5, n): how far outside of each plane the middle's view may see a box that a view of its cell sees.

@@ -51,7 +51,10 @@ class TargetPool:
         return target
 
     def _make(self) -> Target:
-        return Target(allocate(self._gl, self.size, self._kind), allocate(self._gl, self.size, SCALAR) if self._with_depth else None)
+        return Target(
+            allocate(self._gl, self.size, self._kind),
+            allocate(self._gl, self.size, SCALAR) if self._with_depth else None,
+        )
 
     def lent(self, colour: moderngl.Texture) -> bool:
         """Whether a target with that colour texture is out."""

@@ -167,5 +167,7 @@ def _name(showing: Showing, session: Session) -> str:
 
 
 def _told(data: Mapping[str, Any]) -> str:
-    figures_ = ", ".join(f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None)
+    figures_ = ", ".join(
+        f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None
+    )
     return f"{data['refreshes']} refreshes, {figures_}"

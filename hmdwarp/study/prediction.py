@@ -142,7 +142,13 @@ def predict(rows: Sequence[Row], scale: str = "", resamples: int = RESAMPLES, se
         "ratings": len(kept),
         "conditions": len({(row.get("part"), row["condition"]) for row in kept}),
     }
-    common = {"scale": scale, "low_is_good": low_is_good, "dropped": len(rated) - len(kept), "resamples": resamples, "seed": seed}
+    common = {
+        "scale": scale,
+        "low_is_good": low_is_good,
+        "dropped": len(rated) - len(kept),
+        "resamples": resamples,
+        "seed": seed,
+    }
     common |= {**facts, "left_out": (*left_out, *still)}
     refused = _refused(**facts, moving=moving) or _all_alike(kept)
     if refused:
@@ -165,7 +171,12 @@ def _often_enough(rated: Sequence[Row], there: Sequence[str]) -> tuple[list[str]
     unlike = len({(row.get("measured_size"), row.get("measured_every")) for row in rated if _was_measured(row)}) > 1
     for name in there:
         if unlike and name.startswith("measured_"):
-            left_out.append((MEASURES[name], "measured with several sizes or steps: 'study measure' with one --size makes them alike"))
+            left_out.append(
+                (
+                    MEASURES[name],
+                    "measured with several sizes or steps: 'study measure' with one --size makes them alike",
+                )
+            )
             continue
         missing = sum(_number(row, name) is None for row in rated)
         if missing > MOST_MISSING * len(rated):
@@ -225,13 +236,19 @@ def _refused(people: int, ratings: int, conditions: int, moving: Sequence[str]) 
         return f"{counted(conditions, 'condition')}: wanted {LEAST_CONDITIONS}, for any measure fits a line through two"
     if not moving:
         return "no measure differs between the trials of a person"
-    return "" if ratings - people - 1 > 1 else f"{counted(ratings, 'rating')} of {counted(people, 'person')}: too few for a slope"
+    return (
+        ""
+        if ratings - people - 1 > 1
+        else f"{counted(ratings, 'rating')} of {counted(people, 'person')}: too few for a slope"
+    )
 
 
 def _all_alike(rows: Sequence[Row]) -> str:
     """Whether everybody gave one rating throughout."""
     values = np.array([[row["value"]] for row in rows], dtype=np.float64)
-    return "" if np.abs(_centred(values, _people_of(rows))).max() > _STILL else "everybody gave the same rating throughout"
+    return (
+        "" if np.abs(_centred(values, _people_of(rows))).max() > _STILL else "everybody gave the same rating throughout"
+    )
 
 
 def _measures(

@@ -30,7 +30,9 @@ class Sums:
             np.add.at(out, who, values)
             return out
 
-        return cls(over(x * x), over(x * y[:, None]), over(y * y), np.bincount(who, minlength=people).astype(np.float64))
+        return cls(
+            over(x * x), over(x * y[:, None]), over(y * y), np.bincount(who, minlength=people).astype(np.float64)
+        )
 
     @property
     def people(self) -> int:

@@ -22,7 +22,9 @@ def sentences(found: Prediction) -> list[str]:
 
 def _winner(found: Prediction) -> str:
     first, rest = found.measures[0], found.candidates[1:]
-    how = f"within-person r = {first.r:+.2f} (95 % {first.low:+.2f} .. {first.high:+.2f}, more is rated {_worse(first)})"
+    how = (
+        f"within-person r = {first.r:+.2f} (95 % {first.low:+.2f} .. {first.high:+.2f}, more is rated {_worse(first)})"
+    )
     people = f"{counted(found.people, 'person')}, {counted(found.ratings, 'rating')}"
     if len(found.measures) == 1:
         return f"Only one measure can be looked at: {first.title}, {how}; {people}."
@@ -81,10 +83,14 @@ def _alike(found: Prediction) -> list[str]:
     told = []
     for group in groups:
         names = listed(sorted(group, key=order.index))
-        told.append(f"In these conditions {names} move together (within-person correlation 0.95 and more): ratings cannot tell them apart.")
+        told.append(
+            f"In these conditions {names} move together (within-person correlation 0.95 and more): ratings cannot tell them apart."
+        )
     age = next((one for one in found.measures if one.name == "actual_latency_ms_median"), None)
     if age is not None and found.measures[0] is not age and age in found.candidates:
-        told.append("The age of the frame may predict as well: what looks like an effect of the picture may be one of latency alone.")
+        told.append(
+            "The age of the frame may predict as well: what looks like an effect of the picture may be one of latency alone."
+        )
     return told
 
 

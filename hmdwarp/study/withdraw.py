@@ -34,7 +34,9 @@ class Holdings:
             (self.sessions, "session", ""), (self.answers, "answer", " (those given again counted)"), (self.showings, "showing", ""),
             (self.events, "event", ""), (self.traces, "head trace", ""),
         )  # fmt: skip
-        told = ", ".join(f"{count} {what}{'' if count == 1 else 's'}{more if count else ''}" for count, what, more in counts)
+        told = ", ".join(
+            f"{count} {what}{'' if count == 1 else 's'}{more if count else ''}" for count, what, more in counts
+        )
         return f"{told} ({self.bytes / 1e6:.1f} MB)" if self.traces else told
 
 

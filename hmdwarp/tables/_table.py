@@ -69,9 +69,14 @@ class Table:
         if value == ():
             return ()
         if not isinstance(value, list):
-            raise self.fault(key, f"is {told(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]")
+            raise self.fault(
+                key,
+                f"is {told(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]",
+            )
         if not self._read[key]:
-            self._read[key] = [Table(one, (*self._path, key, number), self._example) for number, one in enumerate(value)]
+            self._read[key] = [
+                Table(one, (*self._path, key, number), self._example) for number, one in enumerate(value)
+            ]
         return tuple(self._read[key])
 
     def raw(self, key: str) -> object:
@@ -137,7 +142,9 @@ class Table:
         """Finite numbers, `count` of them (or any)."""
         value = self._get(key)
         if not isinstance(value, list) or not all(map(_is_number, value)) or count not in (None, len(value)):
-            raise self.fault(key, f"is {told(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers")
+            raise self.fault(
+                key, f"is {told(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers"
+            )
         return tuple(map(float, value))
 
     def texts(self, key: str, default: object = _NEEDED) -> tuple[str, ...]:

@@ -141,7 +141,10 @@ def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
 
 def without_times(data: dict) -> dict:
     rows = [{key: value for key, value in row.items() if key not in TIMES} for row in data["rows"]]
-    fused = [{key: value for key, value in row.items() if key in ("warp", "psnr_db", "flip", "sharpness")} for row in data["fused"]]
+    fused = [
+        {key: value for key, value in row.items() if key in ("warp", "psnr_db", "flip", "sharpness")}
+        for row in data["fused"]
+    ]
     return {"rows": rows, "grid": data["grid"], "fused": fused}
 
 
@@ -170,7 +173,9 @@ def test_the_grid_knows_no_error_at_rest(full):
 
 
 def test_displacements_are_in_the_heads_own_frame():
-    turned = Pose((1, 2, 3), (0, math.sin(math.pi / 4), 0, math.cos(math.pi / 4)))  # a quarter to the left: its right is away from us
+    turned = Pose(
+        (1, 2, 3), (0, math.sin(math.pi / 4), 0, math.cos(math.pi / 4))
+    )  # a quarter to the left: its right is away from us
     assert displaced(turned, "x", 0.3).position_m == pytest.approx((1, 2, 2.7))
     assert displaced(turned, "z", 0.3).position_m == pytest.approx((1.3, 2, 3))
     ahead = np.array([0.0, 0, -1])
@@ -182,7 +187,14 @@ def test_displacements_are_in_the_heads_own_frame():
 def test_fused_rows(full):
     fused = {row["warp"]: row for row in full[1].data["fused"]}
     assert set(fused) == {"rotation", "backward"}
-    at = {"scene": "planes", "trace": "look-around", "latency_ms": 100.0, "size": [96, 80], "lens": "radial", "eye": "left"}
+    at = {
+        "scene": "planes",
+        "trace": "look-around",
+        "latency_ms": 100.0,
+        "size": [96, 80],
+        "lens": "radial",
+        "eye": "left",
+    }
     assert full[1].data["fused_at"] == at
     for row in fused.values():
         assert row["speedup"] == pytest.approx(row["separate_ms"] / row["fused_ms"])
@@ -194,21 +206,27 @@ def test_fused_rows(full):
 
 def test_without_latency_and_warp_the_panel_is_nearly_the_truth(tmp_path):
     """What is left is resampling: the truth of the fused rows is the same picture, only finer."""
-    options = attrs.evolve(SMALL, warps=("rotation",), fills=("none",), latencies_ms=(0.0,), sizes=((192, 240),), grid=False, out=tmp_path)
+    options = attrs.evolve(
+        SMALL, warps=("rotation",), fills=("none",), latencies_ms=(0.0,), sizes=((192, 240),), grid=False, out=tmp_path
+    )
     row = bench(options).data["fused"][0]
     assert row["psnr_db"]["fused"] >= row["psnr_db"]["separate"] - 0.5 > 20
     assert 0.5 < row["sharpness"]["separate"] <= 1.2
 
 
 def test_a_headset_without_a_lens_fuses_nothing(tmp_path):
-    options = attrs.evolve(SMALL, headset="flat-90", warps=("rotation",), fills=("none",), latencies_ms=(0.0,), grid=False, out=tmp_path)
+    options = attrs.evolve(
+        SMALL, headset="flat-90", warps=("rotation",), fills=("none",), latencies_ms=(0.0,), grid=False, out=tmp_path
+    )
     data = bench(options).data
     assert data["fused"] == [] and data["grid"] == [] and data["fused_at"] is data["grid_at"] is None
     assert data["choice"]["warp"] == "rotation"
 
 
 def test_a_budget_that_is_too_small_costs_no_results(tmp_path):
-    options = attrs.evolve(SMALL, warps=("rotation",), latencies_ms=(0.0,), grid=False, fused=False, budget_ms=1e-6, out=tmp_path)
+    options = attrs.evolve(
+        SMALL, warps=("rotation",), latencies_ms=(0.0,), grid=False, fused=False, budget_ms=1e-6, out=tmp_path
+    )
     result = bench(options)
     assert result.data["choice"] is None and "nothing is that fast" in result.refused
     assert (tmp_path / "bench.json").exists()
@@ -241,7 +259,11 @@ def test_passes_are_held_against_what_they_must_move():
     plan = build_plan(SceneEffect.NONE, "rotation", "interpolate", "radial", client_geometry=True)
     stages = {"warp": [3.0, 1.0, 2.0], "fill": [4.0], "lens": [8.0, 8.0], "client_depth": [100.0]}
     warp, fill, lens = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
-    assert (warp["name"], warp["bytes"], warp["median_ms"]) == ("warp", plan.warp.bytes_moved(200, 100, plan.choice.settings), 2.0)
+    assert (warp["name"], warp["bytes"], warp["median_ms"]) == (
+        "warp",
+        plan.warp.bytes_moved(200, 100, plan.choice.settings),
+        2.0,
+    )
     assert warp["bound_ms"] == pytest.approx(warp["bytes"] * 1e-3)
     assert (fill["name"], fill["bytes"], fill["times_bound"]) == ("fill", 1600, pytest.approx(4.0 / 1.6))
     assert (lens["name"], lens["bytes"]) == ("lens", 1600)
@@ -258,7 +280,10 @@ def test_the_answer_tells_what_to_run_and_what_more_would_give():
     }  # fmt: skip
     first, use, following = answer(choice)
     assert (
-        "Within 20 ms" in first and "FLIP 0.0800" in first and "31.00 dB" in first and "16.70 ms (at 1280x800, means over 2 cases)" in first
+        "Within 20 ms" in first
+        and "FLIP 0.0800" in first
+        and "31.00 dB" in first
+        and "16.70 ms (at 1280x800, means over 2 cases)" in first
     )
     assert "--warp iterative:steps=3 --fill interpolate" in use
     assert "multi without a fill" in following and "25% less FLIP" in following
@@ -273,9 +298,13 @@ def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monke
 
     submitted, submit = [], QualityPool.submit
     monkeypatch.setattr(QualityPool, "submit", lambda pool, key, job: (submitted.append(key), submit(pool, key, job)))
-    options = attrs.evolve(SMALL, warps=("none", "forward"), grid=False, fused=False, latencies_ms=(200.0,), out=tmp_path)
+    options = attrs.evolve(
+        SMALL, warps=("none", "forward"), grid=False, fused=False, latencies_ms=(200.0,), out=tmp_path
+    )
     rows = bench(options).data["rows"]
-    assert sorted(key[1:3] for key in submitted) == 2 * [("forward", "interpolate")] + 2 * [("forward", "none")] + 2 * [("none", "none")]
+    assert sorted(key[1:3] for key in submitted) == 2 * [("forward", "interpolate")] + 2 * [("forward", "none")] + 2 * [
+        ("none", "none")
+    ]
     quality = {(row["warp"], row["fill"]): row["quality"] for row in rows}
     assert quality["none", "none"] == quality["none", "interpolate"]
     assert quality["forward", "none"] != quality["forward", "interpolate"]

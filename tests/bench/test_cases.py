@@ -42,7 +42,9 @@ def test_instants_are_spread_and_have_a_neighbour(count, wanted):
 
 
 def test_every_combination_of_everything():
-    options = BenchOptions(latencies_ms=(200, 400), scenes=("room", "planes"), recordings=("walk",), sizes=((64, 48), (32, 24)))
+    options = BenchOptions(
+        latencies_ms=(200, 400), scenes=("room", "planes"), recordings=("walk",), sizes=((64, 48), (32, 24))
+    )
     found = cases_of(options)
     assert len(found) == len(set(found)) == 8
     assert [case.size for case in found] == [(64, 48)] * 4 + [(32, 24)] * 4
@@ -53,7 +55,12 @@ def test_every_combination_of_everything():
 
 def test_a_text_alone_is_one_name():
     options = BenchOptions(warps="forward", fills="none", scenes="room", recordings="walk")
-    assert (options.warps, options.fills, options.scenes, options.recordings) == (("forward",), ("none",), ("room",), ("walk",))
+    assert (options.warps, options.fills, options.scenes, options.recordings) == (
+        ("forward",),
+        ("none",),
+        ("room",),
+        ("walk",),
+    )
 
 
 def test_all_registered_warps_by_default():
@@ -111,7 +118,10 @@ def some(*needs: Needs) -> list[Combination]:
 def test_what_wants_other_older_frames_runs_apart():
     near, far = Needs(past=1, past_spacing_ns=50), Needs(past=2, past_spacing_ns=100)
     found = batches(some(Needs(), near, Needs(), far, near), (8, 8), (8, 8), 1e9)
-    assert [[c.warp for c in batch] for batch in found] == [["w0", "w0", "w1", "w1", "w2", "w2", "w4", "w4"], ["w3", "w3"]]
+    assert [[c.warp for c in batch] for batch in found] == [
+        ["w0", "w0", "w1", "w1", "w2", "w2", "w4", "w4"],
+        ["w3", "w3"],
+    ]
     assert len(batches(some(Needs(), Needs()), (8, 8), (8, 8), 1e9)) == 1
 
 
@@ -125,14 +135,20 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
     assert all(len(batch) == 2 or len(batch) / 2 * pair <= most for batch in found)
 
 
-@pytest.mark.parametrize("needs", [Needs(), Needs(past=1, past_spacing_ns=40_000_000), Needs(past=3, past_spacing_ns=100_000_000)])
+@pytest.mark.parametrize(
+    "needs", [Needs(), Needs(past=1, past_spacing_ns=40_000_000), Needs(past=3, past_spacing_ns=100_000_000)]
+)
 @pytest.mark.parametrize("latency_ms", [0.0, 60.0, 200.0])
 def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms):
     """The frames, the older frames and the heads are those of the run in which every frame was drawn."""
     looked_at = {0, 7, 8, 23, 29}
 
     def seen(refresh, rig):
-        return refresh.frame.drawn_ns, [frame.drawn_ns for frame in rig.loop.history.frames], refresh.head.pose.position_m.tolist()
+        return (
+            refresh.frame.drawn_ns,
+            [frame.drawn_ns for frame in rig.loop.history.frames],
+            refresh.head.pose.position_m.tolist(),
+        )
 
     with build_rig(small(latency_ms=latency_ms), needs) as rig:
         whole = {}

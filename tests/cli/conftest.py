@@ -66,7 +66,9 @@ def program() -> Callable[..., Done]:
 
     def call(*arguments: object, env: dict[str, str] | None = None, **options: object) -> Done:
         environment = {**os.environ, "PYTHONPATH": str(ROOT), **(env or {})}
-        done = subprocess.run([*PROGRAM, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False, **options)
+        done = subprocess.run(
+            [*PROGRAM, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False, **options
+        )
         return Done(done.returncode, done.stdout, done.stderr)
 
     return call

@@ -102,7 +102,15 @@ def test_names_near_nothing_get_no_guess(command, quick, kept):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["replai"], ["list", "warp"], ["list", "warps", "foward"], ["replay", "still", "--wrap", "x"], ["replay"], ["warp"]]
+    "arguments",
+    [
+        ["replai"],
+        ["list", "warp"],
+        ["list", "warps", "foward"],
+        ["replay", "still", "--wrap", "x"],
+        ["replay"],
+        ["warp"],
+    ],
 )
 def test_unknown_commands_and_options(arguments, command):
     command(*arguments).refused("hmdwarp")
@@ -171,11 +179,15 @@ def test_more_frames_than_memory_holds(command, quick, kept):
 
     if memory_bytes() > 85e9:
         pytest.skip("this machine has more than 85 GB of memory")
-    command("replay", "still", *quick, "--size", "16384x16384").refused("latency 200 ms keeps 14 frames", "GB", status=3)
+    command("replay", "still", *quick, "--size", "16384x16384").refused(
+        "latency 200 ms keeps 14 frames", "GB", status=3
+    )
 
 
 def test_a_lens_the_headset_has_not(command, quick, kept):
-    command("replay", "still", *quick, "--headset", "flat-90", "--lens", "radial").refused("flat-90", "no lens", "--lens none")
+    command("replay", "still", *quick, "--headset", "flat-90", "--lens", "radial").refused(
+        "flat-90", "no lens", "--lens none"
+    )
 
 
 def test_a_video_too_small_for_the_codec(command, quick, kept):
@@ -224,7 +236,11 @@ def give_up_roots_rights() -> None:
     """In a new process: root without the right to write where only others may. Takes effect with the next exec."""
     import ctypes
 
-    drop, override, read_search = 24, 1, 2  # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH: linux/prctl.h, capability.h
+    drop, override, read_search = (
+        24,
+        1,
+        2,
+    )  # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH: linux/prctl.h, capability.h
     libc = ctypes.CDLL(None)
     libc.prctl(drop, override, 0, 0, 0)
     libc.prctl(drop, read_search, 0, 0, 0)
@@ -234,10 +250,17 @@ def test_out_is_read_only(program, quick, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out").chmod(0o555)
     rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
-    if subprocess.run(["touch", str(tmp_path / "out" / "probe")], check=False, capture_output=True, **rights).returncode == 0:
+    if (
+        subprocess.run(
+            ["touch", str(tmp_path / "out" / "probe")], check=False, capture_output=True, **rights
+        ).returncode
+        == 0
+    ):
         pytest.skip("root's rights cannot be given up here, so nothing is read-only")
     for out in (tmp_path / "out", tmp_path / "out" / "below"):
-        program("replay", "still", *quick, "--out", out, **rights).refused(str(out), "Permission denied", "choose a folder")
+        program("replay", "still", *quick, "--out", out, **rights).refused(
+            str(out), "Permission denied", "choose a folder"
+        )
     assert list((tmp_path / "out").iterdir()) == []
 
 
@@ -248,7 +271,9 @@ def tiny_disk(tmp_path):
     place.mkdir()
     if os.geteuid() != 0 or not shutil.which("mount"):
         pytest.skip("only root can mount a small disk to fill")
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(place)], check=False, capture_output=True, text=True)
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(place)], check=False, capture_output=True, text=True
+    )
     if mounted.returncode:
         pytest.skip(f"cannot mount a small disk here: {mounted.stderr.strip()}")
     try:
@@ -259,7 +284,9 @@ def tiny_disk(tmp_path):
 
 def test_a_disk_that_is_full_from_the_start(command, quick, tiny_disk):
     (tiny_disk / "filler").write_bytes(bytes(256 * 1024))
-    command("replay", "still", *quick, "--out", tiny_disk / "out").refused(str(tiny_disk / "out"), "No space left", "make room", status=3)
+    command("replay", "still", *quick, "--out", tiny_disk / "out").refused(
+        str(tiny_disk / "out"), "No space left", "make room", status=3
+    )
     assert [p.name for p in tiny_disk.iterdir()] == ["filler"]
 
 

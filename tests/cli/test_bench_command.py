@@ -17,7 +17,18 @@ def small_copies(monkeypatch):
 
 
 def test_lists_by_repetition_and_by_commas(command, tmp_path):
-    several = ["--warp", "rotation,forward", "--warp", "none", "--latency", "100", "--latency", "0", "--size", "48x40,32x24"]
+    several = [
+        "--warp",
+        "rotation,forward",
+        "--warp",
+        "none",
+        "--latency",
+        "100",
+        "--latency",
+        "0",
+        "--size",
+        "48x40,32x24",
+    ]
     other = ["--recording", "walk", "--fill", "none", "--budget", "10000", "--out", tmp_path]
     done = command("bench", "look-around", *QUICK, *several, *other).done()
     data = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))
@@ -34,7 +45,9 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
 
 
 def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_path):
-    done = command("bench", "walk", *QUICK, "--warp", "none", "--latency", "0", "--budget", "0.000001", "--out", tmp_path)
+    done = command(
+        "bench", "walk", *QUICK, "--warp", "none", "--latency", "0", "--budget", "0.000001", "--out", tmp_path
+    )
     assert done.status == 2 and done.err.count("\n") == 1 and "nothing is that fast" in done.err
     assert "bench.html" in done.out and (tmp_path / "bench.json").exists()
 
@@ -79,7 +92,9 @@ def test_refusals_come_before_anything_runs(arguments, told, command, tmp_path, 
 
 def test_a_size_beyond_the_gpu_is_refused_before_the_others_run(command, tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.bench.run.build_rig", lambda *_: pytest.fail("it ran"))
-    command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused("picture size 100000x40")
+    command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused(
+        "picture size 100000x40"
+    )
 
 
 def test_recordings_that_no_table_could_tell_apart(command, tmp_path):

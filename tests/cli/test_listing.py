@@ -29,7 +29,21 @@ COMMANDS = [
     ["trace", "convert"],
     ["trace", "synth"],
 ]
-HEAVY = {"scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL", "jinja2", "numpy", "rich"}
+HEAVY = {
+    "scipy",
+    "moderngl",
+    "trimesh",
+    "matplotlib",
+    "skimage",
+    "av",
+    "flip_evaluator",
+    "xr",
+    "glfw",
+    "PIL",
+    "jinja2",
+    "numpy",
+    "rich",
+}
 
 
 @pytest.fixture(autouse=True)
@@ -88,7 +102,9 @@ def test_json_and_markdown_exclude_each_other(command):
 
 
 def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
-    out = command("plan", "--scene", "planes", "--warp", "backward", "--fill", "none", "--headset", "flat-90").done().out
+    out = (
+        command("plan", "--scene", "planes", "--warp", "backward", "--fill", "none", "--headset", "flat-90").done().out
+    )
     told = " ".join(out.split())
     runs, left_out = told.split("Left out")
     assert "client_depth" in runs and "reads the client's own depth" in runs and "warp backward" in runs
@@ -121,13 +137,20 @@ def test_plan_counts_bytes_and_frames(command):
     """640x400 of 8 bytes of colour and 4 of depth, two eyes: 6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2."""
     told = " ".join(command("plan", "--scene", "planes", "--size", "640x400", "--rate", "90").done().out.split())
     assert "6.1 MB" in told and "at most 20 of them at 200 ms and 90 Hz" in told
-    only_colour = " ".join(command("plan", "--scene", "planes", "--size", "640x400", "--warp", "rotation").done().out.split())
+    only_colour = " ".join(
+        command("plan", "--scene", "planes", "--size", "640x400", "--warp", "rotation").done().out.split()
+    )
     assert "4.1 MB" in only_colour
 
 
 @pytest.mark.parametrize(
     ("option", "value", "told"),
-    [("--warp", "fward", "'forward'"), ("--scene", "roon", "'room'"), ("--guard", "400", "guard 400"), ("--latency", "nan", "latency nan")],
+    [
+        ("--warp", "fward", "'forward'"),
+        ("--scene", "roon", "'room'"),
+        ("--guard", "400", "guard 400"),
+        ("--latency", "nan", "latency nan"),
+    ],
 )
 def test_plan_refuses_what_replay_refuses(option, value, told, command):
     command("plan", "--scene", "planes", option, value).refused(told)

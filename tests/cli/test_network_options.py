@@ -6,7 +6,20 @@ import json
 
 import pytest
 
-SMALL = ("replay", "look-around", "--scene", "planes", "--headset", "flat-90", "--size", "64x48", "--rate", "30", "--seconds", "0.3")
+SMALL = (
+    "replay",
+    "look-around",
+    "--scene",
+    "planes",
+    "--headset",
+    "flat-90",
+    "--size",
+    "64x48",
+    "--rate",
+    "30",
+    "--seconds",
+    "0.3",
+)
 QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--quiet", "--workers", "0")
 
 
@@ -43,7 +56,9 @@ def test_what_cannot_be_meant_is_refused_in_one_line(command, tmp_path, options,
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("text", "told"), [("", "no delay"), ("12\nx\n", "x"), ("12\n-1\n", "-1"), ("nan\n", "nan"), ("5,\n1e9\n", "")])
+@pytest.mark.parametrize(
+    ("text", "told"), [("", "no delay"), ("12\nx\n", "x"), ("12\n-1\n", "-1"), ("nan\n", "nan"), ("5,\n1e9\n", "")]
+)
 def test_a_delay_trace_that_cannot_be_meant_names_file_and_line(command, tmp_path, text, told):
     path = tmp_path / "delays.csv"
     path.write_text(text, encoding="utf-8")
@@ -64,7 +79,11 @@ def test_a_delay_trace_is_followed(command, tmp_path):
 
 def test_what_the_link_did_is_printed_where_it_did_something(command, tmp_path):
     options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
-    out = command(*(part for part in QUICK if part != "--quiet"), "--seconds", "1", "--out", tmp_path / "out", *options).done().out
+    out = (
+        command(*(part for part in QUICK if part != "--quiet"), "--seconds", "1", "--out", tmp_path / "out", *options)
+        .done()
+        .out
+    )
     assert "lost on the network" in out and "Mbit/s" in out and "response time" in out
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"

@@ -22,7 +22,9 @@ LONG_S = 90.0  # against hanging
 def program(*arguments: object, **environment: str) -> subprocess.Popen:
     settings = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
     command = [*PROGRAM, "record", *map(str, arguments)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=settings, start_new_session=True)
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=settings, start_new_session=True
+    )
 
 
 def until_rows(path, count: int, process: subprocess.Popen) -> None:
@@ -35,10 +37,14 @@ def until_rows(path, count: int, process: subprocess.Popen) -> None:
 def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command):
     out = tmp_path / "walk.csv"
     began = time.monotonic()
-    done = command("record", "--source", "synthetic", "--kind", "walk", "--seconds", "0.5", "--rate", "60", "--out", out)
+    done = command(
+        "record", "--source", "synthetic", "--kind", "walk", "--seconds", "0.5", "--rate", "60", "--out", out
+    )
     assert time.monotonic() - began >= 0.5
     assert done.status == 0 and done.out == ""
-    assert done.err == f"recording a made-up head, walk to {out} (0.5 s, Ctrl-C ends sooner)\n{out}: 31 poses, 0.500 s\n"
+    assert (
+        done.err == f"recording a made-up head, walk to {out} (0.5 s, Ctrl-C ends sooner)\n{out}: 31 poses, 0.500 s\n"
+    )
     track, meant = load_trace(out).track, synthesise("walk", seconds=0.5, rate_hz=60)
     assert (track.time_ns == meant.time_ns).all() and (track.position_m == meant.position_m).all()
     # The writer has sign and length as they came; both are unit to the last bits.

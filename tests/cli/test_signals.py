@@ -48,7 +48,19 @@ def replaying(tmp_path):
     out = tmp_path / "out"
     (out / "images").mkdir(parents=True)
     (out / "summary.json").write_text("{}", encoding="utf-8")
-    options = ["--scene", "planes", "--size", "64x48", "--metrics-every", "1", "--workers", "2", "--video", "--out", str(out)]
+    options = [
+        "--scene",
+        "planes",
+        "--size",
+        "64x48",
+        "--metrics-every",
+        "1",
+        "--workers",
+        "2",
+        "--video",
+        "--out",
+        str(out),
+    ]
     process = subprocess.Popen(
         [*PROGRAM, "replay", "walk", *options],
         stdout=subprocess.PIPE,
@@ -58,7 +70,13 @@ def replaying(tmp_path):
         start_new_session=True,
     )
     try:
-        wait_for(lambda: list(out.glob(".partial-*/.replay.mp4.*")) and len(children_of(process.pid)) == 2 or process.poll() is not None)
+        wait_for(
+            lambda: (
+                list(out.glob(".partial-*/.replay.mp4.*"))
+                and len(children_of(process.pid)) == 2
+                or process.poll() is not None
+            )
+        )
         assert process.poll() is None, process.communicate()
         yield process, out
     finally:
@@ -69,7 +87,11 @@ def replaying(tmp_path):
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for orphans in /proc")
 @pytest.mark.parametrize(
     ("number", "status", "told"),
-    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "ended by SIGTERM"), (signal.SIGHUP, 129, "ended by SIGHUP")],
+    [
+        (signal.SIGINT, 130, "interrupted"),
+        (signal.SIGTERM, 143, "ended by SIGTERM"),
+        (signal.SIGHUP, 129, "ended by SIGHUP"),
+    ],
 )
 @pytest.mark.parametrize("to_all", [False, True], ids=["to it alone", "to its whole group, as the terminal does"])
 def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying):
@@ -122,6 +144,12 @@ except _signals.Ended as error:
     print("ended by", error.args[0])
 _signals.end_if_asked()
 """
-    done = subprocess.run([PROGRAM[0], "-c", code], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(ROOT)})
+    done = subprocess.run(
+        [PROGRAM[0], "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
     assert done.stdout == f"ended by {int(signal.SIGTERM)}\n"
     assert "Exception ignored" in done.stderr

@@ -27,7 +27,9 @@ def test_a_reader_that_has_gone_is_no_fault(arguments):
     """As `| head -0` does: the pipe is closed before anything is printed."""
     reading, writing = os.pipe()
     os.close(reading)
-    done = subprocess.run([*PROGRAM, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False)
+    done = subprocess.run(
+        [*PROGRAM, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False
+    )
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -37,9 +39,15 @@ def test_a_full_disk_behind_standard_output_is_told(arguments):
     if not os.path.exists("/dev/full"):  # noqa: PTH110 (a device, not a file of ours)
         pytest.skip("no /dev/full here")
     with open("/dev/full", "w") as full:  # noqa: PTH123
-        done = subprocess.run([*PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False)
+        done = subprocess.run(
+            [*PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False
+        )
     assert done.returncode == 3
-    assert done.stderr.startswith("hmdwarp: cannot print") and done.stderr.count("\n") == 1 and "No space left" in done.stderr
+    assert (
+        done.stderr.startswith("hmdwarp: cannot print")
+        and done.stderr.count("\n") == 1
+        and "No space left" in done.stderr
+    )
 
 
 @pytest.mark.parametrize("arguments", [*LISTS, REPLAY], ids=" ".join)
@@ -47,7 +55,11 @@ def test_a_full_disk_behind_standard_output_is_told(arguments):
 def test_closed_streams(arguments, closed, tmp_path):
     arguments = [*arguments, str(tmp_path / "out")] if arguments == REPLAY else arguments
     done = subprocess.run(
-        ["sh", "-c", f'"$@" {closed}', "sh", *PROGRAM, *arguments], capture_output=True, text=True, env=ENVIRONMENT, check=False
+        ["sh", "-c", f'"$@" {closed}', "sh", *PROGRAM, *arguments],
+        capture_output=True,
+        text=True,
+        env=ENVIRONMENT,
+        check=False,
     )
     assert done.returncode == 0, done
     assert "Traceback" not in done.stderr and "Error" not in done.stderr
@@ -59,7 +71,12 @@ def test_a_replay_whose_reader_has_gone_still_writes_its_results(tmp_path):
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(
-        [*PROGRAM, *REPLAY, str(tmp_path / "out")], stdout=writing, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False
+        [*PROGRAM, *REPLAY, str(tmp_path / "out")],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=ENVIRONMENT,
+        check=False,
     )
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, "")

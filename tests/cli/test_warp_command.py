@@ -34,7 +34,9 @@ def write_frame(path: Path, **changes: object) -> Path:
 
 
 def write_pose(path: Path, **changes: object) -> Path:
-    path.write_text(json.dumps({name: value for name, value in {**POSE, **changes}.items() if value is not None}), encoding="utf-8")
+    path.write_text(
+        json.dumps({name: value for name, value in {**POSE, **changes}.items() if value is not None}), encoding="utf-8"
+    )
     return path
 
 
@@ -45,7 +47,9 @@ def warp(command, tmp_path):
     def call(frame: dict | None = None, pose: dict | None = None, *options: object, out: str = "out.npz"):
         write_frame(tmp_path / "frame.npz", **(frame or {}))
         write_pose(tmp_path / "pose.json", **(pose or {}))
-        return command("warp", tmp_path / "frame.npz", "--to", tmp_path / "pose.json", "--out", tmp_path / out, *options)
+        return command(
+            "warp", tmp_path / "frame.npz", "--to", tmp_path / "pose.json", "--out", tmp_path / out, *options
+        )
 
     return call
 
@@ -186,14 +190,18 @@ def test_damaged_frames_are_read_or_refused(data, tmp_path):
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
     lambda inner: (
-        st.lists(inner, max_size=5) | st.dictionaries(st.sampled_from(["fov", "position_m", "orientation_xyzw", "x"]), inner, max_size=4)
+        st.lists(inner, max_size=5)
+        | st.dictionaries(st.sampled_from(["fov", "position_m", "orientation_xyzw", "x"]), inner, max_size=4)
     ),
     max_leaves=12,
 )
 
 
 @settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(value=json_values | st.fixed_dictionaries({"fov": json_values, "position_m": json_values, "orientation_xyzw": json_values}))
+@given(
+    value=json_values
+    | st.fixed_dictionaries({"fov": json_values, "position_m": json_values, "orientation_xyzw": json_values})
+)
 def test_any_json_is_a_view_or_refused(value, tmp_path):
     path = tmp_path / "pose.json"
     path.write_text(json.dumps(value), encoding="utf-8")

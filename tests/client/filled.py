@@ -16,13 +16,17 @@ from hmdwarp.scenes.effects import SceneEffect
 from .late_pictures import FOV
 
 
-def filled(gpu, warp: str, fill: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> tuple[np.ndarray, np.ndarray]:
+def filled(
+    gpu, warp: str, fill: str, colour: np.ndarray, depth: np.ndarray, pose: Pose
+) -> tuple[np.ndarray, np.ndarray]:
     """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV; the late eye stands at the origin."""
     size = depth.shape[::-1]
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
-    compensator = Compensator(gpu, build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False), None, size, size)
+    compensator = Compensator(
+        gpu, build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False), None, size, size
+    )
     result = compensator.run(Given(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)))
     gpu.timer.collect()
     found = read(result.warped.texture), read(result.shown.texture)

@@ -14,7 +14,9 @@ from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, Asked
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 
 
-def warped(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, late_pose: Pose | None = None) -> np.ndarray:
+def warped(
+    gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, late_pose: Pose | None = None
+) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees, through FOV, as large as the late picture; all bottom row first."""
     size, choice = depth.shape[::-1], parse_warp(spec)
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]

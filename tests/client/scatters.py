@@ -23,7 +23,9 @@ def numbered(size: tuple[int, int]) -> np.ndarray:
 class Scatter:
     """One scatter warp of fixed sizes, run on several depth pictures in turn (bottom row first)."""
 
-    def __init__(self, gpu, size, shown_size, late_pose: Pose | None = None, shown_pose: Pose | None = None, spec="forward") -> None:
+    def __init__(
+        self, gpu, size, shown_size, late_pose: Pose | None = None, shown_pose: Pose | None = None, spec="forward"
+    ) -> None:
         self.gpu, self.size, self.shown_size = gpu, size, shown_size
         self.late_view, self.shown_view = View(late_pose or Pose(), FOV), View(shown_pose or Pose(), FOV)
         choice = parse_warp(spec)
@@ -41,7 +43,9 @@ class Scatter:
 
     def winners(self, canvas: Canvas) -> np.ndarray:
         """The same, of any picture made of this one's pixels."""
-        out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(self.shown_size[1], self.shown_size[0], 4)
+        out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(
+            self.shown_size[1], self.shown_size[0], 4
+        )
         out = out.astype(np.int64)
         return np.where(out[..., 3] > 0, out[..., 1] * self.size[0] + out[..., 0], -1)
 

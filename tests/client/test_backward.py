@@ -25,11 +25,15 @@ def backward(
     """(h, w, 4) what the eye at `pose` sees; all pictures bottom row first, (h, w[, 4])."""
     size, shown_size = late_depth.shape[::-1], client_depth.shape[::-1]
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR), allocate(gpu.gl, shown_size, SCALAR)]
-    for texture, picture, dtype in zip(textures, (colour, late_depth, client_depth), (np.float16, np.float32, np.float32), strict=True):
+    for texture, picture, dtype in zip(
+        textures, (colour, late_depth, client_depth), (np.float16, np.float32, np.float32), strict=True
+    ):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, shown_size)
     late = EyeImage(View(late_pose or Pose(), FOV), *textures[:2])
-    warps.get("backward")(gpu, size, shown_size).run(Given(late, View(pose, FOV), client_inverse_depth=textures[2]), canvas)
+    warps.get("backward")(gpu, size, shown_size).run(
+        Given(late, View(pose, FOV), client_inverse_depth=textures[2]), canvas
+    )
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(*client_depth.shape, 4).astype(np.float64)
     for thing in (*textures, canvas):
@@ -112,7 +116,9 @@ def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
     pose = Pose(rng.normal(scale=0.02, size=3), (*rng.normal(scale=0.02, size=3), 1))
     got = backward(gpu, colour, late_depth, client, pose)
     settings = BackwardSettings()
-    wanted = gather.backward(Asked(colour, late_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings))
+    wanted = gather.backward(
+        Asked(colour, late_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
+    )
     decided = ~wanted.undecided
     assert decided.sum() > 30
     assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])

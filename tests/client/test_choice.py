@@ -14,7 +14,10 @@ from hmdwarp.errors import InputError
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
     """What the choice reads of a row of bench.json."""
-    figures = {"psnr_db": {"mean": None if flip is None else 40 - 100 * flip, "p95": None}, "flip": {"mean": flip, "p95": flip}}
+    figures = {
+        "psnr_db": {"mean": None if flip is None else 40 - 100 * flip, "p95": None},
+        "flip": {"mean": flip, "p95": flip},
+    }
     return {
         "warp": warp,
         "fill": fill,
@@ -39,7 +42,12 @@ ROWS = [
 
 
 def test_the_ladder_holds_what_is_worth_its_time():
-    assert [str(rung) for rung in ladder(ROWS)] == ["none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate"]
+    assert [str(rung) for rung in ladder(ROWS)] == [
+        "none",
+        "rotation",
+        "forward + interpolate",
+        "mesh:cut=slope + interpolate",
+    ]
     assert ladder(ROWS)[2] == Rung("forward", "interpolate", 8.0, 0.05, 35.0)
 
 
@@ -58,7 +66,10 @@ def test_the_ladder_is_the_pareto_front(points, shuffler):
 
 def test_figures_are_means_over_the_cases_all_have():
     rows = [
-        *(row("a", "none", time, flip, latency_ms=at) for time, flip, at in ((4.0, 0.2, 200.0), (6.0, 0.4, 400.0), (500.0, 0.9, 800.0))),
+        *(
+            row("a", "none", time, flip, latency_ms=at)
+            for time, flip, at in ((4.0, 0.2, 200.0), (6.0, 0.4, 400.0), (500.0, 0.9, 800.0))
+        ),
         *(row("b", "none", time, flip, latency_ms=at) for time, flip, at in ((8.0, 0.1, 200.0), (8.0, 0.2, 400.0))),
     ]
     first, second = ladder(rows)
@@ -69,13 +80,18 @@ def test_figures_are_means_over_the_cases_all_have():
 def test_of_several_sizes_the_largest_counts():
     rows = [row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, size=[1280, 800])]
     assert [rung.total_ms for rung in ladder(rows)] == [20.0]
-    more = [row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"), row("a", "none", 40.0, 0.2, size=[800, 1280])]
+    more = [
+        row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"),
+        row("a", "none", 40.0, 0.2, size=[800, 1280]),
+    ]
     chosen = choose([*rows, *more], 100.0)
     assert (chosen["total_ms"], chosen["sizes"], chosen["cases"]) == (30.0, [(800, 1280), (1280, 800)], 3)
 
 
 def test_rows_that_measured_nothing_are_left_out():
-    assert [r.warp for r in ladder([row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)])] == ["c"]
+    assert [
+        r.warp for r in ladder([row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)])
+    ] == ["c"]
     with pytest.raises(InputError, match="with a time and a FLIP"):
         ladder([row("a", "none", None, 0.1)])
     with pytest.raises(InputError, match="no common case"):
@@ -103,7 +119,9 @@ def test_the_choice_and_the_next_step_up():
 
 
 def test_nothing_fits():
-    with pytest.raises(InputError, match=r"budget 0\.5 ms: nothing is that fast here; the cheapest, none, takes 1\.00 ms"):
+    with pytest.raises(
+        InputError, match=r"budget 0\.5 ms: nothing is that fast here; the cheapest, none, takes 1\.00 ms"
+    ):
         choose(ROWS, 0.5)
 
 

@@ -111,7 +111,8 @@ def test_a_number_that_cannot_be_meant_is_refused(name, field, value):
 
 
 @pytest.mark.parametrize(
-    ("name", "field"), [(warp.name, field) for warp in warps for field, kind, _ in fields_of(warp) if typing.get_args(kind)]
+    ("name", "field"),
+    [(warp.name, field) for warp in warps for field, kind, _ in fields_of(warp) if typing.get_args(kind)],
 )
 def test_a_word_it_does_not_know_is_refused(name, field):
     with pytest.raises(InputError) as refused:

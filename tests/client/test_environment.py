@@ -91,7 +91,10 @@ def test_no_seam_at_edges_and_corners(gpu, world):
 
 def test_a_step_of_the_eye_changes_nothing(gpu, world):
     pose = world.late_view.pose
-    views = [View(Pose(pose.position_m + step, world.shown_view.pose.orientation_xyzw), FOV) for step in ((0, 0, 0), (5, -3, 1e6))]
+    views = [
+        View(Pose(pose.position_m + step, world.shown_view.pose.orientation_xyzw), FOV)
+        for step in ((0, 0, 0), (5, -3, 1e6))
+    ]
     first, second = (looked(gpu, world.late, view) for view in views)
     assert np.array_equal(first, second)
 
@@ -131,7 +134,9 @@ def test_row_by_row_each_row_has_its_own_direction(gpu, world):
     """The first row to light up (the top one) is that of `shown`, the last that of `shown_last`, up to half a row's worth of the turn."""
     paint(gpu, world, lambda d: d)
     pose = world.late_view.pose
-    first, last = (View(Pose(pose.position_m, (pose.rotation * Rotation.from_euler("Y", a)).as_quat()), FOV) for a in (0.0, 0.08))
+    first, last = (
+        View(Pose(pose.position_m, (pose.rotation * Rotation.from_euler("Y", a)).as_quat()), FOV) for a in (0.0, 0.08)
+    )
     warp, canvas = warps.get("environment")(gpu, SIZE, SIZE, output=Output(scanout=True)), Canvas(gpu.gl, SIZE)
     warp.run(Given(world.late, first, shown_last=last), canvas)
     gpu.gl.memory_barrier()

@@ -63,7 +63,9 @@ def test_nearer_than_half_a_millimetre_all_tie(gpu):
 @pytest.mark.parametrize("seed", range(3))
 def test_the_nearest_wins_among_few_depths_holes_and_sky(gpu, size, shown_size, seed):
     rng = np.random.default_rng(seed)
-    Scatter(gpu, size, shown_size).check(rng.choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1], p=[0.3, 0.3, 0.2, 0.1, 0.1]))
+    Scatter(gpu, size, shown_size).check(
+        rng.choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1], p=[0.3, 0.3, 0.2, 0.1, 0.1])
+    )
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -141,10 +143,16 @@ def test_one_pixel(gpu):
     scatter = Scatter(gpu, (1, 1), (1, 1))
     for depth, wanted in ((0.5, 0), (0.0, 0), (-1.0, -1), (1e9, 0)):
         assert scatter.check(np.full((1, 1), depth)).item() == wanted
-    assert Scatter(gpu, (1, 1), (3, 3)).check(np.full((1, 1), 0.5)).tolist() == [[-1, -1, -1], [-1, 0, -1], [-1, -1, -1]]
+    assert Scatter(gpu, (1, 1), (3, 3)).check(np.full((1, 1), 0.5)).tolist() == [
+        [-1, -1, -1],
+        [-1, 0, -1],
+        [-1, -1, -1],
+    ]
 
 
-@pytest.mark.parametrize("size", [(9, 65), (65, 9), (200, 130), (8, 64), (257, 1), (1, 257)], ids="{0[0]}x{0[1]}".format)
+@pytest.mark.parametrize(
+    "size", [(9, 65), (65, 9), (200, 130), (8, 64), (257, 1), (1, 257)], ids="{0[0]}x{0[1]}".format
+)
 def test_pictures_of_several_work_groups_arrive_whole(gpu, size):
     got = Scatter(gpu, size, size).check(np.random.default_rng(1).uniform(0.1, 2, size[::-1]))
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
@@ -212,7 +220,9 @@ def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
     if validator is None:
         pytest.skip("no glslangValidator here (Debian, Ubuntu: apt-get install glslang-tools)")
     file = tmp_path / "one_pass.comp"
-    file.write_text(flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450"))
+    file.write_text(
+        flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450")
+    )
     done = subprocess.run([validator, file], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
 

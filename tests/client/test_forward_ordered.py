@@ -48,7 +48,9 @@ def test_sideways_it_equals_the_depth_test_whatever_the_scene(gpu, spec, step, s
 
 @pytest.mark.parametrize("spec", SHEETS)
 @pytest.mark.parametrize(
-    "step", [0.2 * AHEAD, -0.2 * AHEAD, 0.2 * RIGHT + 0.1 * UP, 0.1 * RIGHT + 0.2 * AHEAD, 0.1 * UP - 0.2 * AHEAD], ids=str
+    "step",
+    [0.2 * AHEAD, -0.2 * AHEAD, 0.2 * RIGHT + 0.1 * UP, 0.1 * RIGHT + 0.2 * AHEAD, 0.1 * UP - 0.2 * AHEAD],
+    ids=str,
 )
 def test_elsewhere_it_differs_only_where_the_two_are_less_than_a_pixel_apart_on_different_lines(gpu, spec, step):
     """The guarantee is about rays. Two drawn pixels of one epipolar line that land on the very same point are in order; those of
@@ -122,7 +124,9 @@ def test_every_pixel_has_its_own_place_in_the_order(gpu, spec, size, step):
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
 
 
-@pytest.mark.parametrize("step", [(0, 0, 0), (0.3, 0, 0), (0, 0, -0.5), (0, 0, 0.5), (0.1, 0.2, -1e-9), (-3, 1, 1e-9)], ids=str)
+@pytest.mark.parametrize(
+    "step", [(0, 0, 0), (0.3, 0, 0), (0, 0, -0.5), (0, 0, 0.5), (0.1, 0.2, -1e-9), (-3, 1, 1e-9)], ids=str
+)
 def test_the_epipole_is_where_the_eye_appears(step):
     size, eye = (40, 30), np.array(step, dtype=float)
     shown = View(Pose(eye), FOV)

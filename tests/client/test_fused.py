@@ -19,7 +19,13 @@ from hmdwarp.reference.picture import HALF_SMALLEST, HALF_UNIT
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
 FUSING = [name for name in warps.names() if warps.get(name).fuses]
 WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "backward", "environment"]  # their twins answer for any direction
-SIZES = [((67, 53), (61, 83)), ((64, 64), (101, 37)), ((129, 2), (31, 27)), ((1, 1), (9, 7)), ((40, 50), (1, 1))]  # shown, panel
+SIZES = [
+    ((67, 53), (61, 83)),
+    ((64, 64), (101, 37)),
+    ((129, 2), (31, 27)),
+    ((1, 1), (9, 7)),
+    ((40, 50), (1, 1)),
+]  # shown, panel
 
 
 @pytest.mark.parametrize("name", WITH_TWIN_AT_PLACES)
@@ -38,7 +44,11 @@ def test_equals_the_lens_twin_before_the_warps_twin(gpu, name, headset, sizes):
 
 def picture_without_holes(gpu, headset: Headset, eye: int, size: tuple[int, int]) -> World:
     world = world_before(gpu, headset, eye, 5, size, moved=False)
-    world.colour = np.dstack([world.rng.uniform(0, 1, (*size[::-1], 3)), np.ones(size[::-1])]).astype(np.float16).astype(np.float64)
+    world.colour = (
+        np.dstack([world.rng.uniform(0, 1, (*size[::-1], 3)), np.ones(size[::-1])])
+        .astype(np.float16)
+        .astype(np.float64)
+    )
     world.inverse_depth = np.full(size[::-1], 0.5)
     world.client = world._client_depth()
     world.upload(gpu)
@@ -96,7 +106,9 @@ def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
     assert np.isfinite(got).all()
     assert set(np.unique(got[..., 3])) <= {0.0, 1.0}
     # Beside a hole the lens pass mixes its black in; all colours of the picture are above 0.15.
-    covered = (got[..., 3] == 1) & (two[..., 3] == 1) & (got[..., :3] > 0.1).all(axis=-1) & (two[..., :3] > 0.1).all(axis=-1)
+    covered = (
+        (got[..., 3] == 1) & (two[..., 3] == 1) & (got[..., :3] > 0.1).all(axis=-1) & (two[..., :3] > 0.1).all(axis=-1)
+    )
     everywhere = ndimage.binary_erosion(covered, iterations=2)
     assert everywhere.mean() > 0.3
     difference = np.abs(got - two)[everywhere].max(axis=-1)

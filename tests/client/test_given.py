@@ -41,7 +41,9 @@ def test_a_display_that_lights_up_at_once_stays_as_it_is(pose, fov):
     assert one.at_once() is one
 
 
-@pytest.mark.parametrize(("warp", "follow", "follows"), [("rotation", True, True), ("rotation", False, False), ("forward", True, False)])
+@pytest.mark.parametrize(
+    ("warp", "follow", "follows"), [("rotation", True, True), ("rotation", False, False), ("forward", True, False)]
+)
 def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, follows):
     options = small(warp=warp, trace="fast-turns", seconds=0.1, scanout_ms=12.0, follow_scanout=follow)
     turned = []

@@ -125,7 +125,9 @@ def test_it_says_why_with_figures():
     assert down.reason == "rung3 takes 18.00 ms, over the budget of 10 ms; rung1 is expected to take 6.00 ms"
     assert down.refresh == 5  # 2 that tell of the start, 4 of evidence, counted from 0
     (up,) = run(governor, steady(1.0), 200)
-    assert up.reason.startswith("rung1 takes 3.00 ms, and for 60 refreshes rung3 has been expected within 95% of the budget of 10 ms")
+    assert up.reason.startswith(
+        "rung1 takes 3.00 ms, and for 60 refreshes rung3 has been expected within 95% of the budget of 10 ms"
+    )
     hopeless = Governor(LADDER[:2], 3.5)
     (down,) = run(hopeless, steady(5.0), 50)
     assert down.reason.endswith("rung0 is expected to take 5.00 ms, the least there is")

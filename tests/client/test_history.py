@@ -11,7 +11,9 @@ from hmdwarp.scenes.effects import SceneEffect
 
 MS = 1_000_000
 # Instants in the order in which frames are replaced: never backwards, now and then the same again.
-INSTANTS = st.lists(st.integers(0, 60), max_size=40).map(lambda steps: [sum(steps[:n]) * MS for n in range(1, len(steps) + 1)])
+INSTANTS = st.lists(st.integers(0, 60), max_size=40).map(
+    lambda steps: [sum(steps[:n]) * MS for n in range(1, len(steps) + 1)]
+)
 KEEPS, SPACINGS = st.integers(0, 5), st.sampled_from([0, 1, 16 * MS, 100 * MS])
 
 
@@ -28,7 +30,9 @@ def test_what_is_held_is_within_the_limits(keep, spacing_ns, instants):
         assert len(held) <= keep
         assert held == sorted(held, reverse=True), "newest first"
         assert all(newer - older >= spacing_ns for newer, older in zip(held, held[1:], strict=False))
-        assert keep == 0 or held[0] > now - max(spacing_ns, 1), "the newest held one is no older than the spacing allows"
+        assert keep == 0 or held[0] > now - max(spacing_ns, 1), (
+            "the newest held one is no older than the spacing allows"
+        )
 
 
 @given(KEEPS, SPACINGS, INSTANTS)

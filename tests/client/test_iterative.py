@@ -13,7 +13,12 @@ from hmdwarp.reference.iterative import iterative
 
 from .late_pictures import asked, square_before_a_wall, warped
 
-SPECS = ["iterative", "iterative:slanted=3", "iterative:seed=rotation,steps=5", "iterative:steps=1,tolerance=0.1,converged=2"]
+SPECS = [
+    "iterative",
+    "iterative:slanted=3",
+    "iterative:seed=rotation,steps=5",
+    "iterative:steps=1,tolerance=0.1,converged=2",
+]
 # A bilinear look off by the sampler's 1/256 px in a ramp of 1/60 a pixel, and a half float stored.
 RAMP = 1 / 60 / 256 + 2.0**-10
 
@@ -59,7 +64,10 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu, spec):
 def test_a_thin_near_thing_is_found_by_the_forward_seed_alone(gpu):
     """Two pixels wide, moved by 12: from infinity the guess lands on the wall beside it and stays there."""
     colour, depth = square_before_a_wall(np.s_[:, 30:32])
-    there = {spec: warped(gpu, spec, colour, depth, Pose((0.4, 0, 0)))[..., 0] > 0.99 for spec in ("iterative", "iterative:seed=rotation")}
+    there = {
+        spec: warped(gpu, spec, colour, depth, Pose((0.4, 0, 0)))[..., 0] > 0.99
+        for spec in ("iterative", "iterative:seed=rotation")
+    }
     assert there["iterative"][:, 18:20].all()
     assert there["iterative"].sum() == 2 * 60
     assert not there["iterative:seed=rotation"].any()
@@ -114,7 +122,9 @@ def test_depths_from_a_millimetre_to_a_million_metres(gpu):
         assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
 
 
-@pytest.mark.parametrize("spec", ["iterative:steps=0", "iterative:steps=2,slanted=3", "iterative:converged=-1", "iterative:seed=mesh"])
+@pytest.mark.parametrize(
+    "spec", ["iterative:steps=0", "iterative:steps=2,slanted=3", "iterative:converged=-1", "iterative:seed=mesh"]
+)
 def test_settings_that_make_no_sense_are_refused(spec):
     with pytest.raises(InputError, match="iterative"):
         parse_warp(spec)

@@ -24,14 +24,27 @@ def square(depth_m: float, centre: tuple[float, float], half: float, level: floa
     x, y = centre
     corners = [(x + i * half, y + j * half, -depth_m) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     light = np.full((4, 3), level)
-    return Mesh(f"square {level}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], -1, False)
+    return Mesh(
+        f"square {level}",
+        corners,
+        np.tile((0, 0, 1.0), (4, 1)),
+        np.zeros((4, 2)),
+        light,
+        [(0, 1, 2), (0, 2, 3)],
+        -1,
+        False,
+    )
 
 
 # A small square before a large wall before the sky.
-SCENE = Scene("walls", "", (square(1, (0, 0), 0.25, 0.5), square(3, (0, 0), 2, 0.25)), background=Background.uniform((1, 1, 1)))
+SCENE = Scene(
+    "walls", "", (square(1, (0, 0), 0.25, 0.5), square(3, (0, 0), 2, 0.25)), background=Background.uniform((1, 1, 1))
+)
 
 
-def shown_and_truth(gpu, scene: Scene, step, spec: str = "layered", size=SIZE, guard: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+def shown_and_truth(
+    gpu, scene: Scene, step, spec: str = "layered", size=SIZE, guard: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
     server, choice = Server(gpu, scene), parse_warp(spec)
     late = server.draw_frame([View(Pose(), FOV)], 0, size, guard, choice.entry.needs(choice.settings)).eyes[0]
     shown = View(Pose(step), FOV)
@@ -65,7 +78,9 @@ def test_behind_an_edge_is_what_really_is_there(gpu, step):
     out, truth = (inner(picture) for picture in shown_and_truth(gpu, SCENE, step))
     away = ~near_an_edge(truth)
     assert (out[..., 3] == 1).all()
-    assert np.abs(out - truth)[away].max() <= 2.0**-9, "flat colours: what is seen is right to the rounding of a half float"
+    assert np.abs(out - truth)[away].max() <= 2.0**-9, (
+        "flat colours: what is seen is right to the rounding of a half float"
+    )
 
 
 @pytest.mark.parametrize("step", [(0, 0, -0.45), (0.05, 0.02, -0.5), (0, 0, -0.6)], ids=str)
@@ -104,7 +119,9 @@ def test_in_the_room_it_is_better_than_the_visible_layer_alone(gpu):
     eye = scene.viewpoint
     views = [View(Pose(eye.position_m + step, eye.orientation_xyzw), FOV) for step in ((0, 0, 0), (0.2, 0.05, 0.05))]
     late = server.draw_frame(views[:1], 0, size, 1.4, Needs(layers=2)).eyes[0]
-    alone = attrs.evolve(late, layers=tuple(attrs.evolve(layer, inverse_depth=_nothing(gpu, late.size)) for layer in late.layers))
+    alone = attrs.evolve(
+        late, layers=tuple(attrs.evolve(layer, inverse_depth=_nothing(gpu, late.size)) for layer in late.layers)
+    )
     truth = read(server.draw(views[1], size).colour)
     warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
     wrong, holes = [], []
@@ -192,7 +209,10 @@ def test_impossible_numbers_of_layers_are_refused(layers):
 
 
 def test_what_it_needs_of_a_frame():
-    assert [parse_warp(f"layered:layers={n}").entry.needs(parse_warp(f"layered:layers={n}").settings).layers for n in (2, 3, 4)] == [
+    assert [
+        parse_warp(f"layered:layers={n}").entry.needs(parse_warp(f"layered:layers={n}").settings).layers
+        for n in (2, 3, 4)
+    ] == [
         1,
         2,
         3,

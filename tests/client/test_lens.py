@@ -13,7 +13,13 @@ from hmdwarp.reference.lens import radial
 from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
-SIZES = [((67, 53), (67, 53)), ((64, 64), (101, 37)), ((129, 2), (31, 127)), ((1, 1), (9, 7)), ((40, 50), (1, 1))]  # shown, panel
+SIZES = [
+    ((67, 53), (67, 53)),
+    ((64, 64), (101, 37)),
+    ((129, 2), (31, 127)),
+    ((1, 1), (9, 7)),
+    ((40, 50), (1, 1)),
+]  # shown, panel
 COLOURS = ("red", "green", "blue")
 UNIT = 2.0**-24
 
@@ -22,10 +28,16 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
     """(h, w, 4) shown picture, bottom row first, to the panel picture as the GPU makes it."""
     canvas, panel = Canvas(gpu.gl, shown.shape[1::-1]), Canvas(gpu.gl, panel_size)
     canvas.texture.write(shown.astype(np.float16).tobytes(), alignment=1)
-    panel.texture.write(np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1)  # every pixel must be written
+    panel.texture.write(
+        np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1
+    )  # every pixel must be written
     lenses.get("radial")(gpu, headset, panel_size).run(canvas, headset.fov(eye), eye, panel)
     gpu.gl.memory_barrier()
-    out = np.frombuffer(panel.texture.read(alignment=1), np.float16).reshape(panel_size[1], panel_size[0], 4).astype(np.float64)
+    out = (
+        np.frombuffer(panel.texture.read(alignment=1), np.float16)
+        .reshape(panel_size[1], panel_size[0], 4)
+        .astype(np.float64)
+    )
     canvas.release()
     panel.release()
     return out
@@ -45,7 +57,10 @@ def places(headset: Headset, eye: int, panel_size, colour: str) -> tuple[np.ndar
     place_error = 4 * UNIT * (np.abs(panel * scale) + np.abs(offset)).max(axis=-1)
     r = np.linalg.norm(on_lens, axis=-1)
     absolute = sum(abs(k) * r ** (2 * i) for i, k in enumerate(lens.coefficients[colour])) * lens.tangent_per_unit
-    slope = sum((2 * i + 1) * abs(k) * r ** (2 * i) for i, k in enumerate(lens.coefficients[colour])) * lens.tangent_per_unit
+    slope = (
+        sum((2 * i + 1) * abs(k) * r ** (2 * i) for i, k in enumerate(lens.coefficients[colour]))
+        * lens.tangent_per_unit
+    )
     tangent_error = slope * place_error * 2 + 22 * UNIT * absolute * r
     left, right, down, up = headset.fov(eye).tangents
     low, span = np.array([left, down]), np.array([right - left, up - down])
@@ -66,7 +81,10 @@ def test_the_pass_equals_its_twin(gpu, name, eye, shown_size, panel_size):
     headset = load_headset(name)
     rng = np.random.default_rng(eye)
     shown = rng.uniform(0, 1, (shown_size[1], shown_size[0], 4)).astype(np.float16).astype(np.float64)
-    got, wanted = through_the_lens(gpu, shown, headset, eye, panel_size), radial(shown, headset.fov(eye), headset, eye, panel_size)
+    got, wanted = (
+        through_the_lens(gpu, shown, headset, eye, panel_size),
+        radial(shown, headset.fov(eye), headset, eye, panel_size),
+    )
     for channel, colour in enumerate(COLOURS):
         uv, error = places(headset, eye, panel_size, colour)
         decided = (np.abs(uv) > error).all(axis=-1) & (np.abs(uv - 1) > error).all(axis=-1)
@@ -87,7 +105,9 @@ def test_a_ramp_shows_the_polynomial_itself(gpu, name, eye):
     headset, shown_size, panel_size = load_headset(name), (33, 45), (57, 61)
     for axis in (0, 1):
         place = (np.arange(shown_size[axis]) + 0.5) / shown_size[axis]
-        ramp = np.broadcast_to(place[None, :, None] if axis == 0 else place[:, None, None], (shown_size[1], shown_size[0], 4))
+        ramp = np.broadcast_to(
+            place[None, :, None] if axis == 0 else place[:, None, None], (shown_size[1], shown_size[0], 4)
+        )
         got = through_the_lens(gpu, ramp, headset, eye, panel_size)
         for channel, colour in enumerate(COLOURS):
             uv, error = places(headset, eye, panel_size, colour)
@@ -95,7 +115,9 @@ def test_a_ramp_shows_the_polynomial_itself(gpu, name, eye):
             half_pixel = 0.5 / shown_size[axis]
             wanted = np.clip(uv[..., axis], half_pixel, 1 - half_pixel)  # beyond the last centre the edge is continued
             # The ramp is stored as half floats (2^-11), read at a place with its errors, stored again (2^-10).
-            tolerance = 2.0**-11 + HALF_UNIT + error[..., axis] + sampler_error_pixels(gpu, shown_size) / shown_size[axis]
+            tolerance = (
+                2.0**-11 + HALF_UNIT + error[..., axis] + sampler_error_pixels(gpu, shown_size) / shown_size[axis]
+            )
             assert (np.abs(got[..., channel] - wanted) <= tolerance)[inside].all()
             assert inside.sum() > 500
 

@@ -78,7 +78,9 @@ def test_scenery_that_was_seen_comes_back(gpu, client):
     truth = read(drawn(gpu, scene, turned(0)).colour)
     assert (without[..., 3] == 0).mean() > 0.3
     assert (with_memory[..., 3] == 0).mean() < 0.01
-    assert (np.abs(with_memory - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.03, "all but outlines, which are half a pixel off"
+    assert (np.abs(with_memory - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.03, (
+        "all but outlines, which are half a pixel off"
+    )
 
 
 def test_what_an_edge_hides_now_is_remembered_from_where_it_was_seen(gpu, client):
@@ -212,7 +214,9 @@ def test_two_runs_of_the_same_frames_give_the_same_bits(gpu):
     outs = []
     for _ in range(2):
         client = Client(gpu)
-        outs.append([client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(25 * k)), k), turned(25 * k - 20)) for k in range(4)])
+        outs.append(
+            [client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(25 * k)), k), turned(25 * k - 20)) for k in range(4)]
+        )
         client.close()
     assert all(np.array_equal(a, b) for a, b in zip(*outs, strict=True))
 
@@ -264,7 +268,9 @@ def test_what_is_looked_into_sees_what_the_late_view_does_not():
 # --- the twins ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("seed", "cell", "halved"), [(1, 1, False), (2, 2, True), (3, 4, False), (4, 2, True), (5, 3, False)])
+@pytest.mark.parametrize(
+    ("seed", "cell", "halved"), [(1, 1, False), (2, 2, True), (3, 4, False), (4, 2, True), (5, 3, False)]
+)
 def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
     holed = Holed(gpu, seed, (67, 53), empty=0.6)
     world = holed.world
@@ -322,7 +328,9 @@ def test_what_is_forgotten_equals_its_twin(gpu, seed):
 def test_a_head_that_comes_back_sees_what_it_saw_and_two_runs_are_one(tmp_path):
     """The same turns with and without memory, 400 ms late: look-around comes back to what it saw from 6 s on."""
     options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 10.0, "latency_ms": 400.0, "metrics_every": 10}
-    without, with_memory, again = (run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory")))
+    without, with_memory, again = (
+        run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory"))
+    )
     gain = with_memory.summary["quality"]["psnr_db"]["mean"] - without.summary["quality"]["psnr_db"]["mean"]
     assert gain > 2
     assert with_memory.summary["quality"] == again.summary["quality"]

@@ -25,12 +25,17 @@ SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 class Scene:
     """A late picture of chosen depth: red grows to the right, green upwards, blue is 1 where it is nearer than 1 m."""
 
-    def __init__(self, gpu, inverse_depth: np.ndarray, pose: Pose, fov: Fov = FOV, shown_size: tuple[int, int] | None = None) -> None:
+    def __init__(
+        self, gpu, inverse_depth: np.ndarray, pose: Pose, fov: Fov = FOV, shown_size: tuple[int, int] | None = None
+    ) -> None:
         self.gpu, high, wide = gpu, *inverse_depth.shape
         self.size, self.shown_size = (wide, high), shown_size or (wide, high)
         y, x = np.mgrid[:high, :wide]
         known = np.isfinite(inverse_depth) & (inverse_depth >= 0)
-        colour = np.stack([(x + 0.5) / wide, (y + 0.5) / high, inverse_depth > 1, np.ones((high, wide))], axis=-1) * known[..., None]
+        colour = (
+            np.stack([(x + 0.5) / wide, (y + 0.5) / high, inverse_depth > 1, np.ones((high, wide))], axis=-1)
+            * known[..., None]
+        )
         self.colour, self.inverse_depth = colour.astype(np.float16), inverse_depth.astype(np.float32)
         self.late, self.shown = View(Pose(), fov), View(pose, fov)
         self.textures = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
@@ -50,7 +55,9 @@ class Scene:
 
     def twin(self, spec: str):
         choice = parse_warp(spec)
-        asked = Asked(self.colour.astype(float), self.inverse_depth.astype(float), self.late, self.shown, self.shown_size)
+        asked = Asked(
+            self.colour.astype(float), self.inverse_depth.astype(float), self.late, self.shown, self.shown_size
+        )
         return twin_of(choice.entry.name)(attrs.evolve(asked, settings=choice.settings))
 
 
@@ -68,7 +75,9 @@ def floor(fov: Fov = FOV) -> np.ndarray:
     return np.broadcast_to(np.maximum(-tangent / 1.6, 0)[:, None], SIZE[::-1]).copy()
 
 
-@pytest.mark.parametrize("spec", ["mesh:cut=vertex", "mesh:cut=both", "mesh_adaptive:tolerance=0", "mesh_adaptive:block=4,tolerance=0.02"])
+@pytest.mark.parametrize(
+    "spec", ["mesh:cut=vertex", "mesh:cut=both", "mesh_adaptive:tolerance=0", "mesh_adaptive:block=4,tolerance=0.02"]
+)
 @pytest.mark.parametrize("seed", range(5))
 def test_every_setting_equals_the_twin(gpu, spec, seed):
     world = World(gpu, seed + 20, SIZES[seed], SIZES[-seed])
@@ -192,7 +201,9 @@ def test_reach_bounds_how_far_depth_moves_a_point():
         assert (moved[inside] <= reach(forward, SIZE) * (1 + 1e-3)).all()
 
 
-@pytest.mark.parametrize("spec", ["mesh:cut=edges", "mesh:steepest_deg=90", "mesh_adaptive:block=3", "mesh_adaptive:tolerance=-1"])
+@pytest.mark.parametrize(
+    "spec", ["mesh:cut=edges", "mesh:steepest_deg=90", "mesh_adaptive:block=3", "mesh_adaptive:tolerance=-1"]
+)
 def test_settings_that_mean_nothing_are_refused(spec):
     with pytest.raises(InputError):
         parse_warp(spec)

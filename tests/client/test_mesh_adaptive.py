@@ -32,7 +32,9 @@ class Drawn:
         warp.run(Given(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)), canvas)
         gpu.gl.memory_barrier()
         self.picture = read(canvas.texture)
-        self.cells, self.pieces = (np.frombuffer(calls.read(), np.uint32).reshape(-1, 5)[:, 0].sum() // 6 for calls in warp._buffers[2:4])
+        self.cells, self.pieces = (
+            np.frombuffer(calls.read(), np.uint32).reshape(-1, 5)[:, 0].sum() // 6 for calls in warp._buffers[2:4]
+        )
         warp.close()
         canvas.release()
 

@@ -59,23 +59,31 @@ class MovingWorld:
     def _patch(self, number: int, x: np.ndarray, y: np.ndarray) -> None:
         """Of body `number`, or of what deforms for 0: a slanted plane, half of the time with a step in it."""
         rng = self.rng
-        inside = (abs(x - rng.uniform(0.2, 0.8)) < rng.uniform(0.08, 0.2)) & (abs(y - rng.uniform(0.15, 0.6)) < rng.uniform(0.08, 0.2))
+        inside = (abs(x - rng.uniform(0.2, 0.8)) < rng.uniform(0.08, 0.2)) & (
+            abs(y - rng.uniform(0.15, 0.6)) < rng.uniform(0.08, 0.2)
+        )
         plane = rng.uniform(0.3, 1.2) + rng.normal(scale=0.15) * x + rng.normal(scale=0.15) * y
         plane = plane + np.where(x + 0.3 * y > rng.uniform(0.2, 1.2), rng.choice([0.0, 0.4]), 0.0)
         self.inverse_depth = np.where(inside, plane, self.inverse_depth)
         self.ids = np.where(inside, number, self.ids)
         even, sheared = rng.normal(scale=0.8, size=3), rng.normal(scale=0.8, size=3)
         speed = even + sheared * np.dstack([x, x - y, y])
-        self.velocity[inside] = np.concatenate([speed[inside], np.ones((inside.sum(), 1))], axis=1) if number == 0 else 0
+        self.velocity[inside] = (
+            np.concatenate([speed[inside], np.ones((inside.sum(), 1))], axis=1) if number == 0 else 0
+        )
         self.velocity = self.velocity.astype(np.float16).astype(np.float64)
 
     def _state(self) -> RigidState:
         rng = self.rng
         pose = Pose(self.view.pose.transform((rng.normal(scale=0.3), rng.normal(scale=0.3), -2.0)), rng.normal(size=4))
-        return RigidState(pose, rng.normal(scale=0.4, size=3), rng.normal(scale=0.8, size=3), rng.normal(scale=0.5, size=3))
+        return RigidState(
+            pose, rng.normal(scale=0.4, size=3), rng.normal(scale=0.8, size=3), rng.normal(scale=0.5, size=3)
+        )
 
     def image(self, gpu, parts: set[str], drawn_ns: int = 0) -> EyeImage:
-        image = EyeImage(self.view, textured(gpu, self.colour, COLOUR), textured(gpu, self.inverse_depth, SCALAR), drawn_ns=drawn_ns)
+        image = EyeImage(
+            self.view, textured(gpu, self.colour, COLOUR), textured(gpu, self.inverse_depth, SCALAR), drawn_ns=drawn_ns
+        )
         if RIGID in parts:
             image = attrs.evolve(image, ids=textured(gpu, self.ids, NUMBER), bodies=self.states)
         if SOFT in parts:
@@ -154,7 +162,9 @@ def test_what_stands_still_keeps_its_bits(gpu):
     kept = (keys == 0) & (inverse_depth == world.inverse_depth)
     assert kept.sum() > 150
     assert np.array_equal(colour[kept], world.colour[kept])
-    assert ((inverse_depth >= world.inverse_depth) | (keys > 0) | (keys == -1)).all()  # only what is nearer comes before it
+    assert (
+        (inverse_depth >= world.inverse_depth) | (keys > 0) | (keys == -1)
+    ).all()  # only what is nearer comes before it
 
 
 def test_a_body_at_rest_keeps_its_bits(gpu):
@@ -214,7 +224,11 @@ def one_body(gpu, state: RigidState, *, seen: tuple = (0.3, 0.0, 0.0), inverse_d
     colour = np.where(inside[..., None], (*seen, 1.0), (0.0, 0.8, 0.0, 1.0))
     depth = np.where(inside, inverse_depth, 0.1)
     return EyeImage(
-        EYE, textured(gpu, colour, COLOUR), textured(gpu, depth, SCALAR), ids=textured(gpu, inside.astype(int), NUMBER), bodies=(state,)
+        EYE,
+        textured(gpu, colour, COLOUR),
+        textured(gpu, depth, SCALAR),
+        ids=textured(gpu, inside.astype(int), NUMBER),
+        bodies=(state,),
     )
 
 
@@ -236,12 +250,16 @@ def test_a_body_that_comes_nearer_and_turns_has_no_cracks_and_no_other_colours(g
     colour, inverse_depth = run(gpu, image, 400 * MS, RIGID)
     red, green = colour[..., 0] > 0, colour[..., 1] > 0
     assert not (red & green).any()
-    assert np.abs(colour[red][:, 0] / float(np.float16(0.3)) - 1).max() <= HALF_UNIT  # as stored: weights may sum to a little less than 1
+    assert (
+        np.abs(colour[red][:, 0] / float(np.float16(0.3)) - 1).max() <= HALF_UNIT
+    )  # as stored: weights may sum to a little less than 1
     # A convex body without cracks: all of each row of it between its ends.
     for row in red:
         places = np.flatnonzero(row)
         assert not len(places) or len(places) == places[-1] - places[0] + 1
-    assert red.sum() == pytest.approx(area_after(image, 400 * MS), abs=0.5 * 4 * np.sqrt(red.sum()))  # half a pixel along its rim
+    assert red.sum() == pytest.approx(
+        area_after(image, 400 * MS), abs=0.5 * 4 * np.sqrt(red.sum())
+    )  # half a pixel along its rim
     assert inverse_depth[red].max() < 2.5
 
 
@@ -276,7 +294,9 @@ def test_a_body_that_passes_behind_the_eye_is_gone(gpu):
 def test_a_ghost_far_from_the_origin_of_the_world_moves_as_one_near_it(gpu):
     near = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)))
     away = np.array([1e6, 0, -3e5])
-    far = attrs.evolve(near, view=View(Pose(away), EYE.fov), bodies=(RigidState(Pose(away + (0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)),))
+    far = attrs.evolve(
+        near, view=View(Pose(away), EYE.fov), bodies=(RigidState(Pose(away + (0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)),)
+    )
     one, other = (run(gpu, image, 350 * MS, RIGID)[1] for image in (near, far))
     # Positions of 1e6 m hold 1e-10 m; a float32 map rounds the same numbers alike unless they lie on a border of rounding.
     assert np.abs(one - other).max() < 1e-5
@@ -320,7 +340,9 @@ def checkered(body: int) -> Mesh:
     """A square of 0.6 m, facing +z, of 12 x 12 fields."""
     positions = np.array([(-0.3, -0.3, 0), (0.3, -0.3, 0), (0.3, 0.3, 0), (-0.3, 0.3, 0)])
     uv = (positions[:, :2] + 0.3) / 0.6
-    return Mesh("square", positions, np.tile((0, 0, 1.0), (4, 1)), uv, np.ones((4, 3)), [(0, 1, 2), (0, 2, 3)], 0, body=body)
+    return Mesh(
+        "square", positions, np.tile((0, 0, 1.0), (4, 1)), uv, np.ones((4, 3)), [(0, 1, 2), (0, 2, 3)], 0, body=body
+    )
 
 
 @pytest.mark.parametrize(
@@ -388,7 +410,9 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, mo
         result = compensator.run(attrs.evolve(given_at(image, 200 * MS), eye=eye))
     assert vars(made) == before, "run() compiles and allocates nothing"
     # The eye has not moved, so forward copies what the pass has made.
-    assert np.array_equal(read(result.shown.texture), run(gpu, image, 200 * MS, *(one.name for one in plan.effect_passes[0].effects))[0])
+    assert np.array_equal(
+        read(result.shown.texture), run(gpu, image, 200 * MS, *(one.name for one in plan.effect_passes[0].effects))[0]
+    )
     assert [name for name, _ in gpu.timer.collect()] == ["effects", "warp"] * 3
     compensator.close()
 

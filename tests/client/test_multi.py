@@ -26,7 +26,16 @@ def square(depth_m: float, centre: tuple[float, float], half: float, level: floa
     x, y = centre
     corners = [(x + i * half, y + j * half, -depth_m) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     light = np.full((4, 3), level)
-    return Mesh(f"square {level}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], -1, False)
+    return Mesh(
+        f"square {level}",
+        corners,
+        np.tile((0, 0, 1.0), (4, 1)),
+        np.zeros((4, 2)),
+        light,
+        [(0, 1, 2), (0, 2, 3)],
+        -1,
+        False,
+    )
 
 
 def scene_of(*squares: Mesh) -> Scene:
@@ -46,7 +55,9 @@ def drawn(gpu, scene: Scene, view: View, size=SIZE, target=None) -> EyeImage:
     return image
 
 
-def put_together(gpu, late: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE) -> np.ndarray:
+def put_together(
+    gpu, late: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE
+) -> np.ndarray:
     choice = parse_warp(spec)
     warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
     warp.run(Given(late, shown, others=others), canvas)
@@ -72,7 +83,9 @@ def test_what_the_other_eye_saw_fills_the_shadow_of_an_edge(gpu):
     alone, both = (inner(put_together(gpu, newest, others, at(0))) for others in ((), (other,)))
     assert (alone[..., 3] == 0).mean() > 0.01
     assert (both[..., 3] == 0).mean() < 0.1 * (alone[..., 3] == 0).mean()
-    assert (np.abs(both - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.03, "all but the square's outline, which is half a pixel off"
+    assert (np.abs(both - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.03, (
+        "all but the square's outline, which is half a pixel off"
+    )
 
 
 def test_a_past_frame_fills_what_has_left_the_field_of_view(gpu):
@@ -214,7 +227,9 @@ def test_what_it_needs_of_frames():
     assert told["multi:spacing=40"].past_spacing_ns == 40_000_000
 
 
-@pytest.mark.parametrize("spec", ["multi:frames=-1", "multi:frames=9", "multi:spacing=-1", "multi:spacing=nan", "multi:eye=left"])
+@pytest.mark.parametrize(
+    "spec", ["multi:frames=-1", "multi:frames=9", "multi:spacing=-1", "multi:spacing=nan", "multi:eye=left"]
+)
 def test_impossible_settings_are_refused(spec):
     with pytest.raises(InputError, match="warp 'multi:"):
         parse_warp(spec)

@@ -29,8 +29,15 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.scenes.effects import SceneEffect
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot, chains; each lens; geometry or not.
-_PAIRS = [*itertools.product(warps.names(), ("none", "interpolate")), *itertools.product(("forward", "environment"), fills.names())]
-_PAIRS += [("iterative", "memory+pyramid"), ("none", "wide+interpolate_full+constant"), ("rotation", "memory+model:share=0.05")]
+_PAIRS = [
+    *itertools.product(warps.names(), ("none", "interpolate")),
+    *itertools.product(("forward", "environment"), fills.names()),
+]
+_PAIRS += [
+    ("iterative", "memory+pyramid"),
+    ("none", "wide+interpolate_full+constant"),
+    ("rotation", "memory+model:share=0.05"),
+]
 ALL = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS), lenses.names(), (True, False))]
 
 
@@ -67,7 +74,10 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     left_out = dict(plan.left_out)
     order = [stage for stage in ("client_depth", "warp", "fill", "lens") if stage in stages]
     assert list(dict.fromkeys(stages)) == order and stages == sorted(stages, key=order.index), "in this order"
-    chain, depth = len(parse_fills(fill)), plan.writes(SHOWN_DEPTH) and any(step.name == "shown depth" for step in plan.steps)
+    chain, depth = (
+        len(parse_fills(fill)),
+        plan.writes(SHOWN_DEPTH) and any(step.name == "shown depth" for step in plan.steps),
+    )
     assert stages.count("fill") == chain + depth and all(stages.count(stage) == 1 for stage in order if stage != "fill")
     assert set(stages) | set(left_out) == {"client_depth", "warp", "fill", "lens", *effects.names()}
     assert not set(stages) & set(left_out)
@@ -171,7 +181,9 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
             assert isinstance(plan_of(*choice, True), Plan)
         except InputError as error:
             names = [part.partition(":")[0].strip() for part in text.split("+")]  # what follows a colon are settings
-            assert any(repr(name)[1:-1] in str(error) or name in str(error) for name in (text, text.partition(":")[0], *names))
+            assert any(
+                repr(name)[1:-1] in str(error) or name in str(error) for name in (text, text.partition(":")[0], *names)
+            )
 
 
 # --- what it costs -------------------------------------------------------------------------------------------------------
@@ -205,7 +217,9 @@ class Costs:
         return {part for key in self.library._cache for part in key if isinstance(part, str)}
 
     def alive(self) -> list:
-        return [thing for made in self.made.values() for thing in made if not isinstance(thing.mglo, moderngl.InvalidObject)]
+        return [
+            thing for made in self.made.values() for thing in made if not isinstance(thing.mglo, moderngl.InvalidObject)
+        ]
 
 
 def given_for(gpu, warp: str) -> Given:
@@ -290,7 +304,9 @@ def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
 
 def test_the_eyes_have_pictures_of_their_own(gpu):
     given = given_for(gpu, "forward")
-    compensator = Compensator(gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE)
+    compensator = Compensator(
+        gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE
+    )
     left = compensator.run(given)
     right = compensator.run(attrs.evolve(given, eye=1))
     assert len({id(c.texture) for c in (left.warped, left.shown, right.warped, right.shown)}) == 4

@@ -18,7 +18,11 @@ from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frame import Needs
 from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
 
-SETS = [reduce(or_, chosen, SceneEffect.NONE) for count in range(8) for chosen in itertools.combinations(EVERY_EFFECT, count)]
+SETS = [
+    reduce(or_, chosen, SceneEffect.NONE)
+    for count in range(8)
+    for chosen in itertools.combinations(EVERY_EFFECT, count)
+]
 SIZES = EyeSizes((40, 30), (20, 10), (90, 60), (16, 16))
 
 
@@ -31,7 +35,11 @@ def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(dec
     plan = plan_of(declared, fill="interpolate", lens="radial")
     done = [effect.name for one in plan.effect_passes for effect in one.effects]
     left_out = dict(plan.left_out)
-    refining = [e.name for e in effects if e.refines and e.name in effect_names(declared) and e.refines not in effect_names(declared)]
+    refining = [
+        e.name
+        for e in effects
+        if e.refines and e.name in effect_names(declared) and e.refines not in effect_names(declared)
+    ]
     assert sorted(done) == sorted(set(effect_names(declared)) - set(refining))
     assert set(effects.names()) - set(done) <= set(left_out) and not set(done) & set(left_out)
     assert all(reason.strip() for reason in left_out.values())
@@ -41,7 +49,9 @@ def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(dec
     late = [one for one in plan.effect_passes if issubclass(one.made_by, LatePass)]
     assert stages[: len(late)] == ["effects"] * len(late) and stages[len(late)] == "warp"
     assert stages[-1] == "lens", "effects come before the lens"
-    assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), "effects that share a pass are one pass"
+    assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), (
+        "effects that share a pass are one pass"
+    )
     known = set(LATE)
     for step in plan.steps:
         assert set(step.reads) <= known, step.name

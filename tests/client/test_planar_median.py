@@ -58,7 +58,9 @@ def test_of_64_by_64_it_is_the_median_of_all(gpu, seed):
     assert gpu_median(gpu, depth) == lower_median(depth)
 
 
-@pytest.mark.parametrize("size", [(1, 1), (3, 5), (67, 53), (129, 2), (2, 129), (1000, 3), (63, 65), (641, 401), (128, 128)])
+@pytest.mark.parametrize(
+    "size", [(1, 1), (3, 5), (67, 53), (129, 2), (2, 129), (1000, 3), (63, 65), (641, 401), (128, 128)]
+)
 def test_of_any_size_it_is_the_median_of_the_cells(gpu, size):
     depth = random_depth(sum(size), size)
     got = gpu_median(gpu, depth)

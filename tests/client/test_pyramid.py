@@ -22,7 +22,14 @@ from .late_pictures import square_before_a_wall
 def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
     (choice,) = parse_fills("pyramid")
     settings = choice.settings
-    chosen = Chosen(settings.holes, Behind(settings.tolerance, settings.floor), LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER)
+    chosen = Chosen(
+        settings.holes,
+        Behind(settings.tolerance, settings.floor),
+        LOCAL_LEVELS,
+        LEAST_LOCAL,
+        LEAST_BORDER,
+        CRACK_BORDER,
+    )
     return pyramid(holed.colour, holed.inverse_depth, chosen)
 
 
@@ -34,7 +41,9 @@ def tolerance(holed: Holed) -> float:
 
 
 @pytest.mark.parametrize(
-    ("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.3), ((31, 127), 0.9), ((129, 2), 0.5), ((31, 17), 0.99), ((301, 40), 0.7)], ids=str
+    ("size", "empty"),
+    [((67, 53), 0.5), ((64, 64), 0.3), ((31, 127), 0.9), ((129, 2), 0.5), ((31, 17), 0.99), ((301, 40), 0.7)],
+    ids=str,
 )
 @pytest.mark.parametrize("unknown", [1, 3, 0], ids=["no-depth", "some-depth", "depth"])
 def test_it_equals_its_twin(gpu, size, empty, unknown):

@@ -32,7 +32,9 @@ def server(gpu):
     made.close()
 
 
-def shown(gpu, server: Server, view, effects: SceneEffect = EVERY, warp: str = "iterative", fill: str = "none", **given):
+def shown(
+    gpu, server: Server, view, effects: SceneEffect = EVERY, warp: str = "iterative", fill: str = "none", **given
+):
     """(colour, coverage after the warp) of the late picture of VIEW in `view`."""
     plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in given)
     frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)

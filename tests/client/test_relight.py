@@ -70,7 +70,13 @@ class Shown:
     def asked(self, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
         (albedo, depth), (lit, _) = (self.of_model(lit=lit) for lit in (light == "baked", True))
         offsets = sample_offsets(samples, reach * self.size[0])
-        weights = (settings.SAME_DEPTH, settings.SAME_SURFACE, settings.NEAR, settings.OFF_PLANE, settings.MODEL_WEIGHT[light])
+        weights = (
+            settings.SAME_DEPTH,
+            settings.SAME_SURFACE,
+            settings.NEAR,
+            settings.OFF_PLANE,
+            settings.MODEL_WEIGHT[light],
+        )
         return Relit(VIEW.fov, self.colour, self.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 
     def error(self, found: np.ndarray) -> float:
@@ -100,7 +106,15 @@ def test_fewer_triangles_are_nearly_as_good(gpu):
 def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
     """A wall that the near plane cuts: where it touches the plane its depth is 0, which is where what is covered is put."""
     corners = np.array([(-1, -1, -0.5), (1, -1, -0.5), (1, 1, 0.5), (-1, 1, 0.5)]) + VIEW.pose.position_m
-    wall = Mesh("wall", corners, np.tile((0, 0, 1), (4, 1)), np.zeros((4, 2)), np.ones((4, 3)), [(0, 1, 2), (0, 2, 3)], double_sided=True)
+    wall = Mesh(
+        "wall",
+        corners,
+        np.tile((0, 0, 1), (4, 1)),
+        np.zeros((4, 2)),
+        np.ones((4, 3)),
+        [(0, 1, 2), (0, 2, 3)],
+        double_sided=True,
+    )
     shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
     from hmdwarp.client_scene import ClientScene as OfServer
 
@@ -120,7 +134,9 @@ def test_bodies_are_drawn_where_they_are_when_shown(gpu):
     from hmdwarp.client_scene import ClientScene as OfServer
 
     scene = load_scene("planes")
-    moving = attrs.evolve(scene, meshes=[attrs.evolve(mesh, body=1) for mesh in scene.meshes], bodies=(Body("all", Sliding()),))
+    moving = attrs.evolve(
+        scene, meshes=[attrs.evolve(mesh, body=1) for mesh in scene.meshes], bodies=(Body("all", Sliding()),)
+    )
     geometry, into = OfServer(Server(gpu, moving)), picture_of(gpu, SIZE)
     geometry.model(1.0, lit=True).draw(VIEW, into, 250_000_000)
     still = Server(gpu, scene)
@@ -182,7 +198,9 @@ def test_samples_are_the_same_every_time_and_within_reach():
     assert np.bincount((x > 0) + 2 * (y > 0)) / len(x) == pytest.approx([0.25] * 4, abs=0.02)
 
 
-@pytest.mark.parametrize("text", ["model:share=0", "model:share=1.1", "relight:samples=0", "relight:reach=0", "relight:share=-1"])
+@pytest.mark.parametrize(
+    "text", ["model:share=0", "model:share=1.1", "relight:samples=0", "relight:reach=0", "relight:share=-1"]
+)
 def test_settings_that_are_none_are_refused(text):
     with pytest.raises(InputError, match="wanted"):
         parse_fills(text)

@@ -117,7 +117,9 @@ def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
     last = View(Pose(first.pose.position_m + step, (first.pose.rotation * turn).as_quat()), FOV)
     late = View(Pose((1.1, 2, 3), (0.1, 0, 0, 1)), FOV)
     size = (90, 80)
-    maps = [WarpMap.between(View(first.pose.towards(last.pose, share), FOV), size, late, size) for share in (0, 0.5, 1, t)]
+    maps = [
+        WarpMap.between(View(first.pose.towards(last.pose, share), FOV), size, late, size) for share in (0, 0.5, 1, t)
+    ]
 
     def parabola(a, m, b):
         square = 2 * (a + b - 2 * m)
@@ -145,4 +147,6 @@ def test_the_bound_is_not_idle():
 
 def test_rows_count_from_the_bottom_and_light_up_from_the_top():
     first, last = View(Pose(), FOV), View(Pose((1, 0, 0)), FOV)
-    assert [row_view(first, last, row, 4).pose.position_m[0] for row in range(4)] == pytest.approx([0.875, 0.625, 0.375, 0.125])
+    assert [row_view(first, last, row, 4).pose.position_m[0] for row in range(4)] == pytest.approx(
+        [0.875, 0.625, 0.375, 0.125]
+    )

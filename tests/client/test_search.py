@@ -38,7 +38,9 @@ def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
     for pose in (Pose((0.6, 0.01, 0)), Pose((0.3, 0, -0.3), (0, 0.1, 0, 1))):
         got, wanted = warped(gpu, "search", colour, depth, pose), search(asked(gpu, "search", colour, depth, pose))
         decided = ~wanted.undecided
-        assert decided.mean() > 0.6  # a long ray comes near many corners, and one row runs along a line between quarters
+        assert (
+            decided.mean() > 0.6
+        )  # a long ray comes near many corners, and one row runs along a line between quarters
         assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
         assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
 

@@ -20,7 +20,9 @@ def depth_of(gpu, world: World, name: str) -> np.ndarray:
     choice = parse_warp(name)
     world.bring(gpu, choice.entry)
     warp = choice.entry(gpu, world.size, world.shown_size, choice.settings)
-    depth = ShownDepth(gpu, Carry(warp), pictures_read(choice.entry.needs(choice.settings)), world.size, world.shown_size)
+    depth = ShownDepth(
+        gpu, Carry(warp), pictures_read(choice.entry.needs(choice.settings)), world.size, world.shown_size
+    )
     into = allocate(gpu.gl, world.shown_size, SCALAR)
     depth.run(world.given(choice.entry), into)
     gpu.gl.memory_barrier()
@@ -57,7 +59,9 @@ def test_standing_still_it_is_the_late_depth(gpu):
     world = World(gpu, 6, SIZE, moved=False)
     got = depth_of(gpu, world, "forward")
     # It passes through a half float, truncated.
-    assert (np.abs(got - world.inverse_depth) <= 2.0**-10 * np.abs(world.inverse_depth) + 2.0**-24)[world.inverse_depth >= 0].all()
+    assert (np.abs(got - world.inverse_depth) <= 2.0**-10 * np.abs(world.inverse_depth) + 2.0**-24)[
+        world.inverse_depth >= 0
+    ].all()
     assert np.array_equal(got < 0, world.inverse_depth < 0)
 
 

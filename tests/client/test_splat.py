@@ -45,7 +45,11 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov
     warp = choice.entry(gpu, size, shown_size, choice.settings)
     warp.run(Given(EyeImage(View(Pose(), fov), late_colour, late_depth), View(shown, fov)), canvas)
     gpu.gl.memory_barrier()
-    out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(shown_size[1], shown_size[0], 4).astype(np.float64)
+    out = (
+        np.frombuffer(canvas.texture.read(alignment=1), np.float16)
+        .reshape(shown_size[1], shown_size[0], 4)
+        .astype(np.float64)
+    )
     warp.close()
     for thing in (late_colour, late_depth, canvas):
         thing.release()
@@ -125,7 +129,9 @@ def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
     whole = (out[..., 0] == 1) & (out[..., 3] == 1)
     assert whole[away < 0].all(), "background, or a mixture, inside"
     # Fattened by half a shown pixel at most, overlap (a twentieth of a late one) included.
-    assert (out[..., 0] == 0)[away * closer > max(half_pixel, closer * 0.05 * 2 * half_pixel * 1.01)].all(), "foreground outside"
+    assert (out[..., 0] == 0)[away * closer > max(half_pixel, closer * 0.05 * 2 * half_pixel * 1.01)].all(), (
+        "foreground outside"
+    )
     if closer == 1:
         hidden = (out[..., 3] == 0).mean()
         assert 0 < hidden < 0.02, "what the square hid is a hole: 2.2 and 1.1 pixels of parallax along two of its sides"
@@ -134,7 +140,9 @@ def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
 @pytest.mark.parametrize("shift", [0.25, 0.5, 0.9])
 def test_between_pixels_colours_are_weighted_by_area(gpu, shift):
     """The wall moves by a part of a pixel: each shown pixel covers `shift` of one drawn pixel and the rest of the next."""
-    noise = np.concatenate([np.random.default_rng(1).uniform(-1, 1, (8, 32, 3)), np.ones((8, 32, 1))], axis=-1).astype(np.float16)
+    noise = np.concatenate([np.random.default_rng(1).uniform(-1, 1, (8, 32, 3)), np.ones((8, 32, 1))], axis=-1).astype(
+        np.float16
+    )
     out = splatted(gpu, np.full((8, 32), 1.0), noise, Pose((shift / 16, 0, 0)))
     wanted = noise[:, :-1] * (1 - shift) + noise[:, 1:] * shift
     assert np.abs(out[:, :-1] - wanted).max() < 2e-3
@@ -195,7 +203,9 @@ def test_an_eye_within_a_surface_takes_bounded_work(gpu):
     assert set(np.unique(out)) <= {0.0, 1.0}
 
 
-@pytest.mark.parametrize("setting", ["reach=0", "reach=1000", "overlap=-1", "overlap=0.7", "tolerance=-0.1", "floor=-1"])
+@pytest.mark.parametrize(
+    "setting", ["reach=0", "reach=1000", "overlap=-1", "overlap=0.7", "tolerance=-0.1", "floor=-1"]
+)
 def test_settings_out_of_range_are_refused(setting):
     with pytest.raises(InputError, match=r"warp 'splat:"):
         parse_warp(f"splat:{setting}")
@@ -216,14 +226,19 @@ def test_it_is_better_than_points_with_interpolation(gpu, trace):
         warp, canvas, filled = warps.get(name)(gpu, size, size), Canvas(gpu.gl, size), Canvas(gpu.gl, size)
         warp.run(Given(late, shown), canvas)
         if name == "forward":
-            fills.get("interpolate")(gpu, size, size).run(Given(late, shown), ShownPicture(canvas), ShownPicture(filled))
+            fills.get("interpolate")(gpu, size, size).run(
+                Given(late, shown), ShownPicture(canvas), ShownPicture(filled)
+            )
             canvas = filled
         gpu.gl.memory_barrier()
-        pictures[name] = np.frombuffer(canvas.texture.read(), np.float16).reshape(size[1], size[0], 4).astype(np.float64)
+        pictures[name] = (
+            np.frombuffer(canvas.texture.read(), np.float16).reshape(size[1], size[0], 4).astype(np.float64)
+        )
     server.close()
     both = (pictures["forward"][..., 3] == 1) & (pictures["splat"][..., 3] == 1)
     error = {
-        name: np.square(np.sqrt(np.clip(p, 0, 1)) - np.sqrt(np.clip(wanted, 0, 1)))[both][:, :3].mean() for name, p in pictures.items()
+        name: np.square(np.sqrt(np.clip(p, 0, 1)) - np.sqrt(np.clip(wanted, 0, 1)))[both][:, :3].mean()
+        for name, p in pictures.items()
     }
     assert both.mean() > 0.5
     # Measured 0.87 and 0.80 at this small size, where edges and thin things, on which they hardly differ, are much of the picture.

@@ -20,14 +20,23 @@ from .late_pictures import square_before_a_wall
 TOLERANCE = 2 * 2 * 2.0**-10
 
 
-@pytest.mark.parametrize(("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.2), ((31, 127), 0.7), ((129, 2), 0.5), ((19, 23), 1.0)], ids=str)
+@pytest.mark.parametrize(
+    ("size", "empty"), [((67, 53), 0.5), ((64, 64), 0.2), ((31, 127), 0.7), ((129, 2), 0.5), ((19, 23), 1.0)], ids=str
+)
 @pytest.mark.parametrize("depthless", [False, True], ids=["depth", "some-depth"])
 def test_it_equals_its_twin(gpu, size, empty, depthless):
     holed = Holed(gpu, 8, size, empty)
     if depthless:
         holed.inverse_depth[::2] = -1
     (choice,) = parse_fills("stretch")
-    wanted = stretch(holed.colour, holed.inverse_depth, (holed.given.late.view, size), holed.given.shown, choice.settings, LEAST_PARALLAX)
+    wanted = stretch(
+        holed.colour,
+        holed.inverse_depth,
+        (holed.given.late.view, size),
+        holed.given.shown,
+        choice.settings,
+        LEAST_PARALLAX,
+    )
     got, depth = holed.fill(gpu, "stretch")
     decided = ~wanted.undecided
     assert decided.mean() > 0.85  # lines pass within a thousandth of a pixel of a corner or of another pixel
@@ -68,7 +77,9 @@ def test_what_the_late_picture_did_not_look_at_stays_empty(gpu):
 
 def test_a_head_that_only_turned_hid_nothing(gpu):
     holed = Holed(gpu, 8, (67, 53), empty=0.3)
-    turned = View(Pose(holed.given.late.view.pose.position_m, holed.given.shown.pose.orientation_xyzw), holed.given.shown.fov)
+    turned = View(
+        Pose(holed.given.late.view.pose.position_m, holed.given.shown.pose.orientation_xyzw), holed.given.shown.fov
+    )
     holed.given = attrs.evolve(holed.given, shown=turned)
     got, depth = holed.fill(gpu, "stretch")
     assert np.array_equal(got, holed.colour)

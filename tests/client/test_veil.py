@@ -32,9 +32,13 @@ class Veiled:
         self.world = world = World(gpu, seed, *sizes, moved=moved)
         self.gpu, rng = gpu, np.random.default_rng(seed + 100)
         covered = world.colour[..., 3:]
-        self.passing = np.where(covered > 0, rng.uniform(0, 1, covered.shape[:2] + (3,)), 1).astype(np.float16).astype(float)
+        self.passing = (
+            np.where(covered > 0, rng.uniform(0, 1, covered.shape[:2] + (3,)), 1).astype(np.float16).astype(float)
+        )
         w, h = world.shown_size
-        self.behind = np.concatenate([rng.uniform(0, 2, (h, w, 3)), np.ones((h, w, 1))], axis=2).astype(np.float16).astype(float)
+        self.behind = (
+            np.concatenate([rng.uniform(0, 2, (h, w, 3)), np.ones((h, w, 1))], axis=2).astype(np.float16).astype(float)
+        )
         self.behind[rng.uniform(size=(h, w)) < 0.1] = 0
 
     def lay(self, shown_depth: np.ndarray | float = UNKNOWN) -> np.ndarray:
@@ -45,7 +49,9 @@ class Veiled:
         picture.colour.texture.write(self.behind.astype(np.float16).tobytes(), alignment=1)
         depth = np.broadcast_to(np.float32(shown_depth), self.behind.shape[:2])
         picture.inverse_depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
-        late = attrs.evolve(world.late, transparent=Transparent(Layer(world.late.colour, world.late.inverse_depth), passing))
+        late = attrs.evolve(
+            world.late, transparent=Transparent(Layer(world.late.colour, world.late.inverse_depth), passing)
+        )
         made = TransparencyPass(self.gpu, frozenset({"transparency"}), world.size, world.shown_size, None)
         found = []
         for _ in range(2):
@@ -88,7 +94,9 @@ def test_what_stands_before_the_veil_hides_it(gpu):
     veiled = Veiled(gpu, 1, SIZES[0], moved=False)
     depth = veiled.world.inverse_depth
     assert np.array_equal(veiled.lay(1e9), veiled.behind)
-    just_behind, just_before = (np.where(depth >= 0, np.maximum(depth, 0) * factor, 0) for factor in (1 / NEARER, NEARER * 1.001))
+    just_behind, just_before = (
+        np.where(depth >= 0, np.maximum(depth, 0) * factor, 0) for factor in (1 / NEARER, NEARER * 1.001)
+    )
     assert np.array_equal(veiled.lay(just_behind), veiled.lay())
     finite = depth > 0
     assert np.array_equal(veiled.lay(just_before)[finite], veiled.behind[finite])

@@ -96,7 +96,9 @@ def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):
     within = out[..., 3] > 0
     # 75 degrees are in the wide view; the shown one reaches to 90, whose tangents are none.
     assert within.mean() > 0.6
-    assert (np.abs(out - truth).max(axis=-1) <= HALF_FLOAT)[within].mean() > 0.97, "all but the outline, a few shown pixels wide"
+    assert (np.abs(out - truth).max(axis=-1) <= HALF_FLOAT)[within].mean() > 0.97, (
+        "all but the outline, a few shown pixels wide"
+    )
     assert ((truth[..., 0] == 0.5) & within).sum() > 100
     fill.close()
     server.close()

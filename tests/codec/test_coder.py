@@ -252,12 +252,16 @@ def test_names():
 def test_a_codec_that_this_pyav_lacks(encoder, decoder, missing):
     """As it is for a PyAV built without it: FFmpeg does not know the name."""
     lacking = Codec("h264", "", encoder, decoder, crf=20)
-    with pytest.raises(MachineError, match=f"built without the {missing}, which codec 'h264' needs: install PyAV from its wheel") as caught:
+    with pytest.raises(
+        MachineError, match=f"built without the {missing}, which codec 'h264' needs: install PyAV from its wheel"
+    ) as caught:
         lacking.check()
     assert "codec 'none'" in str(caught.value)
 
 
 def test_an_encoder_that_does_not_open(codec):
     """x264 and x265 refuse pictures of a million pixels a side."""
-    with pytest.raises(MachineError, match=f"encoder '{codec.encoder}' does not take pictures of 1000000x1000000 at 60 Hz"):
+    with pytest.raises(
+        MachineError, match=f"encoder '{codec.encoder}' does not take pictures of 1000000x1000000 at 60 Hz"
+    ):
         Encoder(codec, (10**6, 10**6), 60)

@@ -24,7 +24,9 @@ class Live:
         command = [sys.executable, "-m", "hmdwarp", "live", "--source", "desktop", *options]
         environment = {**screen.environment, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
         with self._told.open("w") as told:
-            self._process = subprocess.Popen(command, stdout=told, stderr=subprocess.STDOUT, env=environment, cwd=folder)
+            self._process = subprocess.Popen(
+                command, stdout=told, stderr=subprocess.STDOUT, env=environment, cwd=folder
+            )
 
     def __enter__(self) -> Live:
         until(lambda: self.window or self._over(), "a window")
@@ -58,7 +60,9 @@ class Live:
     @property
     def geometry(self) -> tuple[int, int, int, int]:
         """x, y, w, h on the screen."""
-        lines = dict(line.split("=") for line in self.screen.do("getwindowgeometry", "--shell", self.window).splitlines())
+        lines = dict(
+            line.split("=") for line in self.screen.do("getwindowgeometry", "--shell", self.window).splitlines()
+        )
         return tuple(int(lines[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
 
     def press(self, *keys: str) -> None:
@@ -68,7 +72,10 @@ class Live:
 
     def titled(self, *parts: str) -> str:
         """Waits until all of these are in the title."""
-        return until(lambda: (title := self.title) and all(part in title for part in parts) and title, f"{parts} in {self.title!r}")
+        return until(
+            lambda: (title := self.title) and all(part in title for part in parts) and title,
+            f"{parts} in {self.title!r}",
+        )
 
     def picture(self) -> np.ndarray:
         """(h, w, 3) bytes of the window."""

@@ -28,7 +28,11 @@ def tell(**known: object) -> None:
 
 def opened():
     assert glfw.init()
-    for hint, value in ((glfw.CONTEXT_VERSION_MAJOR, 4), (glfw.CONTEXT_VERSION_MINOR, 3), (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)):
+    for hint, value in (
+        (glfw.CONTEXT_VERSION_MAJOR, 4),
+        (glfw.CONTEXT_VERSION_MINOR, 3),
+        (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
+    ):
         glfw.window_hint(hint, value)
     window = glfw.create_window(*SIZE, "panel", None, None)
     glfw.make_context_current(window)
@@ -41,8 +45,12 @@ class Heard:
 
     def __init__(self, window) -> None:
         self.panel = None
-        glfw.set_key_callback(window, lambda _, key, __, action, ___: tell(key=key, action=action, wanted=self.wants("wants_keys")))
-        glfw.set_mouse_button_callback(window, lambda _, button, action, __: tell(click=action, wanted=self.wants("wants_mouse")))
+        glfw.set_key_callback(
+            window, lambda _, key, __, action, ___: tell(key=key, action=action, wanted=self.wants("wants_keys"))
+        )
+        glfw.set_mouse_button_callback(
+            window, lambda _, button, action, __: tell(click=action, wanted=self.wants("wants_mouse"))
+        )
 
     def wants(self, what: str) -> bool | None:
         return getattr(self.panel, what) if self.panel is not None else None
@@ -65,7 +73,11 @@ def main() -> None:
     gl = moderngl.create_context(require=430)
     heard = Heard(window)
     heard.panel = panel = make_panel(window, gl)
-    status = Status(values={"latency": 200.0, "warp": "forward", "guard": 1.0}, choices={"warp": ("forward", "mesh")}, budget_ms=16.7)
+    status = Status(
+        values={"latency": 200.0, "warp": "forward", "guard": 1.0},
+        choices={"warp": ("forward", "mesh")},
+        budget_ms=16.7,
+    )
     inputs = selectors.DefaultSelector()
     inputs.register(sys.stdin, selectors.EVENT_READ)
     os.set_blocking(sys.stdin.fileno(), False)
@@ -85,7 +97,9 @@ def main() -> None:
             elif line in ("on", "off"):
                 panel.on = line == "on"
             elif line in ("catch", "free"):
-                glfw.set_input_mode(window, glfw.CURSOR, glfw.CURSOR_DISABLED if line == "catch" else glfw.CURSOR_NORMAL)
+                glfw.set_input_mode(
+                    window, glfw.CURSOR, glfw.CURSOR_DISABLED if line == "catch" else glfw.CURSOR_NORMAL
+                )
             elif line == "close":
                 panel.close()
                 heard.panel = None

@@ -68,7 +68,9 @@ class Asking:
         until(lambda: self.now(what) == wanted, f"{what} == {wanted}, not {self.now(what)}")
 
     def geometry(self) -> tuple[int, int, int, int]:
-        lines = dict(line.split("=") for line in self.screen.do("getwindowgeometry", "--shell", self.window).splitlines())
+        lines = dict(
+            line.split("=") for line in self.screen.do("getwindowgeometry", "--shell", self.window).splitlines()
+        )
         return tuple(int(lines[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
 
     def to(self, across: float, up: float) -> tuple[int, int]:
@@ -158,7 +160,9 @@ def marker(pictures: list[np.ndarray]) -> list[float]:
     first, second = (picture.astype(int).sum(axis=2) for picture in pictures)
     upper = int(np.flatnonzero((first != second).any(axis=1))[0])
     rows = slice(upper, upper + 25)  # number and pointer; the line and its words are below
-    return [float(np.flatnonzero((a - b)[rows].max(axis=0) > 300).mean()) for a, b in ((first, second), (second, first))]
+    return [
+        float(np.flatnonzero((a - b)[rows].max(axis=0) > 300).mean()) for a, b in ((first, second), (second, first))
+    ]
 
 
 @pytest.mark.parametrize("full_screen", [False, True], ids=["window", "full-screen"])
@@ -176,7 +180,9 @@ def test_the_mouse_answers(asking, full_screen):
         x, y, w, h = asking.geometry()
         pictures.append(asking.screen.picture()[y : y + h, x : x + w // 2].copy())
         values.append(asking.now("value"))
-    assert values[0] < values[1] and all(value * 4 % 4 for value in values), "between two words, so that only the marker is another"
+    assert values[0] < values[1] and all(value * 4 % 4 for value in values), (
+        "between two words, so that only the marker is another"
+    )
     # 20 steps over 0.84 of a plate that is 0.94 of the half: the marker is within half a step of the mouse.
     step = 0.84 * 0.94 * asking.geometry()[2] / 2 / 20
     assert np.allclose(marker(pictures), places, atol=step / 2 + 2)

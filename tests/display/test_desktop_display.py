@@ -31,11 +31,15 @@ def test_alone(screen, what):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.skipif(not shutil.which("xrandr"), reason="no xrandr here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)")
+@pytest.mark.skipif(
+    not shutil.which("xrandr"), reason="no xrandr here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)"
+)
 def test_a_full_screen_that_is_unplugged_becomes_a_window_again(screen, tmp_path):
     def plugged(option: str) -> None:
         # Xvfb takes its output off, and then refuses to shrink to nothing, which xrandr asks for besides.
-        subprocess.run(["xrandr", "--output", "screen", option], check=False, env=screen.environment, timeout=PATIENCE_S)
+        subprocess.run(
+            ["xrandr", "--output", "screen", option], check=False, env=screen.environment, timeout=PATIENCE_S
+        )
 
     with Live(screen, tmp_path, *SMALL) as live:
         screen.do("mousemove", 100, 100)

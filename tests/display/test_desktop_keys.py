@@ -27,7 +27,11 @@ def test_a_press_is_a_step_on(one):
 
 @pytest.mark.parametrize("one", [one for one in CONTROLS if one.kind in ("choice", "number")], ids=lambda one: one.name)
 def test_there_is_a_way_back(one):
-    command = command_of(token(one.back), glfw.PRESS, 0) if one.back else command_of(token(one.key), glfw.PRESS, glfw.MOD_SHIFT)
+    command = (
+        command_of(token(one.back), glfw.PRESS, 0)
+        if one.back
+        else command_of(token(one.key), glfw.PRESS, glfw.MOD_SHIFT)
+    )
     assert command.back and command.control == one.name
 
 

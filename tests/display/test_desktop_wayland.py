@@ -29,7 +29,10 @@ class Weston:
         here = {**screen.environment, "XDG_RUNTIME_DIR": str(runtime)}
         command = ["weston", "--backend=x11-backend.so", "--use-pixman", "--shell=kiosk-shell.so", f"--socket={NAME}"]
         self._process = subprocess.Popen(
-            [*command, "--width=1100", "--height=700", "--idle-time=0"], env=here, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            [*command, "--width=1100", "--height=700", "--idle-time=0"],
+            env=here,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
         )
         until(lambda: (runtime / NAME).exists() or self._process.poll() is not None, "Weston's socket")
         assert self._process.poll() is None, "Weston did not start"
@@ -58,7 +61,9 @@ def weston(screen, tmp_path):
 
 def started(weston: Weston, folder, *options: str) -> subprocess.Popen:
     command = [sys.executable, "-W", "error", "-m", "hmdwarp", "live", "--source", "desktop", *options]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=weston.environment, cwd=folder)
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=weston.environment, cwd=folder
+    )
 
 
 def shows(screen: VirtualScreen, process: subprocess.Popen, holds, what: str) -> np.ndarray:

@@ -51,7 +51,10 @@ def test_both_eyes_are_side_by_side_behind_their_lenses(live):
     for corner in (left[:8, :8], left[-8:, :8], right[:8, -8:], right[-8:, -8:]):
         assert lit(corner) == 0  # where the lens shows nothing
     h = picture.shape[0]
-    sky, ground = left[h // 5 : h // 3, 100:250].mean(axis=(0, 1)), left[2 * h // 3 : 4 * h // 5, 100:250].mean(axis=(0, 1))
+    sky, ground = (
+        left[h // 5 : h // 3, 100:250].mean(axis=(0, 1)),
+        left[2 * h // 3 : 4 * h // 5, 100:250].mean(axis=(0, 1)),
+    )
     assert sky[2] > sky[0] + 20  # blue above, in this order of colours
     assert abs(ground[2] - ground[0]) < 20 and sky.mean() > ground.mean() - 60
 
@@ -106,12 +109,16 @@ def test_flat_view_and_resizing_keep_the_shape_in_black(live):
     assert len(columns) / flat.shape[0] == pytest.approx(1.0924 / 1.3293, abs=2.5 / flat.shape[0])
     assert columns[0] == pytest.approx(flat.shape[1] - 1 - columns[-1], abs=1)
     live.screen.do("windowsize", live.window, 400, 700)
-    tall = live.shows(lambda p: p.shape[:2] == (700, 400) and lit(p[:90]) == 0 and lit(p[-90:]) == 0 and lit(p) > 0.6, "a tall window")
+    tall = live.shows(
+        lambda p: p.shape[:2] == (700, 400) and lit(p[:90]) == 0 and lit(p[-90:]) == 0 and lit(p) > 0.6, "a tall window"
+    )
     rows = np.flatnonzero(tall.max(axis=(1, 2)) > 8)
     assert len(rows) == pytest.approx(400 * 1.3293 / 1.0924, abs=2)
     live.screen.do("windowsize", live.window, 768, 480)
     live.press("v")
-    live.shows(lambda p: p.shape[:2] == (480, 768) and lit(halves(p)[0]) > 0.4 and lit(halves(p)[1]) > 0.4, "both eyes again")
+    live.shows(
+        lambda p: p.shape[:2] == (480, 768) and lit(halves(p)[0]) > 0.4 and lit(halves(p)[1]) > 0.4, "both eyes again"
+    )
 
 
 def test_full_screen_and_back_to_the_same_place(live):
@@ -166,6 +173,8 @@ def shift(before: np.ndarray, after: np.ndarray) -> int:
     middle = before[h // 4 : 3 * h // 4, w // 2 - 80 : w // 2 + 80].astype(int)
 
     def apart(by: int) -> float:
-        return float(np.abs(after[h // 4 : 3 * h // 4, w // 2 - 80 + by : w // 2 + 80 + by].astype(int) - middle).mean())
+        return float(
+            np.abs(after[h // 4 : 3 * h // 4, w // 2 - 80 + by : w // 2 + 80 + by].astype(int) - middle).mean()
+        )
 
     return min(range(-60, 61), key=apart)

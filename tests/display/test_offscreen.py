@@ -17,7 +17,9 @@ ASKED = {"source": "offscreen", "scene": "planes", "size": (48, 60), "rate_hz": 
 def test_two_runs_are_equal_and_as_long_as_asked_for_by_the_display_s_own_clock(tmp_path):
     heads = []
     for name in ("a", "b"):
-        result = live(LiveOptions(**ASKED, trace="walk", seconds=0.5, record=tmp_path / f"{name}.csv", out=tmp_path / name))
+        result = live(
+            LiveOptions(**ASKED, trace="walk", seconds=0.5, record=tmp_path / f"{name}.csv", out=tmp_path / name)
+        )
         heads.append((tmp_path / f"{name}.csv").read_text(encoding="utf-8").split("time_ns,")[1])
         # 25 refreshes of 20 ms from the first picture, which the 26th then ends.
         assert result.summary["frames"] == 26

@@ -71,4 +71,7 @@ def test_manifest_follows_the_loader(tmp_path):
     assert "no runtime manifest" in manifest_in_words(home)
     named = {**home, "XR_RUNTIME_JSON": str(tmp_path / "absent.json")}
     assert manifest_in_words(named).endswith("absent.json: No such file or directory")
-    assert manifest({**home, "XDG_CONFIG_HOME": str(tmp_path / "empty")}) in (None, Path("/etc/openxr/1/active_runtime.json"))
+    assert manifest({**home, "XDG_CONFIG_HOME": str(tmp_path / "empty")}) in (
+        None,
+        Path("/etc/openxr/1/active_runtime.json"),
+    )

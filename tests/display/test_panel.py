@@ -30,9 +30,22 @@ SIZE = (400, 780)
 
 def status(**changes) -> Status:
     """A run in full swing."""
-    values = {"latency": 200.0, "warp": "forward", "fill": "none", "guard": 1.0, "scene": "room", "effects": "auto", "lens": "auto"}
+    values = {
+        "latency": 200.0,
+        "warp": "forward",
+        "fill": "none",
+        "guard": 1.0,
+        "scene": "room",
+        "effects": "auto",
+        "lens": "auto",
+    }
     values |= {"view": "both", "vsync": True, "help": False, "full_screen": False, "panel": True}
-    choices = {"warp": ("forward", "mesh"), "fill": ("none", "stretch"), "scene": ("planes", "room"), "effects": ("auto", "none")}
+    choices = {
+        "warp": ("forward", "mesh"),
+        "fill": ("none", "stretch"),
+        "scene": ("planes", "room"),
+        "effects": ("auto", "none"),
+    }
     made = Status(values=values, choices=choices, budget_ms=1e3 / 60, stage_ms={"warp": 4.0, "lens": 2.0})
     for k in range(KEPT):
         made.total_ms.append(6 + math.sin(k))
@@ -237,9 +250,13 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     class Turning:
         def head_at(self, time_ns):
             share = time_ns * 1e-9
-            return PoseSample(time_ns, Pose((0.3 * share, 1.6, 1.0), (0, np.sin(share), 0, np.cos(share))), Origin.MEASURED)
+            return PoseSample(
+                time_ns, Pose((0.3 * share, 1.6, 1.0), (0, np.sin(share), 0, np.cos(share))), Origin.MEASURED
+            )
 
-    options = PipelineOptions(scene="greenhouse", latency_ms=20, warp="mesh", fill="stretch", lens="none", size=(96, 120))
+    options = PipelineOptions(
+        scene="greenhouse", latency_ms=20, warp="mesh", fill="stretch", lens="none", size=(96, 120)
+    )
     scene = load_scene(options.scene)
     plans = plans_for(options, None, scene)
     requested = Requested(Turning(), None, options.size, 1.0, needs_of(plans))
@@ -266,7 +283,13 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
 def test_nothing_is_made_anew_after_the_first_refreshes(gpu, panel):
     settle(panel, status(), 6)
     renderer = panel._renderer
-    things = renderer.picture.glo, renderer._array.glo, renderer._corners.buffer.glo, renderer._indices.buffer.glo, *renderer._atlases
+    things = (
+        renderer.picture.glo,
+        renderer._array.glo,
+        renderer._corners.buffer.glo,
+        renderer._indices.buffer.glo,
+        *renderer._atlases,
+    )
     settle(panel, status(missed=1234567890, notice="0123456789"), 40)
     assert things == (
         renderer.picture.glo, renderer._array.glo, renderer._corners.buffer.glo, renderer._indices.buffer.glo, *renderer._atlases,

@@ -164,7 +164,9 @@ def test_keys_are_the_windows_until_a_number_is_typed(led):
     typed = led.heard("key")
     assert len(typed) == 6 and all(one["wanted"] for one in typed)
     led.hand("key", "Return")
-    assert {"control": "latency", "value": 345.0} in led.all or {"control": "latency", "value": 345.0} in led.heard("control")
+    assert {"control": "latency", "value": 345.0} in led.all or {"control": "latency", "value": 345.0} in led.heard(
+        "control"
+    )
     led.heard("key")
     led.hand("key", "w")
     assert [one["wanted"] for one in led.heard("key")] == [False, False]
@@ -181,7 +183,9 @@ def test_a_screen_of_twice_the_density_has_a_panel_of_twice_the_size(screen):
     if not shutil.which("xrdb"):
         pytest.skip("no xrdb here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)")
     environment = screen.environment
-    subprocess.run(["xrdb", "-nocpp", "-merge"], input="Xft.dpi: 192\n", text=True, env=environment, check=True, timeout=PATIENCE_S)
+    subprocess.run(
+        ["xrdb", "-nocpp", "-merge"], input="Xft.dpi: 192\n", text=True, env=environment, check=True, timeout=PATIENCE_S
+    )
     try:
         with Led(screen) as led:
             assert led.begin().scale == 2.0

@@ -98,7 +98,9 @@ def test_only_the_viewport_is_touched(gpu, presenter, hardware):
     inside = np.zeros((17, 21), bool)
     inside[4:10, 5:14] = True
     assert (got[~inside] == Screen.UNTOUCHED).all()
-    assert np.array_equal(got[4:10, 5:14, :3], shown(gpu, presenter, random_picture(2, 9, 6), (9, 6), hardware=hardware)[..., :3])
+    assert np.array_equal(
+        got[4:10, 5:14, :3], shown(gpu, presenter, random_picture(2, 9, 6), (9, 6), hardware=hardware)[..., :3]
+    )
 
 
 @WAYS
@@ -193,7 +195,9 @@ def test_nothing_is_made_after_the_first_time(gpu, presenter, monkeypatch):
     made = []
 
     def go() -> None:
-        presenter.show(canvas, screen.framebuffer, (0, 0, 40, 30), hardware_srgb=False, notice=presenter.notice("tracking lost"))
+        presenter.show(
+            canvas, screen.framebuffer, (0, 0, 40, 30), hardware_srgb=False, notice=presenter.notice("tracking lost")
+        )
         presenter.show(canvas, screen.framebuffer, (0, 0, 20, 30), hardware_srgb=True)
         presenter.depth(inverse, depth, 0.1)
 
@@ -212,7 +216,11 @@ def test_nothing_is_made_after_the_first_time(gpu, presenter, monkeypatch):
 EYES = {
     "symmetric": View(Pose(), Fov.symmetric(1.2, 1.1)),
     "left": View(Pose((1, 2, 3)), Fov(-0.7, 0.5, -0.6, 0.5), Pose((-0.032, 0, 0))),
-    "canted": View(Pose(), Fov(-0.6, 0.6, -0.6, 0.5), Pose((0.032, 0.001, -0.01), Rotation.from_rotvec((0.02, -0.1, 0.01)).as_quat())),
+    "canted": View(
+        Pose(),
+        Fov(-0.6, 0.6, -0.6, 0.5),
+        Pose((0.032, 0.001, -0.01), Rotation.from_rotvec((0.02, -0.1, 0.01)).as_quat()),
+    ),
 }
 
 
@@ -377,7 +385,9 @@ def test_depth_leaves_the_next_pass_its_depth_test(gpu, presenter):
     upload(texture, np.full((4, 4), 3, np.float32))
     framebuffer = gl.framebuffer([screen.texture], gl.depth_texture((4, 4)))
     presenter.depth(texture, framebuffer, 0.1)
-    triangle = gl.vertex_array(gpu.shaders.draw("display/whole.vert", "display/picture.frag", ENCODES=0, SCALED=0, NOTICED=0).program, [])
+    triangle = gl.vertex_array(
+        gpu.shaders.draw("display/whole.vert", "display/picture.frag", ENCODES=0, SCALED=0, NOTICED=0).program, []
+    )
     with gl.scope(framebuffer, moderngl.DEPTH_TEST):
         triangle.render(moderngl.TRIANGLES, vertices=3)
     assert (screen.bytes() == Screen.UNTOUCHED).all()

@@ -22,7 +22,9 @@ def skip_without_xvfb() -> None:
     """For the top of a module that needs one."""
     for needed in ("Xvfb", "xdotool"):
         if not shutil.which(needed):
-            pytest.skip(f"no {needed} here (Debian, Ubuntu: sudo apt-get install {needed.lower()})", allow_module_level=True)
+            pytest.skip(
+                f"no {needed} here (Debian, Ubuntu: sudo apt-get install {needed.lower()})", allow_module_level=True
+            )
 
 
 class VirtualScreen:
@@ -34,7 +36,19 @@ class VirtualScreen:
     def __enter__(self) -> VirtualScreen:
         read, write = os.pipe()
         mode = f"{self.size[0]}x{self.size[1]}x24"
-        command = ["Xvfb", "-displayfd", str(write), "-screen", "0", mode, "-fbdir", str(self._folder), "-nolisten", "tcp", "-noreset"]
+        command = [
+            "Xvfb",
+            "-displayfd",
+            str(write),
+            "-screen",
+            "0",
+            mode,
+            "-fbdir",
+            str(self._folder),
+            "-nolisten",
+            "tcp",
+            "-noreset",
+        ]
         self._server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as told:
@@ -46,13 +60,17 @@ class VirtualScreen:
     @property
     def environment(self) -> dict[str, str]:
         """For programs that are to be on this screen."""
-        kept = {name: value for name, value in os.environ.items() if name not in ("WAYLAND_DISPLAY", "XDG_SESSION_TYPE")}
+        kept = {
+            name: value for name, value in os.environ.items() if name not in ("WAYLAND_DISPLAY", "XDG_SESSION_TYPE")
+        }
         return {**kept, "DISPLAY": self.display}
 
     def do(self, *arguments: object) -> str:
         """xdotool with these arguments, as one who sits there: what it printed."""
         command = ["xdotool", *map(str, arguments)]
-        done = subprocess.run(command, check=False, capture_output=True, text=True, env=self.environment, timeout=PATIENCE_S)
+        done = subprocess.run(
+            command, check=False, capture_output=True, text=True, env=self.environment, timeout=PATIENCE_S
+        )
         return done.stdout.strip()
 
     def picture(self) -> np.ndarray:
@@ -64,7 +82,11 @@ class VirtualScreen:
         header = np.frombuffer(data, ">u4", 25)
         width, height, blue_first, line, colours = (int(header[k]) for k in (4, 5, 7, 12, 19))
         start = int(header[0]) + 12 * colours
-        pixels = np.frombuffer(data, np.uint8, line * height, start).reshape(height, line)[:, : 4 * width].reshape(height, width, 4)
+        pixels = (
+            np.frombuffer(data, np.uint8, line * height, start)
+            .reshape(height, line)[:, : 4 * width]
+            .reshape(height, width, 4)
+        )
         return pixels[..., 2::-1] if blue_first == 0 else pixels[..., 1:]
 
     def kill(self) -> None:

@@ -84,7 +84,14 @@ def switches() -> None:
     display, status = DesktopDisplay(SMALL), Status(values={"latency": 0.0})
     refresh(display, 12)
     assert display.rate_hz == 60.0
-    settings = (("vsync", False), ("full_screen", True), ("help", True), ("full_screen", None), ("recentre", None), ("vsync", None))
+    settings = (
+        ("vsync", False),
+        ("full_screen", True),
+        ("help", True),
+        ("full_screen", None),
+        ("recentre", None),
+        ("vsync", None),
+    )
     for name, value in settings:
         display._pending.append(Command(name, value))
         assert not display.commands()
@@ -92,7 +99,11 @@ def switches() -> None:
     display._pending.append(Command("warp"))
     assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
     display.tell(status)
-    assert {name: status.values[name] for name in ("vsync", "full_screen", "help")} == {"vsync": True, "full_screen": False, "help": True}
+    assert {name: status.values[name] for name in ("vsync", "full_screen", "help")} == {
+        "vsync": True,
+        "full_screen": False,
+        "help": True,
+    }
     before = display.eyes
     display.look("flat")
     assert len(display.eyes.views(display.source.head_at(0).pose)) == 1 and display.headset is None
@@ -167,7 +178,9 @@ def colours() -> None:
         display.show(Refresh(tuple(eye for _, eye in pictures)))
     w, h = display._window.framebuffer_size
     glfw.make_context_current(display._window.handle)
-    shown = np.frombuffer(display.gpu.gl.screen.read(viewport=(0, 0, w, h), components=3, attachment=0), np.uint8).reshape(h, w, 3)
+    shown = np.frombuffer(
+        display.gpu.gl.screen.read(viewport=(0, 0, w, h), components=3, attachment=0), np.uint8
+    ).reshape(h, w, 3)
     wide = (w // 2) // 4
     for eye, (picture, _) in enumerate(pictures):
         for row in range(5):

@@ -11,7 +11,14 @@ from strategies import FOVS, poses
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, cube_size, face_views, inner_size
 
-AHEAD = {"left": (-1, 0, 0), "right": (1, 0, 0), "down": (0, -1, 0), "up": (0, 1, 0), "front": (0, 0, -1), "back": (0, 0, 1)}
+AHEAD = {
+    "left": (-1, 0, 0),
+    "right": (1, 0, 0),
+    "down": (0, -1, 0),
+    "up": (0, 1, 0),
+    "front": (0, 0, -1),
+    "back": (0, 0, 1),
+}
 
 
 def test_faces_look_where_their_names_say():

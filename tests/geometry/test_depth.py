@@ -17,7 +17,11 @@ from hmdwarp.geometry.depth import metres_from_inverse_depth
 UNIT = 2.0**-53
 PLANES = [0.01, 0.1, 1.0, 50.0, 1e4, math.inf]
 RANGES = [(0.0, 1.0), (0.1, 0.7), (0.0, 0.3), (0.5, 1.0), (0.25, 0.250001), (-1.0, 1.0)]
-LAYERS = [DepthLayer(low, high, near, far) for (low, high), near, far in itertools.product(RANGES, PLANES, PLANES) if near != far]
+LAYERS = [
+    DepthLayer(low, high, near, far)
+    for (low, high), near, far in itertools.product(RANGES, PLANES, PLANES)
+    if near != far
+]
 
 
 def layer_id(layer: DepthLayer) -> str:
@@ -210,7 +214,8 @@ def test_shapes_are_kept():
 
 
 @pytest.mark.parametrize(
-    ("near", "far"), [(0, 1), (1, 0), (-0.1, 1), (0.1, -1), (1, 1), (math.inf, math.inf), (math.nan, 1), (1, math.nan), (-math.inf, 1)]
+    ("near", "far"),
+    [(0, 1), (1, 0), (-0.1, 1), (0.1, -1), (1, 1), (math.inf, math.inf), (math.nan, 1), (1, math.nan), (-math.inf, 1)],
 )
 def test_planes_that_are_none(near, far):
     with pytest.raises(InputError, match="two different positive distances"):
@@ -218,7 +223,8 @@ def test_planes_that_are_none(near, far):
 
 
 @pytest.mark.parametrize(
-    ("low", "high"), [(0.5, 0.5), (0.7, 0.1), (-1.1, 1), (0, 1.1), (math.nan, 1), (0, math.nan), (-math.inf, 1), (0, math.inf)]
+    ("low", "high"),
+    [(0.5, 0.5), (0.7, 0.1), (-1.1, 1), (0, 1.1), (math.nan, 1), (0, math.nan), (-math.inf, 1), (0, math.inf)],
 )
 def test_ranges_that_are_none(low, high):
     with pytest.raises(InputError, match="wanted min < max"):

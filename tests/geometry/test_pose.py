@@ -98,7 +98,9 @@ def test_relative_to_is_the_inverse_product_near_the_origin(pose, other):
     assert np.array_equal(pose.relative_to(pose).position_m, np.zeros(3))
 
 
-@given(vectors(st.sampled_from([1e6, -1e6, 999_999.875])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS)
+@given(
+    vectors(st.sampled_from([1e6, -1e6, 999_999.875])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS
+)
 def test_relative_to_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
     """Steps of 1/1024 m are representable at 1e6 m, so the difference is known exactly and only the turn rounds."""
     eye, other = Pose(np.array(origin) + step, q), Pose(origin, q)

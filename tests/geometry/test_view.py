@@ -26,7 +26,8 @@ def test_angles_beyond_a_picture_are_refused(side, bad):
 
 
 @pytest.mark.parametrize(
-    ("left", "right", "down", "up"), [(0.5, -0.5, -0.5, 0.5), (0.1, 0.1, -1, 1), (-0.5, 0.5, 0.3, 0.3), (-0.5, 0.5, 0.5, -0.5)]
+    ("left", "right", "down", "up"),
+    [(0.5, -0.5, -0.5, 0.5), (0.1, 0.1, -1, 1), (-0.5, 0.5, 0.3, 0.3), (-0.5, 0.5, 0.5, -0.5)],
 )
 def test_an_empty_or_mirrored_view_is_refused(left, right, down, up):
     with pytest.raises(InputError, match="left < right, down < up"):
@@ -77,7 +78,10 @@ def test_pixels_per_degree_is_what_a_small_turn_moves(fov, size):
     left, right, down, up = fov.tangents
     per_px, step = fov.pixel_from_tangent(size), math.radians(1e-4)
     x, y = math.atan(min(max(0, left), right)), math.atan(min(max(0, down), up))
-    moved = [per_px[0, 0] * (math.tan(x + step) - math.tan(x - step)), per_px[1, 1] * (math.tan(y + step) - math.tan(y - step))]
+    moved = [
+        per_px[0, 0] * (math.tan(x + step) - math.tan(x - step)),
+        per_px[1, 1] * (math.tan(y + step) - math.tan(y - step)),
+    ]
     # A central difference over 2e-4 degrees: the cubic term is below 1e-9, cancellation below 1e-9.
     assert fov.pixels_per_degree(size) == pytest.approx(np.mean(moved) / 2e-4, rel=1e-8)
 

@@ -34,14 +34,22 @@ def through_the_world(frm: View, frm_size, to: View, to_size, pixel, inverse_dep
     """(pixel, inverse depth, w) in `to`, without any product of matrices: the point is scaled by inverse_depth, so 0 is a direction."""
     left, right, down, up = np.asarray(frm.fov.tangents, np.longdouble)
     ray = np.array(
-        [left + pixel[0] / np.longdouble(frm_size[0]) * (right - left), down + pixel[1] / np.longdouble(frm_size[1]) * (up - down), -1]
+        [
+            left + pixel[0] / np.longdouble(frm_size[0]) * (right - left),
+            down + pixel[1] / np.longdouble(frm_size[1]) * (up - down),
+            -1,
+        ]
     )
     apart = np.asarray(frm.pose.position_m, np.longdouble) - np.asarray(to.pose.position_m, np.longdouble)
     in_world = long_matrix(frm.pose.orientation_xyzw) @ ray + apart * inverse_depth
     x, y, z = long_matrix(to.pose.orientation_xyzw).T @ in_world
     w = -z
     left, right, down, up = np.asarray(to.fov.tangents, np.longdouble)
-    return np.array([(x / w - left) / (right - left) * to_size[0], (y / w - down) / (up - down) * to_size[1]]), inverse_depth / w, w
+    return (
+        np.array([(x / w - left) / (right - left) * to_size[0], (y / w - down) / (up - down) * to_size[1]]),
+        inverse_depth / w,
+        w,
+    )
 
 
 def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) -> np.ndarray:
@@ -52,7 +60,9 @@ def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) 
     p = np.array([*np.abs(pixel), 1.0])
     tangent = inverse_k @ np.abs(k_frm) @ inverse_k @ p
     return k_to @ (
-        np.full((3, 3), 1.0) @ tangent + np.abs(relative.position_m) * inverse_depth + np.abs(relative.position_m).max() * inverse_depth
+        np.full((3, 3), 1.0) @ tangent
+        + np.abs(relative.position_m) * inverse_depth
+        + np.abs(relative.position_m).max() * inverse_depth
     )
 
 
@@ -88,7 +98,9 @@ def test_there_and_back(views, frm_size, to_size, share, inverse_depth):
     back_terms = size_of_terms(to, to_size, frm, frm_size, there, float(depth_there))
     back_tolerance, w_tolerance = tolerances(back_terms, again, float(w_back))
     ratio = (
-        (np.diag(frm.fov.pixel_from_tangent(frm_size)).max() / np.diag(to.fov.pixel_from_tangent(to_size))[:2].min()) * 20 / float(w) ** 2
+        (np.diag(frm.fov.pixel_from_tangent(frm_size)).max() / np.diag(to.fov.pixel_from_tangent(to_size))[:2].min())
+        * 20
+        / float(w) ** 2
     )
     assert np.abs(again - pixel).max() <= 2 * (back_tolerance + ratio * to_tolerance)
     assert abs(depth_again - inverse_depth) <= 1e-10 * max(1.0, inverse_depth) + 4 * w_tolerance
@@ -262,7 +274,9 @@ ANY_STEP = st.sampled_from([1e-6, 1e-3, 0.5])
 def test_any_motion_is_noticed(pose, kind, step):
     fov, size = Fov(-0.7, 0.8, -0.6, 0.5), (64, 48)
     axis = np.eye(3)[kind % 3] * step
-    moved = Pose(pose.position_m + axis, pose.orientation_xyzw) if kind < 3 else pose @ Pose((0, 0, 0), (*(axis / 2), 1))
+    moved = (
+        Pose(pose.position_m + axis, pose.orientation_xyzw) if kind < 3 else pose @ Pose((0, 0, 0), (*(axis / 2), 1))
+    )
     assert not WarpMap.between(View(pose, fov), size, View(moved, fov), size).moves_whole_pixels()
 
 

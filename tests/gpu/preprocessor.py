@@ -19,7 +19,9 @@ class Sides:
 
 def value_of(expression: str, defines: dict[str, str]) -> bool:
     """An #if expression of integers, names, defined(), comparisons and && || !. Unknown names are 0, as in C."""
-    text = re.sub(r"defined\s*\(\s*(\w+)\s*\)|defined\s+(\w+)", lambda m: str(int((m[1] or m[2]) in defines)), expression)
+    text = re.sub(
+        r"defined\s*\(\s*(\w+)\s*\)|defined\s+(\w+)", lambda m: str(int((m[1] or m[2]) in defines)), expression
+    )
     for _ in range(8):  # defines made of defines
         text = _NAME.sub(lambda m: f"({defines[m[0]]})" if m[0] in defines else "0", text)
     text = re.sub(r"!(?!=)", " not ", text.replace("&&", " and ").replace("||", " or "))

@@ -93,7 +93,9 @@ def test_what_a_gpu_says_of_itself(gpu):
     assert gpu.renderer == gpu.gl.info["GL_RENDERER"]
     assert gpu.max_texture_size >= 16384 // 2, "OpenGL 4.3 promises 16384, software renderers may have less"
     assert gpu.is_software == (
-        "llvmpipe" in gpu.renderer.lower() or "swiftshader" in gpu.renderer.lower() or "softpipe" in gpu.renderer.lower()
+        "llvmpipe" in gpu.renderer.lower()
+        or "swiftshader" in gpu.renderer.lower()
+        or "softpipe" in gpu.renderer.lower()
     )
 
 
@@ -104,7 +106,9 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch, display):
 
     monkeypatch.setattr(moderngl, "create_context", refuse)
     monkeypatch.setenv("DISPLAY", display)
-    with pytest.raises(MachineError, match=r"no OpenGL 4\.3 here \(egl: no egl today.*libegl1.*hmdwarp doctor") as caught:
+    with pytest.raises(
+        MachineError, match=r"no OpenGL 4\.3 here \(egl: no egl today.*libegl1.*hmdwarp doctor"
+    ) as caught:
         context.create_context()
     assert ("window system: no window today" in str(caught.value)) == bool(display)
     assert "\n" not in str(caught.value)

@@ -43,7 +43,9 @@ def test_nested_includes_come_in_place_and_once(tmp_path):
 
 
 def test_a_file_that_includes_itself_or_its_includer_ends(tmp_path):
-    root = tree(tmp_path, main_comp='#include "main.comp"\n#include "x.glsl"\nint m;\n', x_glsl='#include "main.comp"\nint x;\n')
+    root = tree(
+        tmp_path, main_comp='#include "main.comp"\n#include "x.glsl"\nint m;\n', x_glsl='#include "main.comp"\nint x;\n'
+    )
     assert flatten("main.comp", root=root).lines == [VERSION, "int x;", "int m;"]
 
 
@@ -62,7 +64,9 @@ def test_blanks_around_an_include(tmp_path, line):
 
 def test_a_missing_include_names_the_line_that_wanted_it(tmp_path):
     root = tree(tmp_path, main_comp='int m;\n#include "lib/a.glsl"\n', lib__a_glsl='\n\n#include "lib/gone.glsl"\n')
-    with pytest.raises(ShaderError, match=r"shader file 'lib/gone\.glsl' wanted by lib/a\.glsl:3: No such file") as caught:
+    with pytest.raises(
+        ShaderError, match=r"shader file 'lib/gone\.glsl' wanted by lib/a\.glsl:3: No such file"
+    ) as caught:
         flatten("main.comp", root=root)
     assert "\n" not in str(caught.value)
     with pytest.raises(ShaderError, match=r"'other\.comp' wanted by the program"):
@@ -74,8 +78,14 @@ def test_messages_of_several_compilers_are_translated(tmp_path):
     flat = flatten("main.comp", root=root)  # lines: version, m, a, b, n
     for message, wanted in [
         ("0:4(14): error: `foo' undeclared", "a.glsl:2(14): error: `foo' undeclared"),  # Mesa
-        ('0(5) : error C1503: undefined variable "foo"', 'main.comp:3 : error C1503: undefined variable "foo"'),  # NVIDIA
-        ("ERROR: 0:2: 'foo' : undeclared identifier", "ERROR: main.comp:1: 'foo' : undeclared identifier"),  # Apple, Intel, ANGLE
+        (
+            '0(5) : error C1503: undefined variable "foo"',
+            'main.comp:3 : error C1503: undefined variable "foo"',
+        ),  # NVIDIA
+        (
+            "ERROR: 0:2: 'foo' : undeclared identifier",
+            "ERROR: main.comp:1: 'foo' : undeclared identifier",
+        ),  # Apple, Intel, ANGLE
         ("0:3(1): error\n0:5(2): error", "a.glsl:1(1): error\nmain.comp:3(2): error"),
         ("0:99(1): error", "0:99(1): error"),  # beyond the text: left alone
         ("error: linking failed", "error: linking failed"),
@@ -93,7 +103,9 @@ def test_any_web_of_includes(tmp_path_factory, web):
     root = tmp_path_factory.mktemp("web")
     (root / "lib").mkdir()
     for index, lines in enumerate(web):
-        text = "".join(f"int f{index}_{n};\n" if line == 4 else f'#include "{NAMES[line]}"\n' for n, line in enumerate(lines))
+        text = "".join(
+            f"int f{index}_{n};\n" if line == 4 else f'#include "{NAMES[line]}"\n' for n, line in enumerate(lines)
+        )
         (root / NAMES[index]).write_text(text, encoding="utf-8")
     flat = flatten("main.comp", root=root)
     reached, todo = set(), [0]

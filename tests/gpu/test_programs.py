@@ -46,7 +46,9 @@ HEAD = "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer Out { f
 
 def test_a_compile_error_names_the_file_and_line_it_is_in(gpu, shaders):
     (shaders / "lib").mkdir()
-    (shaders / "lib/broken.glsl").write_text("// one\nfloat good() { return 1.0; }\nfloat bad() { return missing; }\n", encoding="utf-8")
+    (shaders / "lib/broken.glsl").write_text(
+        "// one\nfloat good() { return 1.0; }\nfloat bad() { return missing; }\n", encoding="utf-8"
+    )
     with pytest.raises(ShaderError, match=r"lib/broken\.glsl:3\b.*missing") as caught:
         compute(gpu, shaders, f'{HEAD}\n#include "lib/broken.glsl"\nvoid main() {{ o[0] = bad(); }}\n', UNUSED=1)
     assert str(caught.value).startswith("test.comp: ")
@@ -69,7 +71,9 @@ def test_a_draw_names_the_stage_that_is_broken(gpu, shaders, guilty):
 
 
 def test_a_draw_whose_stages_do_not_fit_is_refused(gpu, shaders):
-    (shaders / "a.vert").write_text("out vec3 v;\nvoid main() { v = vec3(1.0); gl_Position = vec4(0.0); }\n", encoding="utf-8")
+    (shaders / "a.vert").write_text(
+        "out vec3 v;\nvoid main() { v = vec3(1.0); gl_Position = vec4(0.0); }\n", encoding="utf-8"
+    )
     (shaders / "a.frag").write_text("in vec2 v;\nout vec4 c;\nvoid main() { c = v.xyxy; }\n", encoding="utf-8")
     with pytest.raises(ShaderError, match="`v'|\"v\"|'v'|v "):
         Draw(gpu.gl, "a.vert", "a.frag", {})
@@ -116,8 +120,12 @@ def test_unknown_names_are_refused_and_unused_ones_are_not(gpu, shaders):
 
 def test_uniforms_of_includes_and_of_both_stages_are_known(gpu, shaders):
     (shaders / "a.glsl").write_text("uniform float from_include;\n", encoding="utf-8")
-    (shaders / "a.vert").write_text("uniform float in_vertex;\nvoid main() { gl_Position = vec4(in_vertex); }\n", encoding="utf-8")
-    (shaders / "a.frag").write_text('#include "a.glsl"\nout vec4 c;\nvoid main() { c = vec4(from_include); }\n', encoding="utf-8")
+    (shaders / "a.vert").write_text(
+        "uniform float in_vertex;\nvoid main() { gl_Position = vec4(in_vertex); }\n", encoding="utf-8"
+    )
+    (shaders / "a.frag").write_text(
+        '#include "a.glsl"\nout vec4 c;\nvoid main() { c = vec4(from_include); }\n', encoding="utf-8"
+    )
     draw = Draw(gpu.gl, "a.vert", "a.frag", {})
     draw.uniforms.set(from_include=1.0, in_vertex=2.0)
     with pytest.raises(ShaderError, match="it has from_include, in_vertex"):
@@ -136,9 +144,25 @@ def test_arrays_and_matrices_are_written_as_the_formulas_have_them(gpu, shaders)
     program = compute(gpu, shaders, f"{HEAD}{UNIFORMS}void main() {{ {body} }}")
     square, tall, vectors = np.arange(9.0).reshape(3, 3), np.arange(6.0).reshape(2, 3), np.arange(6.0).reshape(2, 3)
     squares = np.arange(8.0).reshape(2, 2, 2)
-    program.uniforms.set(square=square, tall=tall, vectors=vectors, squares=squares, list=np.array([5, 6, 7]), pair=np.array([8, 9]))
+    program.uniforms.set(
+        square=square, tall=tall, vectors=vectors, squares=squares, list=np.array([5, 6, 7]), pair=np.array([8, 9])
+    )
     program.uniforms.set(whole_pair=np.array([-3, -4]), whole=-5, big=np.uint32(2**31))
-    wanted = [square[0, 1], square[2, 0], tall[0, 2], tall[1, 0], 2, 3, squares[1, 1, 0], squares[0, 0, 1], 7, 9, -4, -5, 2.0**31]
+    wanted = [
+        square[0, 1],
+        square[2, 0],
+        tall[0, 2],
+        tall[1, 0],
+        2,
+        3,
+        squares[1, 1, 0],
+        squares[0, 0, 1],
+        7,
+        9,
+        -4,
+        -5,
+        2.0**31,
+    ]
     assert results(gpu, program, 13).tolist() == wanted
 
 
@@ -174,10 +198,22 @@ def test_float64_is_rounded_to_the_nearest_float32(gpu, shaders):
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("square", np.eye(2)), ("square", np.zeros(9)), ("pair", (1, 2, 3)), ("list", 1.0), ("whole", 1.5), ("scalar", "1")]
+    ("name", "value"),
+    [
+        ("square", np.eye(2)),
+        ("square", np.zeros(9)),
+        ("pair", (1, 2, 3)),
+        ("list", 1.0),
+        ("whole", 1.5),
+        ("scalar", "1"),
+    ],
 )
 def test_values_that_do_not_fit_are_refused(gpu, shaders, name, value):
-    program = compute(gpu, shaders, f"{HEAD}{UNIFORMS}void main() {{ o[0] = square[1][1] + pair.x + list[1] + float(whole) + scalar; }}")
+    program = compute(
+        gpu,
+        shaders,
+        f"{HEAD}{UNIFORMS}void main() {{ o[0] = square[1][1] + pair.x + list[1] + float(whole) + scalar; }}",
+    )
     with pytest.raises(ShaderError, match=rf"test\.comp: uniform '{name}' cannot take "):
         program.uniforms.set(**{name: value})
 
@@ -201,7 +237,9 @@ def test_what_may_have_changed_is_written_and_what_cannot_is_not(gpu, shaders, m
             assert results(gpu, program, 2).tolist() == [number, 2.0]
     written = []
     write = type(program.program["v"]).write
-    monkeypatch.setattr(type(program.program["v"]), "write", lambda self, data: (written.append(self.name), write(self, data)))
+    monkeypatch.setattr(
+        type(program.program["v"]), "write", lambda self, data: (written.append(self.name), write(self, data))
+    )
     constant, other = (5.0, 6.0), read_only([7.0, 8.0])
     for value in (constant, constant, other, other, constant):
         program.uniforms.set(v=value)
@@ -213,8 +251,14 @@ def test_one_constant_goes_to_programs_of_other_types(gpu, shaders):
     """What was packed for one program is not what another takes, be it for its type or for being no matrix."""
     values = read_only([1.0, 2.0, 3.0, 4.0]).reshape(2, 2).copy()
     values.flags.writeable = False
-    for kind, body in (("mat2 v", "v[1][0], v[0][1]"), ("vec2 v[2]", "v[0].y, v[1].x"), ("ivec2 v[2]", "v[0].y, v[1].x")):
-        program = compute(gpu, shaders, f"{HEAD}uniform {kind};\nvoid main() {{ vec2 r = vec2({body}); o[0] = r.x; o[1] = r.y; }}")
+    for kind, body in (
+        ("mat2 v", "v[1][0], v[0][1]"),
+        ("vec2 v[2]", "v[0].y, v[1].x"),
+        ("ivec2 v[2]", "v[0].y, v[1].x"),
+    ):
+        program = compute(
+            gpu, shaders, f"{HEAD}uniform {kind};\nvoid main() {{ vec2 r = vec2({body}); o[0] = r.x; o[1] = r.y; }}"
+        )
         program.uniforms.set(v=values)
         assert results(gpu, program, 2).tolist() == [2.0, 3.0], kind
 
@@ -273,7 +317,12 @@ def test_rows_an_invocation_does_need_fewer_groups(gpu, shaders):
     program = compute(gpu, shaders, "#define ROWS 4\nlayout(local_size_x = 8, local_size_y = 8) in;\nvoid main() {}")
     assert program.groups(64, 64) == (8, 2)
     assert program.groups(65, 65) == (9, 3)
-    assert compute(gpu, shaders, "#ifndef ROWS\n#define ROWS 4\n#endif\nlayout(local_size_x = 8) in;\nvoid main() {}", ROWS=2).rows == 2
+    assert (
+        compute(
+            gpu, shaders, "#ifndef ROWS\n#define ROWS 4\n#endif\nlayout(local_size_x = 8) in;\nvoid main() {}", ROWS=2
+        ).rows
+        == 2
+    )
 
 
 def test_more_groups_than_the_gpu_takes_are_refused(gpu, shaders):

@@ -139,7 +139,9 @@ def test_every_stage_is_compiled_as_the_program_uses_it(gpu, variants):
 @pytest.mark.parametrize("name", [n for n in STAGES if "#extension" in (ROOT / n).read_text(encoding="utf-8")])
 def test_what_this_machine_cannot_compile_is_told(gpu, variants, name):
     if missing := lacking(gpu, name):
-        pytest.skip(f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in tests/client/test_forward.py")
+        pytest.skip(
+            f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in tests/client/test_forward.py"
+        )
     assert name in {path for path, _ in variants}
 
 
@@ -163,7 +165,9 @@ def test_every_define_the_program_sets_is_read(variants):
     for path, defines in variants:
         pair = {other for other, _ in variants if other.rpartition(".")[0] == path.rpartition(".")[0]}
         text = "\n".join(line for other in pair for line in flatten(other, dict(defines)).lines)
-        text += "".join((ROOT / part).read_text(encoding="utf-8") for part in {path, *(n for n in FILES if n.endswith(".glsl"))})
+        text += "".join(
+            (ROOT / part).read_text(encoding="utf-8") for part in {path, *(n for n in FILES if n.endswith(".glsl"))}
+        )
         for name, _ in defines:
             assert re.search(rf"\b{name}\b", text), f"{path} is given {name} and does not know it"
 
@@ -212,7 +216,10 @@ def test_the_reader_notices_sides_that_nobody_takes():
     assert not sides_of(text, {"PASS": 0}, {"PASS": 1}, {"PASS": 2})
     assert sides_of("#ifdef NEW\nx\n#endif", {}) == {"1: #ifdef NEW"}
     assert sides_of("#ifdef NEW\nx\n#endif", {"NEW": 1}) == {"1: none of its sides"}
-    assert sides_of("#ifndef ROWS\n#define ROWS 4\n#endif\n#if ROWS > 4\n#endif", {}) == {"1: none of its sides", "4: #if ROWS > 4"}
+    assert sides_of("#ifndef ROWS\n#define ROWS 4\n#endif\n#if ROWS > 4\n#endif", {}) == {
+        "1: none of its sides",
+        "4: #if ROWS > 4",
+    }
     nested = "#ifdef A\n#ifdef B\n#else\n#endif\n#endif"
     assert sides_of(nested, {}, {"B": 1}) == {"1: #ifdef A", "2: #ifdef B", "3: #else"}
 

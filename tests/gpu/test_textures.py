@@ -83,7 +83,12 @@ def test_float64_is_rounded_on_the_way(gpu):
 
 def test_views_and_reversed_arrays_are_written_as_they_look(gpu):
     texture, image = allocate(gpu.gl, (5, 7), SCALAR), picture(3, (7, 5), SCALAR)
-    for view in (image.T, np.asfortranarray(image.T), picture(4, (10, 7), SCALAR)[:, ::2], picture(5, (5, 7), SCALAR)[:, ::-1]):
+    for view in (
+        image.T,
+        np.asfortranarray(image.T),
+        picture(4, (10, 7), SCALAR)[:, ::2],
+        picture(5, (5, 7), SCALAR)[:, ::-1],
+    ):
         upload(texture, view)
         assert np.array_equal(download(texture), view)
     texture.release()

@@ -64,7 +64,16 @@ def fake(monkeypatch):
 
 @pytest.mark.parametrize(
     ("elapsed", "real"),
-    [(0, False), (1, False), (900, False), (1_001, True), (800_000, True), (1_500_000, True), (1_600_000, False), (2**63, False)],
+    [
+        (0, False),
+        (1, False),
+        (900, False),
+        (1_001, True),
+        (800_000, True),
+        (1_500_000, True),
+        (1_600_000, False),
+        (2**63, False),
+    ],
 )
 def test_a_timer_is_real_if_it_agrees_with_the_wall(fake, elapsed, real):
     gl = fake(elapsed)

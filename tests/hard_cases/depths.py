@@ -140,6 +140,10 @@ def silhouette_under_large_motion(gpu, name):
     colour[..., 1] = 1.0  # wall and sky: green
     colour[depth > 1] = (1.0, 0.0, 0.0)  # the square: red
     for picture in Setting(gpu, depth, Pose((0.25, 0.05, 0)), colour=colour).pictures(name):
-        if name in ("forward", "forward_raster", "forward_ordered"):  # copies; the others resample, and may mix within one pixel
+        if name in (
+            "forward",
+            "forward_raster",
+            "forward_ordered",
+        ):  # copies; the others resample, and may mix within one pixel
             red, green = picture.colour[picture.decided][:, 0], picture.colour[picture.decided][:, 1]
             assert (np.minimum(red, green) == 0).all()

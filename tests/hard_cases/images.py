@@ -69,4 +69,7 @@ def light_of_ten_thousand_and_below_zero(gpu, name):
         for picture in setting.pictures(name):
             if pose is STEP:
                 continue
-            assert np.array_equal(picture.colour[picture.decided], setting.colour[picture.decided]) or picture.maker == "twin"
+            assert (
+                np.array_equal(picture.colour[picture.decided], setting.colour[picture.decided])
+                or picture.maker == "twin"
+            )

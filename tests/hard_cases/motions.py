@@ -11,7 +11,9 @@ from hmdwarp.geometry import Fov, Pose, View
 from .registry import hard_case
 from .setting import HALF, SIZE, SQUARE, Setting, brings_more_pictures, is_warped_by_the_frame_alone, reads_depth
 
-SLANTED = 0.4 + np.add.outer(np.linspace(0, 0.2, SIZE[1]), np.linspace(0, 0.3, SIZE[0]))  # 1/m: one plane, 1 to 2.5 m away
+SLANTED = 0.4 + np.add.outer(
+    np.linspace(0, 0.2, SIZE[1]), np.linspace(0, 0.3, SIZE[0])
+)  # 1/m: one plane, 1 to 2.5 m away
 
 
 def turned(axis: tuple[float, float, float], degrees: float, position=(0, 0, 0)) -> Pose:
@@ -206,7 +208,9 @@ def zero_baseline(gpu, name):
     Wants: what the float64 twin says; depth makes no difference to a gather
     """
     pose = turned((0.2, 1, -0.4), 7)
-    for near, far in zip(Setting(gpu, SLANTED, pose).pictures(name), Setting(gpu, SLANTED / 8, pose).pictures(name), strict=True):
+    for near, far in zip(
+        Setting(gpu, SLANTED, pose).pictures(name), Setting(gpu, SLANTED / 8, pose).pictures(name), strict=True
+    ):
         if name in ("rotation", "planar", "none"):
             assert np.abs(near.colour - far.colour)[near.decided & far.decided].max(initial=0) <= HALF + 4e-5
 
@@ -239,7 +243,9 @@ def field_of_view_of_170_degrees(gpu, name):
     Why: tangents of 11.4: much of the late picture ends up beside and behind the shown eye, w passes 0 inside the picture
     Wants: what the float64 twin says, nothing mirrored
     """
-    _through_fov(gpu, name, Fov.symmetric(math.radians(170), math.radians(170)), turned((0, 1, 0.2), 20, (0.02, 0.01, 0)))
+    _through_fov(
+        gpu, name, Fov.symmetric(math.radians(170), math.radians(170)), turned((0, 1, 0.2), 20, (0.02, 0.01, 0))
+    )
 
 
 @hard_case()

@@ -71,7 +71,9 @@ def slerp_over_a_half_turn():
             got = np.array(slerp(about_y(0), about_y(angle), share))
             assert abs(np.linalg.norm(got) - 1) <= 1e-15
             assert abs(float(angle_between(got, about_y(0))) - share * math.pi) <= 1e-7
-            assert np.isfinite(Pose((0, 0, 0), about_y(0)).towards(Pose((0, 0, 0), about_y(angle)), share).orientation_xyzw).all()
+            assert np.isfinite(
+                Pose((0, 0, 0), about_y(0)).towards(Pose((0, 0, 0), about_y(angle)), share).orientation_xyzw
+            ).all()
 
 
 @hard_case(None)
@@ -119,7 +121,10 @@ def lens_inverse_at_the_rim():
     Wants: there and back within 1e-12 of the radius where the slope is that of a lens, within 1e-7 where it all but vanishes; NaN beyond
     """
     known = [load_headset(name).lens for name in headset_names()]
-    for one, error in [*((found, 1e-12) for found in known if found is not None), (lens(1.0, -1 / (3 * 1.0001**2)), 1e-7)]:
+    for one, error in [
+        *((found, 1e-12) for found in known if found is not None),
+        (lens(1.0, -1 / (3 * 1.0001**2)), 1e-7),
+    ]:
         for colour in ("red", "green", "blue"):
             for share in (1.0, 1 - 1e-9, 0.99, 1e-9, 0.0):
                 radius = share * one.reach

@@ -40,7 +40,9 @@ def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
     def register(run: Callable[..., None]) -> Callable[..., None]:
         told = dict(re.findall(r"^\s*(\w+): (.+?)$", run.__doc__ or "", re.MULTILINE))
         if list(told) != list(PARTS) or run.__name__ in {case.name for case in CASES}:
-            raise ValueError(f"hard case '{run.__name__}' must be the only one of that name and say {', '.join(PARTS)} in its docstring")
+            raise ValueError(
+                f"hard case '{run.__name__}' must be the only one of that name and say {', '.join(PARTS)} in its docstring"
+            )
         names = () if applies is None else tuple(spec for spec in CHOICES if applies(spec))
         CASES.append(HardCase(run.__name__, told["What"], told["Why"], told["Wants"], run, names))
         return run
@@ -55,7 +57,9 @@ def markdown() -> str:
     for case in CASES:
         run_for = {spec.partition(":")[0] for spec in case.warps}
         missing = sorted(everywhere - run_for)
-        told = "-" if not case.warps else "all" if not missing else f"all but {', '.join(f'`{name}`' for name in missing)}"
+        told = (
+            "-" if not case.warps else "all" if not missing else f"all but {', '.join(f'`{name}`' for name in missing)}"
+        )
         few = ", ".join(f"`{name}`" for name in sorted(run_for))
         told = few if run_for and len(run_for) < len(missing) else told
         lines.append(f"| {case.name.replace('_', ' ')} | {case.what} | {case.why} | {case.wants} | {told} |")

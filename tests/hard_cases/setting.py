@@ -105,10 +105,14 @@ class Setting(World):
         for picture in (shader, twin):
             self._check(picture, name)
         same = shader.covered == twin.covered
-        assert same[twin.decided].all(), f"coverage differs from the twin at {np.argwhere(~same & twin.decided)[:3].tolist()}"
+        assert same[twin.decided].all(), (
+            f"coverage differs from the twin at {np.argwhere(~same & twin.decided)[:3].tolist()}"
+        )
         difference = np.abs(shader.colour[..., :3] - twin.colour[..., :3]).max(axis=-1)
         beyond = (difference > wanted.tolerance) & twin.decided
-        assert not beyond.any(), f"differs from the twin by {difference[beyond].max()} at {np.argwhere(beyond)[:3].tolist()}"
+        assert not beyond.any(), (
+            f"differs from the twin by {difference[beyond].max()} at {np.argwhere(beyond)[:3].tolist()}"
+        )
         yield shader
         yield twin
 

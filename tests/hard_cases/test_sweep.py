@@ -28,7 +28,10 @@ def random_maps(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.nd
     for k in range(count):
         side = int(2 ** rng.uniform(0, 13))
         half = np.deg2rad(10 ** rng.uniform(np.log10(0.5), np.log10(85), 4))
-        late = View(Pose(rng.normal(size=3) * 10 ** rng.uniform(-3, 6), rng.normal(size=4)), Fov(-half[0], half[1], -half[2], half[3]))
+        late = View(
+            Pose(rng.normal(size=3) * 10 ** rng.uniform(-3, 6), rng.normal(size=4)),
+            Fov(-half[0], half[1], -half[2], half[3]),
+        )
         turn = np.append(rng.normal(size=3) * 10 ** rng.uniform(-10, 0.5), 1)
         step = rng.normal(size=3) * 10 ** rng.uniform(-10, 2) * (rng.uniform() > 0.1)
         shown = View(late.pose @ Pose(step, turn), late.fov)
@@ -46,7 +49,9 @@ def random_depths(rng: np.random.Generator, count: int) -> np.ndarray:
     return depth
 
 
-def bound_and_truth(H: np.ndarray, e: np.ndarray, p: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def bound_and_truth(
+    H: np.ndarray, e: np.ndarray, p: np.ndarray, r: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(place (n, 2), w (n,), bound (n,)): float64 places and how far float32 may be off, docs/hard-cases.md has the derivation."""
     homogeneous = np.column_stack([p, np.ones(len(p))])
     with np.errstate(all="ignore"):
@@ -55,7 +60,9 @@ def bound_and_truth(H: np.ndarray, e: np.ndarray, p: np.ndarray, r: np.ndarray) 
         error = 8 * UNIT * terms
         place = q[:, :2] / q[:, 2:]
         safe = np.where(q[:, 2] > 2 * error[:, 2], q[:, 2] - error[:, 2], np.nan)
-        bound = ((error[:, :2] + np.abs(place) * error[:, 2:]) / safe[:, None]).max(axis=1) + UNIT * np.abs(place).max(axis=1)
+        bound = ((error[:, :2] + np.abs(place) * error[:, 2:]) / safe[:, None]).max(axis=1) + UNIT * np.abs(place).max(
+            axis=1
+        )
     return place, q[:, 2], np.nan_to_num(bound, nan=np.inf)
 
 
@@ -84,7 +91,9 @@ def test_a_million_warp_maps(gpu, tmp_path, monkeypatch):
     p = (np.floor(rng.uniform(size=(COUNT, 2)) * sides[:, None])) + 0.5
     r = random_depths(rng, COUNT)
     with np.errstate(over="ignore"):
-        cases = np.concatenate([np.concatenate([H, e[..., None]], axis=2).reshape(COUNT, 12), p, r[:, None], sides[:, None]], axis=1)
+        cases = np.concatenate(
+            [np.concatenate([H, e[..., None]], axis=2).reshape(COUNT, 12), p, r[:, None], sides[:, None]], axis=1
+        )
         r = r.astype(np.float32).astype(np.float64)
     got = on_the_gpu(gpu, tmp_path, monkeypatch, cases)
     place, w, bound = bound_and_truth(H, e, p, r)
@@ -109,7 +118,9 @@ def test_a_million_warp_maps(gpu, tmp_path, monkeypatch):
 EXTREME = st.sampled_from([0.0, 1e-9, 1e-3, 0.05, 1.0, 30.0])
 
 
-def random_world(gpu, seed: int, step: tuple, turn: float, nearest: float, sides: tuple, size: tuple[int, int]) -> Setting:
+def random_world(
+    gpu, seed: int, step: tuple, turn: float, nearest: float, sides: tuple, size: tuple[int, int]
+) -> Setting:
     """step: metres on each axis, turn: the most of the quaternion's three, both with random signs; nearest: 1/m, what depths are cut
     off at, mostly; sides: degrees of the field of view."""
     rng = np.random.default_rng(seed)

@@ -52,7 +52,10 @@ def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
     lens = headset.lens
     half_x, half_y = np.array(headset.eye_size_m) / 2
     axis_x, axis_y = lens.axis_from_centre_m
-    edges = np.array([[-half_x - axis_x, 0], [half_x - axis_x, 0], [0, -half_y - axis_y], [0, half_y - axis_y]]) / lens.unit_m
+    edges = (
+        np.array([[-half_x - axis_x, 0], [half_x - axis_x, 0], [0, -half_y - axis_y], [0, half_y - axis_y]])
+        / lens.unit_m
+    )
     shown = lens.tangent_from_lens(edges, "green")[[0, 1, 2, 3], [0, 0, 1, 1]]
     ratio = shown / headset.left_fov.tangents
     assert (ratio > 0.9).all()
@@ -190,7 +193,11 @@ def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
         ("tangent_per_unit = 0.913170731707", "tangent_per_unit = 0", "tangent_per_unit is 0"),
         ('model = "radial"', 'model = "fisheye"', "unknown lens model 'fisheye': known is radial"),
         ("green = [1.0, 0.22, 0.24]", "green = []", "green has 0 coefficients"),
-        ("green = [1.0, 0.22, 0.24]", "green = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]", "green has 10 coefficients; wanted 1 to 9"),
+        (
+            "green = [1.0, 0.22, 0.24]",
+            "green = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "green has 10 coefficients; wanted 1 to 9",
+        ),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, nan]", r"lens\.green is \[1\.0, nan\]"),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, -0.3]", "green folds back at r = 1.054"),
         ("green = [1.0, 0.22, 0.24]", "green = [0.0, 1.0]", "green folds back at r = 0"),

@@ -45,7 +45,9 @@ def test_back_and_there_over_the_field_of_view(name, colour):
 
 
 # Growing polynomials: all coefficients positive, the first one well so.
-GROWING = st.builds(lambda first, rest: (first, *rest), st.floats(0.3, 2), st.lists(st.floats(0, 0.5), max_size=MAX_COEFFICIENTS - 1))
+GROWING = st.builds(
+    lambda first, rest: (first, *rest), st.floats(0.3, 2), st.lists(st.floats(0, 0.5), max_size=MAX_COEFFICIENTS - 1)
+)
 
 
 @given(GROWING, st.floats(0.1, 2), st.floats(0, 1), st.floats(0, 2 * math.pi))

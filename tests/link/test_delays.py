@@ -41,7 +41,9 @@ def test_every_model(name, latency_ms, tmp_path):
     assert delays.max() <= model.longest_ns(latency_ms * MS)
     count = len(delays) // 3 * 3 if name == "trace" else len(delays)  # whole rounds of the file
     assert abs(delays[:count].mean() - model.typical_ns(latency_ms * MS)) <= 5 * delays.std() / math.sqrt(count) + 1
-    assert all(isinstance(one, int) for one in itertools.islice(model.samples(latency_ms * MS, np.random.default_rng(1)), 5))
+    assert all(
+        isinstance(one, int) for one in itertools.islice(model.samples(latency_ms * MS, np.random.default_rng(1)), 5)
+    )
     assert (drawn(model, latency_ms * MS, 100) == delays[:100]).all()
     if name in ("uniform", "normal"):
         assert (drawn(model, latency_ms * MS, 100, seed=2) != delays[:100]).any()
@@ -74,7 +76,9 @@ def test_no_jitter_is_a_constant_delay():
 
 
 def test_uniform_jitter_wider_than_the_latency_is_refused():
-    with pytest.raises(InputError, match=r"uniform:20 around a latency of 10 ms would have frames arrive before they were sent"):
+    with pytest.raises(
+        InputError, match=r"uniform:20 around a latency of 10 ms would have frames arrive before they were sent"
+    ):
         UniformJitter(20).check(10 * MS)
 
 
@@ -83,7 +87,15 @@ def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
     path.write_bytes("\ufeff# measured on a Sunday\r\ndelay_ms\r\n\r\n12.5\r\n  40 # a burst\r\n1e1\r\n".encode())
     assert read_delays(path) == [12.5, 40.0, 10.0]
     model = DELAYS.get("trace").parse(str(path))
-    assert drawn(model, 999 * MS, 7).tolist() == [12_500_000, 40 * MS, 10 * MS, 12_500_000, 40 * MS, 10 * MS, 12_500_000]
+    assert drawn(model, 999 * MS, 7).tolist() == [
+        12_500_000,
+        40 * MS,
+        10 * MS,
+        12_500_000,
+        40 * MS,
+        10 * MS,
+        12_500_000,
+    ]
     assert (model.longest_ns(0), model.typical_ns(0)) == (40 * MS, 20_833_333)
 
 
@@ -146,7 +158,9 @@ def test_losses_come_in_bursts_of_the_stated_length():
 
 def test_states_that_lose_only_some():
     losses = lost(GilbertElliott(0.1, 0.1, good=0.05, bad=0.5))
-    assert abs(losses.mean() - 0.275) < 0.03  # the states last 10 frames each: 2500 of each kind, 0.225 / sqrt(2500) * 5
+    assert (
+        abs(losses.mean() - 0.275) < 0.03
+    )  # the states last 10 frames each: 2500 of each kind, 0.225 / sqrt(2500) * 5
 
 
 def test_losses_without_memory():

@@ -46,7 +46,9 @@ class AgainstAModel(RuleBasedStateMachine):
         self.delay, self.is_lost = 0, False
         delays, losses = iter(lambda: self.delay, None), iter(lambda: self.is_lost, None)
         receive = self.receive if decodes else None
-        self.link = Link(delays, losses, bandwidth, discard=self.discarded.append, wasted=self.wasted.append, receive=receive)
+        self.link = Link(
+            delays, losses, bandwidth, discard=self.discarded.append, wasted=self.wasted.append, receive=receive
+        )
         self.frames: list[Sent] = []
         self.chain_is_whole = True
         self.sent_ns = self.asked_ns = self.free_ns = self.ready_ns = 0
@@ -56,7 +58,13 @@ class AgainstAModel(RuleBasedStateMachine):
         self.received.append(number)
         return self.frames[number].usable
 
-    @rule(step=STEPS_NS, delay=DELAYS_NS, size=st.integers(0, 200_000), lost=st.sampled_from([False] * 4 + [True]), key=st.booleans())
+    @rule(
+        step=STEPS_NS,
+        delay=DELAYS_NS,
+        size=st.integers(0, 200_000),
+        lost=st.sampled_from([False] * 4 + [True]),
+        key=st.booleans(),
+    )
     def send(self, step, delay, size, lost, key):
         self.sent_ns += step
         self.delay, self.is_lost = delay, lost
@@ -92,7 +100,9 @@ class AgainstAModel(RuleBasedStateMachine):
             self.check(self.link.newest(self.asked_ns))
 
     def check(self, got):
-        came = [n for n, frame in enumerate(self.frames) if frame.ready_ns is not None and frame.ready_ns <= self.asked_ns]
+        came = [
+            n for n, frame in enumerate(self.frames) if frame.ready_ns is not None and frame.ready_ns <= self.asked_ns
+        ]
         fresh = [n for n in came if self.frames[n].fate == "under_way"]
         newest = max((n for n in came if self.frames[n].usable), default=None)
         # The newest that has arrived: never early, and no due frame is passed over. Never back.
@@ -272,7 +282,12 @@ def test_bytes_take_their_time_and_frames_queue():
         link.send(name, 0, 1000)
     assert [link.newest(t) for t in (5_999_999, 6_000_000, 6_999_999, 7_000_000, 10**9)] == [None, "a", "a", "b", "b"]
     passage = link.passage
-    assert (passage.queue_ns, passage.transfer_ns, passage.delay_ns, passage.ready_ns) == (1_000_000, 1_000_000, 5_000_000, 7_000_000)
+    assert (passage.queue_ns, passage.transfer_ns, passage.delay_ns, passage.ready_ns) == (
+        1_000_000,
+        1_000_000,
+        5_000_000,
+        7_000_000,
+    )
     assert (link.tally.dropped, link.tally.sent) == (1, 2)
 
 
@@ -338,7 +353,9 @@ def test_faults_of_the_caller():
         Link(iter([1])).send("a", 0, -5)
 
 
-@given(st.integers(0, 200), st.integers(0, 200), st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(0, 30))
+@given(
+    st.integers(0, 200), st.integers(0, 200), st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(0, 30)
+)
 def test_a_change_of_delay_is_for_what_is_sent_from_then_on(first, second, steps, at):
     """A window's slider, or a controller's: frames under way arrive as they would have, and what is shown never goes back."""
     link, now, due = constant(first), 0, []

@@ -36,7 +36,8 @@ def test_each_text_says_what_it_should(tmp_path):
     assert LinkOptions.parse(bandwidth="50").bandwidth == Bandwidth(50, 250)
     assert LinkOptions.parse(bandwidth="2.5,queue=100").bandwidth == Bandwidth(2.5, 100)
     assert not any(
-        LinkOptions.parse(**{name: text}).is_plain for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
+        LinkOptions.parse(**{name: text}).is_plain
+        for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
     )
     assert LinkOptions.parse(seed=5).is_plain
 
@@ -125,7 +126,9 @@ def test_a_response_time_is_the_sum_of_its_parts():
     }  # fmt: skip
     assert time.total_ms == 63.5
     # All that the link adds is in it.
-    assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx((passage.ready_ns - passage.sent_ns) / 1e6)
+    assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx(
+        (passage.ready_ns - passage.sent_ns) / 1e6
+    )
 
 
 def test_medians_are_of_each_part_and_of_the_totals():

@@ -41,7 +41,9 @@ class Stream:
         return True
 
     def run(self, count: int):
-        link = self.options.link(LATENCY_NS, wasted=lambda parcel: self.wasted.append(parcel.packet.number), receive=self.receive)
+        link = self.options.link(
+            LATENCY_NS, wasted=lambda parcel: self.wasted.append(parcel.packet.number), receive=self.receive
+        )
         drawn = moving(SIZE, count)
         for k, frame in enumerate(drawn):
             now_ns = k * 10**9 // RATE_HZ

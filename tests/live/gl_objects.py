@@ -17,4 +17,6 @@ def living() -> Counter[str]:
         gl = ctypes.CDLL("libGL.so.1")
     except OSError as error:
         pytest.skip(f"no libGL to ask which objects there are: {error}")
-    return Counter({kind: sum(bool(getattr(gl, f"glIs{kind}")(name)) for name in range(1, MOST_NAMES)) for kind in KINDS})
+    return Counter(
+        {kind: sum(bool(getattr(gl, f"glIs{kind}")(name)) for name in range(1, MOST_NAMES)) for kind in KINDS}
+    )

@@ -18,7 +18,10 @@ from hmdwarp.poses.looped import LoopedSource
 from hmdwarp.poses.synth import synthesise
 
 SIZE, RATE_HZ, PERIOD_NS = (96, 120), 100.0, 10_000_000
-READ_NS, SUBMITTED_NS = 1_000_000, 3_000_000  # after a tick's beginning: when the head is read, and when its picture is handed over
+READ_NS, SUBMITTED_NS = (
+    1_000_000,
+    3_000_000,
+)  # after a tick's beginning: when the head is read, and when its picture is handed over
 
 
 class LiveHead(LoopedSource):

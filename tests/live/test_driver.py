@@ -60,7 +60,9 @@ def led(gpu):
     """Runs a watch on a display of its own; returns the display and the log."""
 
     def runs(watch: Watch, log: bool = True, **more):
-        options = LiveOptions(scene="planes", latency_ms=LATENCY_MS, warp="none", fill="none", size=SIZE, collect=False, reconnect_s=0.05)
+        options = LiveOptions(
+            scene="planes", latency_ms=LATENCY_MS, warp="none", fill="none", size=SIZE, collect=False, reconnect_s=0.05
+        )
         with OffscreenDisplay(gpu=gpu, keeps=True, **more) as display, LiveLog(options) as made:
             stage = Stage(display, options)
             made.begin(display, stage)

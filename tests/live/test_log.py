@@ -58,7 +58,9 @@ def seen(monkeypatch) -> Seen:
 def go(monkeypatch, out, events=None, options=None, **display):
     """A small run into `out`."""
     shown = OffscreenDisplay(events=closed_at(20) if events is None else events, **display)
-    return run_on(monkeypatch, shown, LiveOptions(**{**SMALL, "out": out, "command": "hmdwarp live", **(options or {})})), shown
+    return run_on(
+        monkeypatch, shown, LiveOptions(**{**SMALL, "out": out, "command": "hmdwarp live", **(options or {})})
+    ), shown
 
 
 def test_rows_are_what_was_shown(monkeypatch, tmp_path, seen):
@@ -110,7 +112,9 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     link = summary["link"]
     assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)  # a hundred pictures a second came
     live = summary["live"]
-    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items() and live["budget_ms"] == 10.0
+    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items() and live[
+        "budget_ms"
+    ] == 10.0
     assert live["pose_age_ms"] == {"median": 2.0, "p95": 2.0} and live["period_ms"]["median"] == 10.0
     both = [float(a["total_ms"]) + float(b["total_ms"]) for a, b in zip(rows[::2], rows[1::2], strict=True)]
     assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
@@ -213,7 +217,12 @@ def test_warp_auto_tells_its_changes(monkeypatch, tmp_path):
         for warp, total_ms, flip in (("none", 0.001, 0.3), ("rotation", 0.002, 0.2), ("forward", 0.003, 0.1))
     ]
     bench = a_bench(tmp_path / "bench.json", rows)
-    options = {"warp": "auto", "budget_ms": 0.003, "bench": bench, "size": (96, 120)}  # nothing here is done in 3 us: it must step down
+    options = {
+        "warp": "auto",
+        "budget_ms": 0.003,
+        "bench": bench,
+        "size": (96, 120),
+    }  # nothing here is done in 3 us: it must step down
     result, _ = go(monkeypatch, tmp_path / "out", closed_at(60), options=options)
     live, warps = result.summary["live"], [row["warp"] for row in rows_of(tmp_path / "out")[::2]]
     assert result.summary["warp"] == result.summary["fill"] == "auto" and warps[0] == "forward"
@@ -229,7 +238,12 @@ def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_pa
     validate_summary(result.summary)
     assert result.folder is None and not list(tmp_path.iterdir())
     told = result.told()
-    assert told[0].startswith("shown") and "a second" in told[0] and "of 10.00 ms" in "".join(told) and "report" not in "".join(told)
+    assert (
+        told[0].startswith("shown")
+        and "a second" in told[0]
+        and "of 10.00 ms" in "".join(told)
+        and "report" not in "".join(told)
+    )
     status = display.statuses[-1]
     assert len(status.age_ms) == len(status.pose_age_ms) == result.summary["frames"]
     assert len(status.total_ms) == len(status.holes) == len(status.period_ms) + 1 == result.summary["frames"]
@@ -247,7 +261,9 @@ def test_nothing_waits_for_the_gpu(monkeypatch, tmp_path, seen):
 
     def after(number):
         *_, before, now = [None, *seen.refreshes]
-        read.append((before is None or not any(lap._pending for lap in before.laps), not all(lap._pending for lap in now.laps)))
+        read.append(
+            (before is None or not any(lap._pending for lap in before.laps), not all(lap._pending for lap in now.laps))
+        )
 
     display = OffscreenDisplay(events=closed_at(20))
     display.gpu.timer.clock = "gpu"  # llvmpipe has queries too; their answers mean nothing
@@ -301,7 +317,12 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
     display.about["headset"] = "<i>X</i> & Y"
     run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'"))
     page = (tmp_path / "out" / "report.html").read_text()
-    assert "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page and "<i>X" not in page and "<b>lost" not in page and "&lt;out&gt;" in page
+    assert (
+        "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page
+        and "<i>X" not in page
+        and "<b>lost" not in page
+        and "&lt;out&gt;" in page
+    )
     assert page.count("<svg") == 6 and "What a refresh goes into" in page and "Age of the pose" in page
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]  # and nothing hidden
 

@@ -18,7 +18,11 @@ from .offscreen import OffscreenDisplay, run_on
 # the counts that come a refresh late.
 WARM, THEN = 60, 60
 RUNS = {
-    **{f"{warp} + {fill}": {"warp": warp, "fill": fill} for warp in ("forward", "backward", "mesh") for fill in ("interpolate", "memory")},
+    **{
+        f"{warp} + {fill}": {"warp": warp, "fill": fill}
+        for warp in ("forward", "backward", "mesh")
+        for fill in ("interpolate", "memory")
+    },
     "multi + wide": {"warp": "multi", "fill": "wide"},
     "all effects": {"scene": "gallery", "warp": "forward", "fill": "interpolate"},
     "things that move": {"scene": "parade", "warp": "forward", "fill": "pyramid"},
@@ -32,7 +36,12 @@ def test_a_refresh_makes_nothing_on_the_gpu(gpu, monkeypatch, chosen):
     seen: dict[int, tuple[Counter[str], int]] = {}
     with counting_made() as made:
         options = LiveOptions(**chosen, latency_ms=100, frames=WARM + THEN)
-        run_on(monkeypatch, display, options, after=lambda number: seen.update({number: (Counter(made), len(gpu.gl.objects))}))
+        run_on(
+            monkeypatch,
+            display,
+            options,
+            after=lambda number: seen.update({number: (Counter(made), len(gpu.gl.objects))}),
+        )
     (before, kept), (after, kept_after) = seen[WARM], seen[WARM + THEN]
     assert after - before == Counter()
     assert kept_after == kept, "moderngl keeps what died until the context is closed"
@@ -44,7 +53,10 @@ def test_a_refresh_leaves_no_objects_behind(gpu, monkeypatch, tmp_path, beside):
     """Containers are counted before anything is collected: garbage that only a full collection finds would stay for the whole run.
     All objects are counted after one, which empties the interpreter's own stocks (up to 2000 tuples of each length)."""
     written = {"record": tmp_path / "walk.csv", "out": tmp_path / "out"} if beside == "files" else {}
-    begin, end = KEPT + WARM, KEPT + WARM + 2 * THEN  # the plots keep so many refreshes: what comes after them must go as it came
+    begin, end = (
+        KEPT + WARM,
+        KEPT + WARM + 2 * THEN,
+    )  # the plots keep so many refreshes: what comes after them must go as it came
     containers: dict[int, int] = {}
     blocks: dict[int, int] = {}
 

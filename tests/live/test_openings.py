@@ -87,7 +87,15 @@ def test_who_insists_on_the_window_hears_nothing_of_headsets(monkeypatch):
 
 
 def test_a_display_is_told_what_it_must_know():
-    asked = LiveOptions(headset="cardboard-v2", view="flat", size=(96, 120), full_screen=True, vsync=False, panel=False, depth_layer=False)
+    asked = LiveOptions(
+        headset="cardboard-v2",
+        view="flat",
+        size=(96, 120),
+        full_screen=True,
+        vsync=False,
+        panel=False,
+        depth_layer=False,
+    )
     watching = lambda what: nullcontext()  # noqa: E731
     given = display_options(asked, watching)
     assert (given.headset, given.view, given.size, given.watching) == ("cardboard-v2", "flat", (96, 120), watching)
@@ -107,7 +115,9 @@ def python(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.Complete
         environment = shown.environment if shown is not None else os.environ
         environment = {**environment, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
         command = [sys.executable, *arguments]
-        return subprocess.run(command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S)
+        return subprocess.run(
+            command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S
+        )
 
 
 def test_the_program_ends_with_3_and_one_line(tmp_path):
@@ -120,7 +130,9 @@ def test_the_program_ends_with_3_and_one_line(tmp_path):
 
 @pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
 def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
-    done = live("--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path)
+    done = live(
+        "--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("a window, as there is no headset: no OpenXR runtime: XR_RUNTIME_JSON names ")
 
@@ -151,4 +163,7 @@ def test_briefly_it_is_one_clause(tmp_path):
         "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"
     )
     done = python("-c", program, screen=True, tmp_path=tmp_path)
-    assert (done.returncode, done.stdout) == (0, "a window, as there is no headset: no OpenXR runtime (hmdwarp doctor tells more)\n"), done
+    assert (done.returncode, done.stdout) == (
+        0,
+        "a window, as there is no headset: no OpenXR runtime (hmdwarp doctor tells more)\n",
+    ), done

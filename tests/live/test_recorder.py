@@ -20,7 +20,9 @@ from hmdwarp.poses import Origin, PoseSample, load_trace
 
 @attrs.frozen
 class Head:
-    about: dict = attrs.field(factory=lambda: {"runtime": "Monado", "runtime_version": "25.0", "headset": "Simulated HMD"})
+    about: dict = attrs.field(
+        factory=lambda: {"runtime": "Monado", "runtime_version": "25.0", "headset": "Simulated HMD"}
+    )
     rate_hz: float = 90.0
 
 
@@ -79,7 +81,9 @@ def test_who_will_not_come_to_the_end_saves_what_there_is(tmp_path):
         for head in samples(count):
             recorder.add(head)
     assert one.save() == "" and two.save() == f"the recording until then is in {tmp_path / 'two.csv'}"
-    assert [path.name for path in tmp_path.iterdir()] == ["two.csv"] and len(load_trace(tmp_path / "two.csv").track) == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["two.csv"] and len(
+        load_trace(tmp_path / "two.csv").track
+    ) == 2
     for recorder in (one, two):
         with recorder:
             pass
@@ -117,7 +121,9 @@ def test_held_poses_make_a_gap(tmp_path):
     heads = [attrs.evolve(h, origin=Origin.HELD) if 20 <= k < 60 else h for k, h in enumerate(samples(80))]
     told = record(tmp_path / "a.csv", heads)
     track = load_trace(tmp_path / "a.csv").track
-    assert len(track) == 40 and track.broken.sum() == 1  # 41 steps of 11 ms are longer than what is interpolated, 100 ms
+    assert (
+        len(track) == 40 and track.broken.sum() == 1
+    )  # 41 steps of 11 ms are longer than what is interpolated, 100 ms
     assert "40 held (tracking lost)" in told[0]
 
 

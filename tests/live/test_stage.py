@@ -27,7 +27,9 @@ class Running:
     def __init__(self, gpu, **options) -> None:
         view = options.get("view", "both")
         self.display = OffscreenDisplay(gpu=gpu, view=view)
-        self.stage = Stage(self.display, LiveOptions(**{"scene": "planes", "latency_ms": LATENCY_MS, "fill": "none", **options}))
+        self.stage = Stage(
+            self.display, LiveOptions(**{"scene": "planes", "latency_ms": LATENCY_MS, "fill": "none", **options})
+        )
         self.shown: list[tuple[int, int | None]] = []
         self.sent: list[tuple[int, float]] = []  # (drawn_ns, latency in ms) of each frame
 
@@ -91,7 +93,9 @@ def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
 # --- passes --------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("values", [{"warp": "backward"}, {"fill": "interpolate"}, {"lens": "none"}, {"warp": "mesh", "fill": "pyramid"}])
+@pytest.mark.parametrize(
+    "values", [{"warp": "backward"}, {"fill": "interpolate"}, {"lens": "none"}, {"warp": "mesh", "fill": "pyramid"}]
+)
 def test_passes_that_read_the_same_are_exchanged_between_two_pictures(gpu, values):
     with Running(gpu) as running:
         pipeline, before = running.go(8).stage.pipeline, running.stage.plan
@@ -157,8 +161,17 @@ def test_an_impossible_change_leaves_all_as_it_was(gpu, values):
         objects = living()
         with pytest.raises(InputError):
             running.set(**values)
-        assert (stage.options, stage.pipeline, stage.plan, stage.scene, running.display.eyes, running.display.size) == before
-        assert living() - objects == {} or set(living() - objects) == {"Program"}  # compiled ones are kept for the next time
+        assert (
+            stage.options,
+            stage.pipeline,
+            stage.plan,
+            stage.scene,
+            running.display.eyes,
+            running.display.size,
+        ) == before
+        assert living() - objects == {} or set(living() - objects) == {
+            "Program"
+        }  # compiled ones are kept for the next time
         assert running.go(2).ages_ms[-2:] == [50.0] * 2
 
 

@@ -46,7 +46,9 @@ def test_pauses_are_those_between_start_and_stop():
         pauses.stop()
     gc.collect()
     told = pauses.as_dict()
-    assert told["collections"][0] >= 2 and told["collections"][2] == 1  # Python may find it is time for a young one by itself
+    assert (
+        told["collections"][0] >= 2 and told["collections"][2] == 1
+    )  # Python may find it is time for a young one by itself
     assert 0 < told["longest_ms"] <= told["total_ms"]
 
 

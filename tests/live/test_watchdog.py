@@ -26,7 +26,9 @@ def started(body: str, tmp_path: Path) -> subprocess.Popen:
     path.write_text(head + textwrap.dedent(body), encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     pipe = subprocess.PIPE
-    return subprocess.Popen([sys.executable, str(path)], stdin=pipe, stdout=pipe, stderr=pipe, text=True, cwd=tmp_path, env=environment)
+    return subprocess.Popen(
+        [sys.executable, str(path)], stdin=pipe, stdout=pipe, stderr=pipe, text=True, cwd=tmp_path, env=environment
+    )
 
 
 def ended(body: str, tmp_path: Path) -> tuple[int, str, str]:

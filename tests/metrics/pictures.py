@@ -36,4 +36,6 @@ def job(seed: int, size=(40, 30)) -> QualityJob:
     previous = Compared(noise(seed + 2000, size), noise(seed + 3000, size), turned(0.01 * seed + math.radians(1)))
     covered = rng.random((size[1], size[0])) > 0.2
     inverse_depth = rng.random((size[1], size[0])).astype(np.float32)
-    return QualityJob(now, previous, covered, inverse_depth, turned(0.2, position_m=(0.05, 0, 0)), size, late=noise(seed + 4000, size))
+    return QualityJob(
+        now, previous, covered, inverse_depth, turned(0.2, position_m=(0.05, 0, 0)), size, late=noise(seed + 4000, size)
+    )

@@ -20,7 +20,9 @@ angle = st.floats(-0.25, 0.25)
 def world_pattern(view: View, frequency: float) -> np.ndarray:
     """(h, w, 3) top row first: an error painted on the sphere of world directions, of amplitude 0.5 and `frequency` per radian."""
     rays = view.rays(SIZE)
-    x, y, z = np.moveaxis(view.pose.rotation.apply((rays / np.linalg.norm(rays, axis=-1, keepdims=True)).reshape(-1, 3)), -1, 0)
+    x, y, z = np.moveaxis(
+        view.pose.rotation.apply((rays / np.linalg.norm(rays, axis=-1, keepdims=True)).reshape(-1, 3)), -1, 0
+    )
     waves = [0.5 * np.sin(frequency * (x + 0.5 * y)), 0.5 * np.cos(frequency * y), 0.5 * np.sin(frequency * (z - y))]
     return np.stack(waves, axis=-1).reshape(SIZE[1], SIZE[0], 3)[::-1]
 
@@ -99,7 +101,9 @@ def test_nothing_in_common_is_nothing_measured():
 
 def test_sizes_may_differ_between_frames():
     """The same field of view in twice the pixels: a constant stays a constant."""
-    assert flicker(np.full((60, 80, 3), 0.25), turned(0.1), np.full((30, 40, 3), 0.25), turned(0)) == pytest.approx(0, abs=1e-12)
+    assert flicker(np.full((60, 80, 3), 0.25), turned(0.1), np.full((30, 40, 3), 0.25), turned(0)) == pytest.approx(
+        0, abs=1e-12
+    )
 
 
 def test_signed_error():

@@ -16,7 +16,9 @@ from .pictures import FOV, turned
 SIZE = (41, 33)
 EMPTY = np.zeros((33, 41), np.float32)
 small = st.floats(-0.3, 0.3)
-poses = st.builds(lambda yaw, pitch, roll, x, y, z: turned(yaw, pitch, roll, (x, y, z)), small, small, small, small, small, small)
+poses = st.builds(
+    lambda yaw, pitch, roll, x, y, z: turned(yaw, pitch, roll, (x, y, z)), small, small, small, small, small, small
+)
 
 
 def outside_by_rays(depth_m: np.ndarray, shown: View, rendered: View) -> np.ndarray:
@@ -92,7 +94,9 @@ def test_behind_the_late_eye_is_outside():
 def test_nothing_there_counts_as_infinitely_far():
     shown = turned(-0.3)
     nothing = np.full_like(EMPTY, np.nan)
-    assert border_share(EMPTY, nothing, shown, turned(0), SIZE) == border_share(EMPTY, EMPTY, shown, turned(0), SIZE) > 0
+    assert (
+        border_share(EMPTY, nothing, shown, turned(0), SIZE) == border_share(EMPTY, EMPTY, shown, turned(0), SIZE) > 0
+    )
 
 
 def test_sizes_must_agree():

@@ -127,7 +127,9 @@ def test_psnr_never_passes_its_cap():
 def test_floats_and_bytes_agree(measure):
     shown, truth = smooth(), smooth(phase=0.2)
     from_floats = measure(shown / 255, truth / 255)
-    assert from_floats == pytest.approx(measure(shown, truth), rel=1e-5)  # FLIP's own float32, accumulated over its filters
+    assert from_floats == pytest.approx(
+        measure(shown, truth), rel=1e-5
+    )  # FLIP's own float32, accumulated over its filters
 
 
 @pytest.mark.parametrize("measure, sign", [(psnr_db, -1), (ssim, -1), (lambda a, b: flip(a, b, PPD)[0], 1)])
@@ -154,7 +156,9 @@ def test_ssim_is_the_paper_s_formula():
 
     def mean_of(image):
         padded = np.pad(image, ((5, 5), (5, 5), (0, 0)), mode="symmetric")
-        return np.einsum("ijckl,kl->ijc", np.lib.stride_tricks.sliding_window_view(padded, (11, 11), axis=(0, 1)), weights)
+        return np.einsum(
+            "ijckl,kl->ijc", np.lib.stride_tricks.sliding_window_view(padded, (11, 11), axis=(0, 1)), weights
+        )
 
     x, y = shown.astype(float), truth.astype(float)
     mx, my = mean_of(x), mean_of(y)

@@ -69,7 +69,10 @@ def test_nan_is_refused():
 
 
 def test_costs_of_a_row_of_the_bench():
-    row = {"quality": {"flip": {"mean": 0.1}, "psnr_db": {"mean": 30.0}, "ssim": {"mean": None}}, "time_ms": {"total": {"median": 7.0}}}
+    row = {
+        "quality": {"flip": {"mean": 0.1}, "psnr_db": {"mean": 30.0}, "ssim": {"mean": None}},
+        "time_ms": {"total": {"median": 7.0}},
+    }
     assert error_and_time(row) == (0.1, 7.0)
     assert error_and_time(row, "psnr_db") == (-30.0, 7.0)
     assert error_and_time(row, "ssim") == (None, 7.0)

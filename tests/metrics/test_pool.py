@@ -65,7 +65,10 @@ def test_the_same_bits_with_any_number_of_workers():
     for others in (one, two):
         for mine, theirs in zip(here.worst + here.kept, others.worst + others.kept, strict=True):
             assert mine.key == theirs.key and np.array_equal(mine.result.error_map, theirs.result.error_map)
-    assert all(set(values) == set(QUALITY) and {type(v) for v in values.values()} == {float} for values in here.results.values())
+    assert all(
+        set(values) == set(QUALITY) and {type(v) for v in values.values()} == {float}
+        for values in here.results.values()
+    )
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
@@ -145,7 +148,10 @@ def test_submit_tells_of_a_failure_and_does_not_hang():
 
 
 def test_a_worker_that_dies_is_one_clear_error():
-    with pytest.raises(HmdwarpError, match=r"picture \d+ failed: a measuring process ended \(killed.*fewer"), QualityPool(1, PPD) as pool:
+    with (
+        pytest.raises(HmdwarpError, match=r"picture \d+ failed: a measuring process ended \(killed.*fewer"),
+        QualityPool(1, PPD) as pool,
+    ):
         pool.submit(0, job(0))
         (worker,) = children()
         os.kill(worker, signal.SIGKILL)
@@ -224,7 +230,9 @@ def test_ctrl_c_in_a_terminal(tmp_path):
     package = Path(hmdwarp.__file__).parents[1]
     script.write_text(textwrap.dedent(SCRIPT).format(package=str(package), tests=str(Path(__file__).parents[1])))
     command = [sys.executable, "-X", "dev", "-W", "error", script]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     with process:
         assert process.stdout.readline() == "ready\n", process.stderr.read()
         os.killpg(process.pid, signal.SIGINT)

@@ -76,7 +76,9 @@ def test_far_things_before_the_sky_are_no_edge():
 @pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (3, 1)])
 def test_tiny_pictures(size):
     assert not near_discontinuity(np.ones(size, np.float32)).any()
-    assert near_discontinuity(np.arange(size[0] * size[1], dtype=np.float32).reshape(size)).any() == (size[0] * size[1] == 2)
+    assert near_discontinuity(np.arange(size[0] * size[1], dtype=np.float32).reshape(size)).any() == (
+        size[0] * size[1] == 2
+    )
 
 
 def test_a_hole_is_a_hole_also_at_an_edge():

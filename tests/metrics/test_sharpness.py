@@ -36,7 +36,9 @@ def test_resampling_twice_is_less_sharp_than_once():
     y, x = np.mgrid[:120, :160].astype(float)
 
     def moved(picture, by):
-        return np.stack([map_coordinates(picture[..., c], [y + by, x + by], order=1, mode="nearest") for c in range(3)], axis=-1)
+        return np.stack(
+            [map_coordinates(picture[..., c], [y + by, x + by], order=1, mode="nearest") for c in range(3)], axis=-1
+        )
 
     once = sharpness(moved(moved(TRUTH, 1.0), -1.0)[2:-2, 2:-2], TRUTH[2:-2, 2:-2])
     twice = sharpness(moved(moved(TRUTH, 0.4), -0.4)[2:-2, 2:-2], TRUTH[2:-2, 2:-2])
@@ -55,7 +57,9 @@ def test_noise_is_no_sharpness(seed, amount):
     spread = amount / detail.std() / np.sqrt(TRUTH.size)
     assert abs(sharpness(noisy, TRUTH) - sharpness(blurred, TRUTH)) < 8 * spread
     energy = (noisy - gaussian_filter(noisy, (0.7, 0.7, 0))).std() / detail.std()
-    assert energy > 0.3 or amount < 0.03  # what a ratio of energies would have taken for sharpness; seed 0 made the truth
+    assert (
+        energy > 0.3 or amount < 0.03
+    )  # what a ratio of energies would have taken for sharpness; seed 0 made the truth
 
 
 def test_sharpening_raises_it():

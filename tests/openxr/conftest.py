@@ -78,7 +78,10 @@ def _root_for(config: pytest.Config) -> Path:
 
 
 def _say(config: pytest.Config, text: str) -> None:
-    terminal, capture = config.pluginmanager.getplugin("terminalreporter"), config.pluginmanager.getplugin("capturemanager")
+    terminal, capture = (
+        config.pluginmanager.getplugin("terminalreporter"),
+        config.pluginmanager.getplugin("capturemanager"),
+    )
     if terminal is not None and capture is not None:  # the workers of pytest-xdist have no terminal
         with capture.global_and_fixture_disabled():
             terminal.write_line(text)

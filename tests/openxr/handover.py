@@ -41,7 +41,11 @@ class Inner:
         command = [f"{PIPE}={tells}", "python3", "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", *names]
         try:
             self._process = subprocess.Popen(
-                entered(root, command), pass_fds=[tells], stdin=subprocess.DEVNULL, stdout=self._said, stderr=subprocess.STDOUT
+                entered(root, command),
+                pass_fds=[tells],
+                stdin=subprocess.DEVNULL,
+                stdout=self._said,
+                stderr=subprocess.STDOUT,
             )
         finally:
             os.close(tells)
@@ -118,6 +122,8 @@ class Reporter:
 
 def _why(report: pytest.TestReport) -> str:
     if report.skipped:
-        return report.longrepr[2].removeprefix("Skipped: ") if isinstance(report.longrepr, tuple) else report.longreprtext
+        return (
+            report.longrepr[2].removeprefix("Skipped: ") if isinstance(report.longrepr, tuple) else report.longreprtext
+        )
     sections = "".join(f"\n--- {title} ---\n{text}" for title, text in report.sections)
     return f"{report.longreprtext}{sections}"

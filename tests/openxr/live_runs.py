@@ -25,7 +25,9 @@ LONG_S = 90.0  # against hanging; a machine under load is slow
 
 def quick(**options: object) -> LiveOptions:
     """Options of a run that costs little."""
-    return LiveOptions(**{"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0, "fill": "none", **options})
+    return LiveOptions(
+        **{"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0, "fill": "none", **options}
+    )
 
 
 class Watched:
@@ -72,7 +74,10 @@ class Here:
         monkeypatch.setattr(driver, "open_display", watch)
 
     def run(
-        self, options: LiveOptions, after: Callable[[int], None] = lambda number: None, said: Callable[[str], None] = lambda text: None
+        self,
+        options: LiveOptions,
+        after: Callable[[int], None] = lambda number: None,
+        said: Callable[[str], None] = lambda text: None,
     ) -> LiveResult:
         """As live.run.live; said(text) is called with each sentence too."""
 
@@ -96,7 +101,12 @@ class Program:
         command = [sys.executable, "-m", "hmdwarp", "live", "--source", "openxr", "--scene", "planes", "--size", size]
         command += ["--latency", "60", "--fill", "none", "--record", str(self.recording), *options]
         self._process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
         )
         self._lines: list[str] = []
         self._reader = threading.Thread(target=self._read)
@@ -127,7 +137,9 @@ class Program:
     def _until(self, there: Callable[[], bool], what: str) -> None:
         until = time.monotonic() + LONG_S
         while not there():
-            assert self._process.poll() is None, f"it ended with {self._process.returncode} before {what}, and said:\n{self.said}"
+            assert self._process.poll() is None, (
+                f"it ended with {self._process.returncode} before {what}, and said:\n{self.said}"
+            )
             assert time.monotonic() < until, f"no {what} within {LONG_S:g} s; it said:\n{self.said}"
             time.sleep(0.05)
 

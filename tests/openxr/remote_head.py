@@ -42,7 +42,16 @@ class _Head(ctypes.Structure):
     _fields_ = [("views", _View * 2), ("pose", _Pose), ("views_valid", ctypes.c_uint8), ("pad", ctypes.c_uint8 * 3)]
 
 
-AXES = ("trigger_value", "squeeze_value", "squeeze_force", "thumbstick_x", "thumbstick_y", "trackpad_force", "trackpad_x", "trackpad_y")
+AXES = (
+    "trigger_value",
+    "squeeze_value",
+    "squeeze_force",
+    "thumbstick_x",
+    "thumbstick_y",
+    "trackpad_force",
+    "trackpad_x",
+    "trackpad_y",
+)
 BUTTONS = (
     "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click", "b_touch", "trigger_click",
     "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch", "pad_0", "pad_1", "pad_2",

@@ -102,13 +102,17 @@ def _name(requirement: str) -> str:
 
 def _check_rights() -> None:
     if not sys.platform.startswith("linux") or os.geteuid() != 0:
-        raise Lacking("Monado's root needs Linux and root's rights, to build it and to enter it (sudo make test-openxr)")
+        raise Lacking(
+            "Monado's root needs Linux and root's rights, to build it and to enter it (sudo make test-openxr)"
+        )
     if not shutil.which("apt-get"):
         raise Lacking("Monado's root is built with apt, and there is no apt-get here")
     with tempfile.TemporaryDirectory() as place:
         done = _run(["unshare", "--mount", "--pid", "--net", "--fork", "mount", "-t", "tmpfs", "tmpfs", place])
     if done.returncode:
-        raise Lacking(f"Monado's root cannot be entered: this machine or container does not let root mount ({_last(done.stderr)})")
+        raise Lacking(
+            f"Monado's root cannot be entered: this machine or container does not let root mount ({_last(done.stderr)})"
+        )
 
 
 # --- building ---------------------------------------------------------------------------------------------------------
@@ -121,7 +125,9 @@ def _build(place: Path) -> None:
         shutil.rmtree(one, ignore_errors=True)
     try:
         # Both at once: apt and pip spend their time on waiting and unpacking.
-        with subprocess.Popen(_pip(packages), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as pip:
+        with subprocess.Popen(
+            _pip(packages), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as pip:
             try:
                 _bootstrap(part)
                 said, _ = pip.communicate()
@@ -154,20 +160,48 @@ def _pip(target: Path) -> list[str]:
     wheels = [f"--platform=manylinux_2_{minor}_{platform.machine()}" for minor in range(GLIBC, 4, -1)]
     wheels += [f"--platform={old}_{platform.machine()}" for old in ("manylinux2014", "manylinux2010", "manylinux1")]
     fit = ["--python-version", PYTHON, "--implementation", "cp", *wheels, "--only-binary=:all:"]
-    quiet = ["--quiet", "--no-input", "--disable-pip-version-check", "--root-user-action=ignore", "--no-warn-script-location"]
-    return [sys.executable, "-m", "pip", "install", *quiet, "--no-deps", "--no-compile", *fit, "--target", str(target), *_pins()]
+    quiet = [
+        "--quiet",
+        "--no-input",
+        "--disable-pip-version-check",
+        "--root-user-action=ignore",
+        "--no-warn-script-location",
+    ]
+    return [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        *quiet,
+        "--no-deps",
+        "--no-compile",
+        *fit,
+        "--target",
+        str(target),
+        *_pins(),
+    ]
 
 
 def _bootstrap(place: Path) -> None:
     if not shutil.which("mmdebstrap"):
         for words in (["update"], ["install", "--yes", "--no-install-recommends", "mmdebstrap"]):
-            done = _run(["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-o", "DPkg::Lock::Timeout=120", *words])
+            done = _run(
+                ["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-o", "DPkg::Lock::Timeout=120", *words]
+            )
         if not shutil.which("mmdebstrap"):
-            raise Lacking(f"Monado's root is built with mmdebstrap, and apt could not install it ({_last(done.stderr)})")
+            raise Lacking(
+                f"Monado's root is built with mmdebstrap, and apt could not install it ({_last(done.stderr)})"
+            )
     with tempfile.NamedTemporaryFile("w", prefix="hmdwarp-", suffix=".conf") as settings:
         settings.write(_apt_settings())
         settings.flush()
-        options = ["--variant=apt", "--mode=root", "--quiet", f"--aptopt={settings.name}", f"--include={','.join(DEBIAN)}"]
+        options = [
+            "--variant=apt",
+            "--mode=root",
+            "--quiet",
+            f"--aptopt={settings.name}",
+            f"--include={','.join(DEBIAN)}",
+        ]
         options += [f"--dpkgopt=path-exclude=/usr/share/{folder}/*" for folder in UNREAD]
         done = _run(["mmdebstrap", *options, SUITE, str(place), f"deb {_mirror()} {SUITE} main"])
     if done.returncode:
@@ -183,7 +217,9 @@ def _apt_settings() -> str:
 
 def _mirror() -> str:
     """The Debian mirror this machine uses. Errors: Lacking."""
-    texts = [p.read_text(encoding="utf-8", errors="replace") for p in sorted(Path("/etc/apt").glob("sources.list*/*.[ls]*"))]
+    texts = [
+        p.read_text(encoding="utf-8", errors="replace") for p in sorted(Path("/etc/apt").glob("sources.list*/*.[ls]*"))
+    ]
     listed = Path("/etc/apt/sources.list")
     texts += [listed.read_text(encoding="utf-8", errors="replace")] if listed.is_file() else []
     found = re.findall(r"^(?:URIs:|deb(?: +\[[^]]*\])?) *(\S+/debian/?)(?=\s|$)", "\n".join(texts), re.MULTILINE)
@@ -214,7 +250,9 @@ def _locked(path: Path) -> Iterator[bool]:
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
     try:
-        return subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
+        return subprocess.run(
+            command, check=False, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
+        )
     except OSError as error:
         return subprocess.CompletedProcess(command, 127, "", str(error))
 
@@ -230,7 +268,11 @@ def main(command: list[str]) -> None:
     if not command:
         print(root)
         return
-    kept = [f"{name}={value}" for name, value in os.environ.items() if re.match(r"XRT_|SIMULATED_|P_OVERRIDE_|HMDWARP_|DISPLAY$", name)]
+    kept = [
+        f"{name}={value}"
+        for name, value in os.environ.items()
+        if re.match(r"XRT_|SIMULATED_|P_OVERRIDE_|HMDWARP_|DISPLAY$", name)
+    ]
     words = entered(root, [*kept, *command])
     os.execvp(words[0], words)
 

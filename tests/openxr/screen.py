@@ -42,7 +42,18 @@ class Screen:
         told, tells = os.pipe()
         with os.fdopen(told) as numbers:
             try:
-                command = ["Xvfb", "-displayfd", str(tells), "-screen", "0", screen, "-fbdir", self._folder.name, "-nolisten", "tcp"]
+                command = [
+                    "Xvfb",
+                    "-displayfd",
+                    str(tells),
+                    "-screen",
+                    "0",
+                    screen,
+                    "-fbdir",
+                    self._folder.name,
+                    "-nolisten",
+                    "tcp",
+                ]
                 silent = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
                 self._process = subprocess.Popen(command, pass_fds=[tells], **silent)
             finally:

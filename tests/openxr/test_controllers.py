@@ -150,7 +150,8 @@ def test_where_no_control_has_a_button_nothing_is_asked(monado):
 def test_a_runtime_that_knows_no_such_controllers_is_no_trouble(monado, monkeypatch):
     """It refuses their names; the display goes on without them."""
     monkeypatch.setattr(
-        "hmdwarp.display.openxr.actions.PROFILES", {"/interaction_profiles/nobody/nothing": (("confirm", "/user/hand/left/input/x/click"),)}
+        "hmdwarp.display.openxr.actions.PROFILES",
+        {"/interaction_profiles/nobody/nothing": (("confirm", "/user/hand/left/input/x/click"),)},
     )
     made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=asking.CONTROLS))
     try:

@@ -10,7 +10,9 @@ from .monado import UNSEEN, WOBBLING
 
 def lines() -> dict[str, str]:
     """By the name of what was looked at."""
-    done = subprocess.run([sys.executable, "-m", "hmdwarp", "doctor"], check=True, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-m", "hmdwarp", "doctor"], check=True, capture_output=True, text=True, timeout=120
+    )
     rows = [line for line in done.stdout.splitlines() if line[:1].isalpha()]
     return {row[10:26].strip(): row for row in rows}
 
@@ -22,5 +24,9 @@ def test_before_and_while_a_service_runs(runtime, no_screen):
     assert down["live"].startswith("optional") and "shows nothing" in down["live"]
     monado.start()
     up = lines()
-    assert up["OpenXR runtime"].startswith("ok") and "Monado" in up["OpenXR runtime"] and "Simulated HMD" in up["OpenXR runtime"]
+    assert (
+        up["OpenXR runtime"].startswith("ok")
+        and "Monado" in up["OpenXR runtime"]
+        and "Simulated HMD" in up["OpenXR runtime"]
+    )
     assert up["live"].startswith("ok") and "takes the headset" in up["live"]

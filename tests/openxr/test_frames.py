@@ -37,10 +37,14 @@ def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
     def after(number: int) -> None:
         if number < 3:
             return  # the head has arrived for certain
-        pictures.extend(picture_from_linear(download(eye.panel.texture)).astype(int) for eye in here.watched.shown[-1].eyes)
+        pictures.extend(
+            picture_from_linear(download(eye.panel.texture)).astype(int) for eye in here.watched.shown[-1].eyes
+        )
         server = Server(here.watched.gpu, load_scene("room"))
         for head_from_eye, fov in UNLIKE:
-            drawn.append(picture_from_linear(download(server.draw(View(HEAD @ head_from_eye, fov), SMALL).colour)).astype(int))
+            drawn.append(
+                picture_from_linear(download(server.draw(View(HEAD @ head_from_eye, fov), SMALL).colour)).astype(int)
+            )
         server.close()
 
     here.run(quick(scene="room", frames=3), after)

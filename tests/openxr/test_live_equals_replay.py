@@ -78,7 +78,9 @@ class EyesAsTheyWere:
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """At refresh number `at`, as Eyes.views."""
-        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._known[self.at])
+        return tuple(
+            View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._known[self.at]
+        )
 
 
 def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[str, str]) -> EyesAsTheyWere:
@@ -94,7 +96,10 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
             while np.abs(here.head().position_m - poses[number].position_m).max() > 1e-5:
                 pass  # not arrived yet; the next refresh begins after it has
 
-    here.run(quick(scene=SCENE, latency_ms=LATENCY_MS, frames=POSES, record=recording, out=out, images_every=1, **passes), after)
+    here.run(
+        quick(scene=SCENE, latency_ms=LATENCY_MS, frames=POSES, record=recording, out=out, images_every=1, **passes),
+        after,
+    )
     return were
 
 
@@ -111,7 +116,10 @@ def _pose(row: dict[str, str], which: str) -> Pose:
 
 def pictures_of(folder: Path, number: int) -> list[NDArray[np.uint8]]:
     """What the live run handed over at that refresh, left and right."""
-    return [np.asarray(Image.open(folder / "images" / f"frame-{number:06d}-{eye}.png").convert("RGB")) for eye in ("left", "right")]
+    return [
+        np.asarray(Image.open(folder / "images" / f"frame-{number:06d}-{eye}.png").convert("RGB"))
+        for eye in ("left", "right")
+    ]
 
 
 @pytest.fixture
@@ -121,7 +129,13 @@ def rig(tmp_path, passes):
     def make() -> Rig:
         headset = tmp_path / "remote.toml"
         headset.write_text(HEADSET, encoding="utf-8")
-        told = {"trace": str(tmp_path / "head.csv"), "scene": SCENE, "size": SMALL, "rate_hz": 20.0, "headset": str(headset)}
+        told = {
+            "trace": str(tmp_path / "head.csv"),
+            "scene": SCENE,
+            "size": SMALL,
+            "rate_hz": 20.0,
+            "headset": str(headset),
+        }
         return build_rig(small(tmp_path / "replay", latency_ms=0.0, **told, **passes))
 
     return make

@@ -59,7 +59,9 @@ def test_keys_are_the_controls(runtime, screen):
     runtime(WOBBLING, UNSEEN).start()
     display, asked = OpenXrDisplay(DisplayOptions(size=SIZE)), []
     try:
-        press("t", "shift+f", "bracketleft", "v", "r")  # one view and the runtime's own recentring: the last two are nothing here
+        press(
+            "t", "shift+f", "bracketleft", "v", "r"
+        )  # one view and the runtime's own recentring: the last two are nothing here
 
         def all_heard() -> bool:
             asked.extend(display.commands())

@@ -90,7 +90,9 @@ def test_the_head_is_the_runtimes(display, remote_head):
 
 def test_eyes_follow_the_runtime_while_it_runs(display, remote_head):
     before = display.eyes.views(HEAD)
-    assert before[1].head_from_eye.position_m[0] - before[0].head_from_eye.position_m[0] == pytest.approx(0.063, abs=0.01)
+    assert before[1].head_from_eye.position_m[0] - before[0].head_from_eye.position_m[0] == pytest.approx(
+        0.063, abs=0.01
+    )
     remote_head.put_eyes(UNLIKE)
     until = time.monotonic() + 20
     while display.eyes.views(HEAD)[0].fov.left == before[0].fov.left and time.monotonic() < until:
@@ -98,7 +100,11 @@ def test_eyes_follow_the_runtime_while_it_runs(display, remote_head):
     for view, (head_from_eye, fov) in zip(display.eyes.views(HEAD), UNLIKE, strict=True):
         assert view.head_from_eye.isclose(head_from_eye, 4 * FLOAT32)
         assert view.pose.isclose(HEAD @ head_from_eye, 1e-6)
-        assert np.allclose([view.fov.left, view.fov.right, view.fov.down, view.fov.up], [fov.left, fov.right, fov.down, fov.up], atol=1e-7)
+        assert np.allclose(
+            [view.fov.left, view.fov.right, view.fov.down, view.fov.up],
+            [fov.left, fov.right, fov.down, fov.up],
+            atol=1e-7,
+        )
 
 
 def test_a_head_that_is_lost_is_held_where_it_was(display, remote_head, monado):
@@ -135,7 +141,9 @@ class HandedOver:
         def releasing(swapchain):
             framebuffer, (w, h) = drawn[swapchain], swapchain.size
             if swapchain.is_depth:
-                pixels = np.frombuffer(framebuffer.read(components=1, attachment=-1, dtype="f4"), np.float32).reshape(h, w)
+                pixels = np.frombuffer(framebuffer.read(components=1, attachment=-1, dtype="f4"), np.float32).reshape(
+                    h, w
+                )
             else:
                 pixels = np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(h, w, 4)
             self.pictures.append(flip_rows(pixels))
@@ -153,7 +161,9 @@ def _views(end: xr.FrameEndInfo) -> list[dict[str, object]]:
     found = []
     for view in layer.views:
         at, turned, fov = view.pose.position, view.pose.orientation, view.fov
-        depth = ctypes.cast(view._next, ctypes.POINTER(xr.CompositionLayerDepthInfoKHR)).contents if view._next else None
+        depth = (
+            ctypes.cast(view._next, ctypes.POINTER(xr.CompositionLayerDepthInfoKHR)).contents if view._next else None
+        )
         found.append({
             "position": (at.x, at.y, at.z), "orientation": (turned.x, turned.y, turned.z, turned.w),
             "fov": (fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up),

@@ -36,12 +36,29 @@ def until_showing(folder: Path, key: str, process: subprocess.Popen) -> None:
 
 def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
     study, model = tiny.write(tmp_path, pause=0.0, again=0.0, missing=0.0)
-    study.write_text(study.read_text().replace("rate = 20\n", "reconnect = 1\n").replace("[trial]\nseconds = 0.2", "[trial]\nseconds = 5"))
-    command = [sys.executable, "-m", "hmdwarp", "study", "run", str(study), "--participant", "one", "--simulate", str(model)]
+    study.write_text(
+        study.read_text()
+        .replace("rate = 20\n", "reconnect = 1\n")
+        .replace("[trial]\nseconds = 0.2", "[trial]\nseconds = 5")
+    )
+    command = [
+        sys.executable,
+        "-m",
+        "hmdwarp",
+        "study",
+        "run",
+        str(study),
+        "--participant",
+        "one",
+        "--simulate",
+        str(model),
+    ]
     command += ["--source", "openxr", "--desk", "none"]
     monado = runtime(WOBBLING, UNSEEN)
     monado.start()
-    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as process:
         try:
             until_showing(tmp_path / "tiny-data", "trial/2", process)
             time.sleep(2.0)  # its wait before the first picture is over
@@ -55,7 +72,9 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
     assert [one.status for one in before.sessions] == ["interrupted"]
     assert [one.complete for one in before.showings if one.key == "trial/2"] == [False]
     monado.start()
-    done = subprocess.run([*command, "--resume"], check=False, capture_output=True, text=True, timeout=2 * LONG_S, env=os.environ)
+    done = subprocess.run(
+        [*command, "--resume"], check=False, capture_output=True, text=True, timeout=2 * LONG_S, env=os.environ
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     after = contents(tmp_path / "tiny-data")
     assert [one.status for one in after.sessions] == ["complete"]

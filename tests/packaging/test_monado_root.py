@@ -36,7 +36,9 @@ def test_without_rights_the_tests_are_skipped_with_the_reason(folder):
         if not shutil.which("setpriv"):
             pytest.skip("there is no setpriv (util-linux) to become nobody with")
         command = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", *command]
-        if subprocess.run([*command[:4], sys.executable, "-c", "import hmdwarp"], check=False, cwd=PROJECT, capture_output=True).returncode:
+        if subprocess.run(
+            [*command[:4], sys.executable, "-c", "import hmdwarp"], check=False, cwd=PROJECT, capture_output=True
+        ).returncode:
             pytest.skip("nobody but root may read this checkout")
     done = subprocess.run(command, check=False, cwd=PROJECT, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -65,7 +67,9 @@ def test_a_build_that_fails_says_why_and_leaves_nothing(monkeypatch, folder, tmp
     failing = "mkdir -p half-made; echo 'E: cannot reach the mirror' >&2; exit 1"
     stand_in(monkeypatch, tmp_path, "mmdebstrap", failing if culprit == "mmdebstrap" else "exit 0")
     stand_in(monkeypatch, tmp_path, "apt-config", "exit 0")
-    script = "mkdir -p $0; " + ("echo 'ERROR: cannot reach the index'; echo more; exit 1" if culprit == "pip" else "exit 0")
+    script = "mkdir -p $0; " + (
+        "echo 'ERROR: cannot reach the index'; echo more; exit 1" if culprit == "pip" else "exit 0"
+    )
     monkeypatch.setattr(root, "_pip", lambda target: ["sh", "-c", script, str(target)])
     with pytest.raises(root.Lacking, match=rf"{culprit} failed \((E|ERROR): cannot reach"):
         root.ready_root()

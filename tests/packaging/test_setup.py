@@ -42,7 +42,9 @@ def stand_in(place: Path, script: str) -> None:
 
 
 def setup(clone: Path, tools: Path, **env: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([clone / ".ci" / "setup"], check=False, capture_output=True, text=True, env={"PATH": str(tools), **env})
+    return subprocess.run(
+        [clone / ".ci" / "setup"], check=False, capture_output=True, text=True, env={"PATH": str(tools), **env}
+    )
 
 
 def test_python_too_old(clone, tools):
@@ -97,7 +99,12 @@ def test_a_broken_environment_is_made_anew(clone, tools, leftover):
         (clone / ".venv" / "bin" / "python").symlink_to("nowhere/python3")
     stale = clone / ".venv" / "stale.txt"
     stale.touch()
-    unreachable = {"PIP_INDEX_URL": "http://127.0.0.1:9/", "PIP_RETRIES": "0", "PIP_CONFIG_FILE": os.devnull, "HOME": str(clone)}
+    unreachable = {
+        "PIP_INDEX_URL": "http://127.0.0.1:9/",
+        "PIP_RETRIES": "0",
+        "PIP_CONFIG_FILE": os.devnull,
+        "HOME": str(clone),
+    }
     done = setup(clone, tools, PYTHON=getattr(sys, "_base_executable", sys.executable), **unreachable)
     assert done.returncode == 3
     assert "making it anew" in done.stdout
@@ -109,4 +116,6 @@ def test_a_broken_environment_is_made_anew(clone, tools, leftover):
 def test_make_alone_lists_the_targets(clone):
     done = subprocess.run(["make", "--no-print-directory"], check=False, capture_output=True, text=True, cwd=clone)
     assert done.returncode == 0, done.stderr
-    assert {"make setup", "make replay", "make test"} <= {line.strip().split("  ")[0] for line in done.stdout.splitlines()}
+    assert {"make setup", "make replay", "make test"} <= {
+        line.strip().split("  ")[0] for line in done.stdout.splitlines()
+    }

@@ -21,7 +21,9 @@ pytestmark = pytest.mark.slow
 def run(*command: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
     """Without PYTHONPATH, so that nothing comes from the checkout by accident."""
     env = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")}
-    return subprocess.run([str(part) for part in command], check=False, capture_output=True, text=True, cwd=cwd, env=env)
+    return subprocess.run(
+        [str(part) for part in command], check=False, capture_output=True, text=True, cwd=cwd, env=env
+    )
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,18 @@ def installed(wheel, tmp_path_factory) -> Path:
     place = tmp_path_factory.mktemp("elsewhere")
     venv.create(place / "env", with_pip=False)
     bin_folder = place / "env" / "bin"
-    install = [sys.executable, "-m", "pip", "--python", bin_folder / "python", "install", "--no-index", "--no-deps", "--quiet", wheel]
+    install = [
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        bin_folder / "python",
+        "install",
+        "--no-index",
+        "--no-deps",
+        "--quiet",
+        wheel,
+    ]
     done = run(*install, cwd=place)
     assert done.returncode == 0, done.stdout + done.stderr
     # A .pth only appends to sys.path: the packages there are seen, but the .pth of the editable checkout among them is not run.
@@ -67,7 +80,10 @@ def test_wheel_holds_all_that_is_not_python(wheel):
 
 def test_wheel_holds_nothing_else(wheel):
     names = zipfile.ZipFile(wheel).namelist()
-    assert {name.split("/")[0] for name in names} == {"hmdwarp", next(n.split("/")[0] for n in names if ".dist-info" in n)}
+    assert {name.split("/")[0] for name in names} == {
+        "hmdwarp",
+        next(n.split("/")[0] for n in names if ".dist-info" in n),
+    }
     assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".log"))]
     assert any(name.endswith("licenses/LICENSE") for name in names)
 
@@ -92,7 +108,12 @@ def test_replays_a_shipped_recording_by_its_bare_name(installed, tmp_path):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "result" / "summary.json").read_text(encoding="utf-8"))
-    assert (summary["scene"], summary["warp"], summary["headset"], summary["size"]) == ("room", "forward", "rift-dk1", [64, 80])
+    assert (summary["scene"], summary["warp"], summary["headset"], summary["size"]) == (
+        "room",
+        "forward",
+        "rift-dk1",
+        [64, 80],
+    )
     assert summary["frames"] > 0
     assert (tmp_path / "result" / "report.html").stat().st_size > 0
     assert sorted(p.name for p in tmp_path.iterdir()) == ["result"]

@@ -15,7 +15,11 @@ from .traces import head
 def spinning(deg_per_s: float, m_per_s: float = 0.0, seconds: float = 5.0) -> PoseTrack:
     t = np.arange(int(seconds * 90)) / 90
     place = t[:, None] * np.array([m_per_s, 0, 0])
-    return PoseTrack(np.rint(t * 1e9).astype(np.int64), place, Rotation.from_euler("Y", deg_per_s * t[:, None], degrees=True).as_quat())
+    return PoseTrack(
+        np.rint(t * 1e9).astype(np.int64),
+        place,
+        Rotation.from_euler("Y", deg_per_s * t[:, None], degrees=True).as_quat(),
+    )
 
 
 def test_a_steady_turn():
@@ -47,7 +51,9 @@ def test_nothing_is_measured_across_a_gap():
     a = spinning(30, seconds=2)
     b = Rotation.from_euler("Y", 90, degrees=True) * Rotation.from_quat(a.orientation_xyzw)
     track = PoseTrack(
-        np.concatenate([a.time_ns, a.time_ns + 3_000_000_000]), np.zeros((2 * len(a), 3)), np.concatenate([a.orientation_xyzw, b.as_quat()])
+        np.concatenate([a.time_ns, a.time_ns + 3_000_000_000]),
+        np.zeros((2 * len(a), 3)),
+        np.concatenate([a.orientation_xyzw, b.as_quat()]),
     )
     figures = analyse(track)
     assert np.allclose(figures.angular_speed_deg_s, 30, rtol=1e-6)
@@ -62,7 +68,11 @@ def test_the_error_table_by_another_route(latency_ms):
     grid = np.arange(track.start_ns + (latency_ms + 50) * 1_000_000, track.end_ns + 1, 5_000_000)
     now, then, before = (at((grid - back * 1_000_000) / 1e9) for back in (0, latency_ms, latency_ms + 50))
     speed = (then * before.inv()).as_rotvec() / 0.05
-    guesses = [then, Rotation.from_rotvec(speed * latency_ms / 1e3) * then, Rotation.from_rotvec(speed * min(latency_ms / 1e3, 0.1)) * then]
+    guesses = [
+        then,
+        Rotation.from_rotvec(speed * latency_ms / 1e3) * then,
+        Rotation.from_rotvec(speed * min(latency_ms / 1e3, 0.1)) * then,
+    ]
     row = error_row(track, latency_ms)
     assert row.count == len(grid)
     for guess, found, mean in zip(guesses, (row.held, row.cav, row.capped), row.mean, strict=True):

@@ -157,8 +157,16 @@ STAMPS = {
     "whole us": (lambda ns: str(ns // 10**3), "microseconds", 0),
     "ticks": (lambda ns: str(ns // 100 + 638_000_000_000_000_001), "ticks of 100 ns", 63_800_000_000_000_000_100),
     "exponent": (lambda ns: f"{ns / 1e9:.12e}", "seconds", 0),
-    "clock": (lambda ns: f"13:59:{ns // 10**9 + 50:02d}.{ns % 10**9 // 100000:04d}", "hours:minutes:seconds", 50390 * 10**9),
-    "date": (lambda ns: f"2024-02-29T13:59:{ns // 10**9 + 50:02d}.{ns % 10**9 // 100000:04d}", "hours:minutes:seconds", None),
+    "clock": (
+        lambda ns: f"13:59:{ns // 10**9 + 50:02d}.{ns % 10**9 // 100000:04d}",
+        "hours:minutes:seconds",
+        50390 * 10**9,
+    ),
+    "date": (
+        lambda ns: f"2024-02-29T13:59:{ns // 10**9 + 50:02d}.{ns % 10**9 // 100000:04d}",
+        "hours:minutes:seconds",
+        None,
+    ),
 }
 RESOLUTION_NS = {"whole ms": 10**6, "whole us": 10**3, "ticks": 100, "clock": 10**5, "date": 10**5}
 
@@ -278,7 +286,9 @@ def test_8_zero_quaternions_are_dropped(tmp_path):
 
 
 def test_8_nothing_but_zero_quaternions_is_refused(tmp_path):
-    assert "every quaternion is zero" in refusal(write(tmp_path / "z.csv", [[*r[:4], "0", "0", "0", "0"] for r in TABLE]))
+    assert "every quaternion is zero" in refusal(
+        write(tmp_path / "z.csv", [[*r[:4], "0", "0", "0", "0"] for r in TABLE])
+    )
 
 
 def test_8_a_default_pose_at_the_start_is_trimmed(tmp_path):
@@ -347,7 +357,9 @@ def test_11_three_decimals_are_normalised_silently(tmp_path):
     assert same_motion(loaded.track, TRACK, atol=2.1e-3)
 
 
-@pytest.mark.parametrize(("length", "warned"), [(0.991, False), (1.0099, False), (0.989, True), (1.02, True), (0.51, True)])
+@pytest.mark.parametrize(
+    ("length", "warned"), [(0.991, False), (1.0099, False), (0.989, True), (1.02, True), (0.51, True)]
+)
 def test_11_lengths_off_by_more_than_a_hundredth_are_warned_of(tmp_path, length, warned):
     loaded = load_trace(write(tmp_path / "n.csv", scaled(length)))
     assert ("norm-off" in kinds(loaded)) == warned
@@ -418,7 +430,8 @@ def test_13_tilted_gravity_is_reported_and_set_upright_when_told(tmp_path):
     track = head(2000)
     tilt = Rotation.from_euler("X", 17, degrees=True)
     turned = track.evolve(
-        position_m=tilt.apply(track.position_m.copy()), orientation_xyzw=(tilt * Rotation.from_quat(track.orientation_xyzw)).as_quat()
+        position_m=tilt.apply(track.position_m.copy()),
+        orientation_xyzw=(tilt * Rotation.from_quat(track.orientation_xyzw)).as_quat(),
     )
     path = write(tmp_path / "g.csv", rows(turned))
     defect = found(load_trace(path), "tilt")
@@ -438,7 +451,8 @@ def test_13_positions_of_an_eye_are_said_to_be(real_traces):
 
 
 @pytest.mark.parametrize(
-    "header", ["time,x,y,z,yaw,pitch,roll", "time,x,y,z,RotationX,RotationY,RotationZ", "time,x,y,z,EulerX,EulerY,EulerZ"]
+    "header",
+    ["time,x,y,z,yaw,pitch,roll", "time,x,y,z,RotationX,RotationY,RotationZ", "time,x,y,z,EulerX,EulerY,EulerZ"],
 )
 def test_14_euler_angles_only_are_refused(tmp_path, header):
     assert "Euler angles only" in refusal(write(tmp_path / "e.csv", [r[:7] for r in TABLE], header))

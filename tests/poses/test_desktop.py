@@ -33,7 +33,9 @@ told = st.one_of(
     st.tuples(st.just("walk"), axis, axis, axis, st.booleans()),
     st.tuples(st.just("recentre")),
 )
-scripts = st.lists(st.tuples(st.integers(0, 300 * MS), told), max_size=12).map(lambda script: sorted(script, key=lambda one: one[0]))
+scripts = st.lists(st.tuples(st.integers(0, 300 * MS), told), max_size=12).map(
+    lambda script: sorted(script, key=lambda one: one[0])
+)
 
 
 def tell(walker: Walker, time_ns: int, what: tuple) -> None:
@@ -97,7 +99,9 @@ def test_never_rolls_never_tips_over_and_keeps_its_speed(script):
         if k and not any((k - 1) * 9 * MS <= t <= k * 9 * MS for t in jumps):
             way = np.abs(sample.pose.position_m - samples[k - 1].pose.position_m)
             fastest = FASTER * WALK_M_S * 0.009 + 1e-9
-            assert math.hypot(way[0], way[2]) <= fastest and way[1] <= fastest  # no wish is longer than that, no lag overshoots
+            assert (
+                math.hypot(way[0], way[2]) <= fastest and way[1] <= fastest
+            )  # no wish is longer than that, no lag overshoots
 
 
 def test_walks_the_way_it_looks_and_stays_level():
@@ -127,7 +131,9 @@ def test_each_key_leads_where_it_says(told, wanted):
     walker.walk(0, **told)
     walker.advance(900 * MS)
     got = walker.head_at(900 * MS).pose.position_m - (0, EYE_HEIGHT_M, 0)
-    assert got == pytest.approx(np.multiply(wanted, WALK_M_S * (0.9 - WALK_S)), abs=3e-5)  # e^(-0.9/0.08) * 0.08 * 4.2 m/s = 4e-6
+    assert got == pytest.approx(
+        np.multiply(wanted, WALK_M_S * (0.9 - WALK_S)), abs=3e-5
+    )  # e^(-0.9/0.08) * 0.08 * 4.2 m/s = 4e-6
 
 
 def test_starts_and_stops_smoothly():
@@ -139,7 +145,9 @@ def test_starts_and_stops_smoothly():
         walker.advance(t * MS)
         places.append(-walker.head_at(t * MS).pose.position_m[2])
     speed = np.diff(places) * 1e3
-    assert np.abs(np.diff(speed)).max() <= 1.01 * WALK_M_S * 1e-3 / WALK_S  # the lag's steepest change, at its beginning
+    assert (
+        np.abs(np.diff(speed)).max() <= 1.01 * WALK_M_S * 1e-3 / WALK_S
+    )  # the lag's steepest change, at its beginning
     assert speed[498] > 0.99 * WALK_M_S and speed[-1] < 0.01 * WALK_M_S
     assert (speed >= 0).all()
 
@@ -176,7 +184,9 @@ def test_past_is_remembered_for_a_quarter_of_a_second():
         assert sample.origin is (Origin.MEASURED if t == 795 else Origin.INTERPOLATED)
     long_ago = walker.head_at(0)
     assert long_ago.origin is Origin.HELD
-    assert long_ago.pose.position_m[0] == pytest.approx(before[795 - KEPT_NS // MS].position_m[0], abs=WALK_M_S * 0.006)  # a grid step
+    assert long_ago.pose.position_m[0] == pytest.approx(
+        before[795 - KEPT_NS // MS].position_m[0], abs=WALK_M_S * 0.006
+    )  # a grid step
     assert len(walker._states) <= KEPT_NS // 4_000_000 + 3
 
 

@@ -72,7 +72,9 @@ def test_written_twice_is_the_same_text(tmp_path, name):
 
 def test_native_tells_origin_rate_and_what_was_done(tmp_path):
     stream = io.StringIO()
-    FORMATS.get("native").write(TRACK.evolve(origin="a test\nwith a line break", notes=("something was mended",)), stream)
+    FORMATS.get("native").write(
+        TRACK.evolve(origin="a test\nwith a line break", notes=("something was mended",)), stream
+    )
     text = stream.getvalue()
     assert text.startswith("# hmdwarp head trace\n# origin: a test with a line break\n# rate: 60 Hz\n")
     assert "# something was mended\n" in text
@@ -105,7 +107,9 @@ def test_frame_wxyz_with_w_last_is_refused_where_the_motion_shows_it(tmp_path):
         load_trace(path)
     loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
     assert np.allclose(loaded.track.orientation_xyzw, about.orientation_xyzw, rtol=0, atol=1e-15)
-    first = write(tmp_path / "w.txt", [[r[0], "0", *r[4:]] for r in rows(upright_zup(about), "wxyz")], header="", separator=" ")
+    first = write(
+        tmp_path / "w.txt", [[r[0], "0", *r[4:]] for r in rows(upright_zup(about), "wxyz")], header="", separator=" "
+    )
     assert np.allclose(load_trace(first).track.orientation_xyzw, about.orientation_xyzw, rtol=0, atol=1e-15)
 
 
@@ -128,10 +132,17 @@ def test_axes_carry_points_of_the_head_along(text, q, place):
     in_file = Rotation.from_quat(q).apply(point) + place
     position, orientation = np.array([place]), np.array([q])
     axes.apply(position, orientation)
-    assert np.allclose(Rotation.from_quat(orientation[0]).apply(axes.basis @ point) + position[0], axes.basis @ in_file, rtol=0, atol=1e-14)
+    assert np.allclose(
+        Rotation.from_quat(orientation[0]).apply(axes.basis @ point) + position[0],
+        axes.basis @ in_file,
+        rtol=0,
+        atol=1e-14,
+    )
 
 
-@pytest.mark.parametrize(("text", "up"), [("y", 1), ("-y", -1), ("z", 2), ("-z", -2), ("x", 0), ("-y,z,x", 2), ("x,z,y", 2)])
+@pytest.mark.parametrize(
+    ("text", "up"), [("y", 1), ("-y", -1), ("z", 2), ("-z", -2), ("x", 0), ("-y,z,x", 2), ("x,z,y", 2)]
+)
 def test_the_named_axis_becomes_up(text, up):
     vector = np.zeros(3)
     vector[abs(up)] = -1.0 if text.startswith("-") and "," not in text else 1.0
@@ -160,7 +171,9 @@ def test_three_numbers_set_that_direction_upright_by_the_smallest_turn(v):
     axes = parse_axes(",".join(map(repr, v.tolist())))
     position, orientation = v[None].copy(), np.array([[0, 0, 0, 1.0]])
     axes.apply(position, orientation)
-    assert np.allclose(position, [[0, 1, 0]], rtol=0, atol=1e-7)  # within 1e-6 of straight down the half-way vector has few digits
+    assert np.allclose(
+        position, [[0, 1, 0]], rtol=0, atol=1e-7
+    )  # within 1e-6 of straight down the half-way vector has few digits
     assert abs(Rotation.from_quat(orientation[0]).magnitude() - np.arccos(np.clip(v[1], -1, 1))) < 1e-6
 
 

@@ -17,13 +17,16 @@ from hmdwarp.poses.formats import FORMATS
 
 from .traces import head, rows
 
-SETTINGS = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+SETTINGS = settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
 TABLE = rows(head(30), "wxyz")
 SMALL_FILES = [
     "\n".join(["timestamp,x,y,z,qw,qx,qy,qz"] + [",".join(r) for r in TABLE]) + "\n",
     "\n".join(["# timestamp tx ty tz qx qy qz qw"] + [" ".join(r) for r in TABLE]) + "\n",
     "\n".join(
-        ["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"] + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(TABLE)]
+        ["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"]
+        + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(TABLE)]
     ),
     "\n".join(" ".join([r[0], str(i), *r[4:]]) for i, r in enumerate(TABLE)) + "\n",
     "\n".join(["timestamp viewpoint w x y z"] + [" ".join([r[0], "0", *r[4:]]) for r in TABLE]) + "\n",
@@ -74,7 +77,22 @@ fields = st.one_of(
     st.floats(allow_nan=True, allow_infinity=True).map(repr),
     st.integers(-(10**25), 10**25).map(str),
     st.sampled_from(
-        ["", "0", "1", "-0", "1e999", "1e-999", "nan", "12:34:56.7", "2020-01-01T00:00:00", "9" * 19, "0,5", "HMD", '"1"', "0x1"]
+        [
+            "",
+            "0",
+            "1",
+            "-0",
+            "1e999",
+            "1e-999",
+            "nan",
+            "12:34:56.7",
+            "2020-01-01T00:00:00",
+            "9" * 19,
+            "0,5",
+            "HMD",
+            '"1"',
+            "0x1",
+        ]
     ),
     st.text(string.printable, max_size=5),
 )
@@ -132,7 +150,9 @@ def test_mutated_files_of_every_layout(tmp_path, data, opts):
 @settings(SETTINGS, max_examples=60)
 @given(data=st.data(), opts=st.one_of(st.just(TraceOptions()), options))
 def test_mutated_recordings(tmp_path, data, opts):
-    files = [(resources.folder("recordings") / f"{name}.csv").read_bytes()[:40_000] for name in resources.recording_names()]
+    files = [
+        (resources.folder("recordings") / f"{name}.csv").read_bytes()[:40_000] for name in resources.recording_names()
+    ]
     survives(tmp_path / "f.csv", data.draw(mutations(files)), opts)
 
 

@@ -56,7 +56,11 @@ def test_the_horizon_caps_the_prediction():
 def test_no_sample_after_now_is_looked_at(method, now, ahead):
     track = head(100)
     known = max(track.index_at(now), 0) + 1
-    past = track.evolve(time_ns=track.time_ns[:known], position_m=track.position_m[:known], orientation_xyzw=track.orientation_xyzw[:known])
+    past = track.evolve(
+        time_ns=track.time_ns[:known],
+        position_m=track.position_m[:known],
+        orientation_xyzw=track.orientation_xyzw[:known],
+    )
     a, b = predict(track, now, now + ahead, method), predict(past, now, now + ahead, method)
     assert a.origin is b.origin
     assert a.pose.isclose(b.pose, atol=0)
@@ -89,7 +93,9 @@ def test_nothing_is_predicted_within_a_gap_or_across_a_jump():
     at = int(track.time_ns[52])
     only_after = predict(jumped, at, at + 50 * MS)
     alone = predict(
-        track.evolve(time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]),
+        track.evolve(
+            time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]
+        ),
         at,
         at + 50 * MS,
     )

@@ -22,9 +22,21 @@ KNOWN = {
         75,
         {"eye-position", "devices-interleaved", "clock-restart", "repeated-pose"},
     ),
-    "eyenavgs_rutgers/user119_train.csv": ("eyenavgs", 4891, 71, 68, {"eye-position", "devices-interleaved", "repeated-pose"}),
+    "eyenavgs_rutgers/user119_train.csv": (
+        "eyenavgs",
+        4891,
+        71,
+        68,
+        {"eye-position", "devices-interleaved", "repeated-pose"},
+    ),
     "eyenavgs_nthu/user19_drjohnson.csv": ("eyenavgs", 2005, 36, 59, {"eye-position", "devices-interleaved", "tilt"}),
-    "multiviewpoint_mmsys18/user1_quaternion.txt": ("multiviewpoint", 16053, 59, 272, {"no-position", "sign-flip", "repeated-pose", "gap"}),
+    "multiviewpoint_mmsys18/user1_quaternion.txt": (
+        "multiviewpoint",
+        16053,
+        59,
+        272,
+        {"no-position", "sign-flip", "repeated-pose", "gap"},
+    ),
     "questset_sample/sample_movement_data.csv": ("questset", 7942, 60, 132, {"repeated-pose"}),
 }
 
@@ -83,7 +95,9 @@ def test_known_gestures_prove_the_axes(real_traces, gesture):
         moved = track.position_m[near, "xyz".index(what)] - np.median(track.position_m[:, "xyz".index(what)])
         assert max(moved * wanted) > 0.2
         return
-    angles = Rotation.from_quat(track.orientation_xyzw).as_euler("YXZ", degrees=True)[:, ["yaw", "pitch", "roll"].index(what)]
+    angles = Rotation.from_quat(track.orientation_xyzw).as_euler("YXZ", degrees=True)[
+        :, ["yaw", "pitch", "roll"].index(what)
+    ]
     # The published angles count from how the head was held between gestures: nose 8 degrees down.
     moved = (angles - np.median(angles))[near]
     assert abs(moved[np.argmax(moved * np.sign(wanted))] - wanted) < 2

@@ -30,7 +30,10 @@ def test_every_kind_is_shipped_and_described():
     assert resources.recording_names() == sorted(KINDS)
     text = (resources.folder("recordings") / "README.md").read_text()
     for kind in KINDS.values():
-        assert f"hmdwarp trace synth {kind.name} --seed {kind.seed} --seconds {kind.seconds:g} --rate 90 --out {kind.name}.csv" in text
+        assert (
+            f"hmdwarp trace synth {kind.name} --seed {kind.seed} --seconds {kind.seconds:g} --rate 90 --out {kind.name}.csv"
+            in text
+        )
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
         turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
         assert f"| {turning} |" in text
@@ -115,7 +118,15 @@ def test_the_motion_does_not_depend_on_the_rate():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"seconds": 0}, {"seconds": float("nan")}, {"seconds": 1e9}, {"rate_hz": 0}, {"rate_hz": float("inf")}, {"seed": -1}]
+    "wrong",
+    [
+        {"seconds": 0},
+        {"seconds": float("nan")},
+        {"seconds": 1e9},
+        {"rate_hz": 0},
+        {"rate_hz": float("inf")},
+        {"seed": -1},
+    ],
 )
 def test_what_cannot_be_made_is_refused(wrong):
     with pytest.raises(InputError, match="wanted"):

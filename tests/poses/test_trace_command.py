@@ -41,7 +41,16 @@ def refused(*arguments: object, status: int = 2) -> str:
 
 def test_info_of_a_shipped_recording():
     text = run("info", "look-around")
-    for wanted in ("90.00 Hz", "30.000 s", "gaps      none", "29.2", "116.5", "200.3", "no defects found", "trace synth look-around"):
+    for wanted in (
+        "90.00 Hz",
+        "30.000 s",
+        "gaps      none",
+        "29.2",
+        "116.5",
+        "200.3",
+        "no defects found",
+        "trace synth look-around",
+    ):
         assert wanted in text
     for latency in (20, 50, 100, 200, 400, 800):
         assert f"{latency} ms" in text
@@ -49,7 +58,10 @@ def test_info_of_a_shipped_recording():
 
 def test_info_tells_every_defect_and_segment(tmp_path):
     table = rows(TRACK)
-    path = write(tmp_path / "two.csv", [*table[:60], *table[:30], *([repr(float(r[0]) + 2), *r[1:]] for r in table[30:]), ["9", "9"]])
+    path = write(
+        tmp_path / "two.csv",
+        [*table[:60], *table[:30], *([repr(float(r[0]) + 2), *r[1:]] for r in table[30:]), ["9", "9"]],
+    )
     text = run("info", path)
     loaded = load_trace(path)
     assert {d.kind for d in loaded.defects} == {"last-row-cut", "clock-restart", "unit-guessed", "gap"}
@@ -82,7 +94,23 @@ def test_convert_writes_a_clean_trace(tmp_path, to):
 def test_convert_takes_the_overrides(tmp_path):
     path = write(tmp_path / "in.txt", [r[1:] for r in rows(TRACK, "wxyz")], header="x,y,z,q0,q1,q2,q3")
     out = tmp_path / "out.csv"
-    run("convert", path, out, "--rate", 60, "--quat-order", "wxyz", "--scale", 2, "--up", "y", "--format", "named", "--segment", 1)
+    run(
+        "convert",
+        path,
+        out,
+        "--rate",
+        60,
+        "--quat-order",
+        "wxyz",
+        "--scale",
+        2,
+        "--up",
+        "y",
+        "--format",
+        "named",
+        "--segment",
+        1,
+    )
     assert same_motion(load_trace(out).track, TRACK.evolve(position_m=2 * TRACK.position_m))
     text = out.read_text()
     assert "--rate" in text.split("time_ns")[0]  # what was done is told in the file too
@@ -135,7 +163,9 @@ def test_places_that_cannot_be_written(tmp_path):
 
 def test_wrong_names_get_the_nearest_known_one(tmp_path):
     assert "did you mean 'euroc'" in refused("convert", "walk", tmp_path / "o", "--to", "eurok")
-    assert "read, not written: wanted one of euroc, native, tum" in refused("convert", "walk", tmp_path / "o", "--to", "questset")
+    assert "read, not written: wanted one of euroc, native, tum" in refused(
+        "convert", "walk", tmp_path / "o", "--to", "questset"
+    )
     assert "did you mean 'reversals'" in refused("synth", "reversal", "--out", tmp_path / "o")
     assert "did you mean 'still'" in refused("info", "stil")
     assert list(tmp_path.iterdir()) == []

@@ -43,7 +43,9 @@ def test_a_sample_comes_back():
         assert np.allclose(sample.pose.orientation_xyzw, TRACK.orientation_xyzw[i], rtol=0, atol=3e-16)
 
 
-@pytest.mark.parametrize(("t", "index"), [(-1, 0), (-(10**30), 0), (510_000_001, 4), (10**30, 4), (20_000_001, 2), (499_999_999, 2)])
+@pytest.mark.parametrize(
+    ("t", "index"), [(-1, 0), (-(10**30), 0), (510_000_001, 4), (10**30, 4), (20_000_001, 2), (499_999_999, 2)]
+)
 def test_outside_and_within_gaps_the_pose_is_held(t, index):
     sample = GAPPED.at(t)
     assert sample.origin is Origin.HELD

@@ -16,7 +16,9 @@ def head(n: int = 200, rate_hz: float = 60.0) -> PoseTrack:
     t = np.arange(n) / rate_hz
     angles = np.stack([0.5 + 0.8 * np.sin(t), 0.2 + 0.3 * np.sin(1.7 * t), 0.1 * np.sin(0.9 * t)], axis=1)
     place = np.stack([0.1 + 0.2 * np.sin(0.5 * t), 1.6 + 0.02 * np.sin(5 * t), -0.3 * np.cos(0.4 * t)], axis=1)
-    return PoseTrack(np.rint(t * 1e9).astype(np.int64), place, Rotation.from_euler("YXZ", angles).as_quat(), name="test")
+    return PoseTrack(
+        np.rint(t * 1e9).astype(np.int64), place, Rotation.from_euler("YXZ", angles).as_quat(), name="test"
+    )
 
 
 def rows(track: PoseTrack, order: str = "xyzw", stamp=lambda ns: repr(ns / 1e9)) -> list[list[str]]:
@@ -24,11 +26,15 @@ def rows(track: PoseTrack, order: str = "xyzw", stamp=lambda ns: repr(ns / 1e9))
     columns = ["xyzw".index(c) for c in order]
     return [
         [stamp(int(t)), *map(repr, p), *map(repr, q)]
-        for t, p, q in zip(track.time_ns, track.position_m.tolist(), track.orientation_xyzw[:, columns].tolist(), strict=True)
+        for t, p, q in zip(
+            track.time_ns, track.position_m.tolist(), track.orientation_xyzw[:, columns].tolist(), strict=True
+        )
     ]
 
 
-def write(path: Path, table: list[list[str]], header: str = "time,x,y,z,qx,qy,qz,qw", separator: str = ",", end: str = "\n") -> Path:
+def write(
+    path: Path, table: list[list[str]], header: str = "time,x,y,z,qx,qy,qz,qw", separator: str = ",", end: str = "\n"
+) -> Path:
     """A text file of that table."""
     lines = ([header] if header else []) + [separator.join(r) for r in table]
     path.write_bytes(("\n".join(lines) + end).encode())

@@ -41,8 +41,12 @@ def test_a_quad_is_two_triangles(seed):
     rays = np.concatenate([rng.normal(0, 0.3, (40, 2)), -np.ones((40, 1))], axis=1)
     quad, triangles = cast_quads([(centre, right, up)], EYE, rays), cast_triangles([(a, b, c), (a, c, d)], EYE, rays)
     wide = cast_quads([(centre, right * 1.001, up * 1.001)], EYE, rays)
-    clear = (np.abs(wide.uv).max(axis=1) < 0.999 - 1e-6) | (wide.shape < 0)  # a ray on the very border may round to either side
-    clear &= (wide.cosine > 1e-3) & (np.linalg.norm(np.cross(right, up)) > 1e-2)  # seen edge-on, the crossing is lost in rounding
+    clear = (np.abs(wide.uv).max(axis=1) < 0.999 - 1e-6) | (
+        wide.shape < 0
+    )  # a ray on the very border may round to either side
+    clear &= (wide.cosine > 1e-3) & (
+        np.linalg.norm(np.cross(right, up)) > 1e-2
+    )  # seen edge-on, the crossing is lost in rounding
     # The diagonal belongs to both triangles; a seam between them would be a miss here.
     assert ((quad.shape >= 0) == (triangles.shape >= 0))[clear].all()
     assert np.allclose(quad.inverse_depth[clear], triangles.inverse_depth[clear], rtol=1e-8, atol=1e-12)

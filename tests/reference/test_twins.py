@@ -133,7 +133,9 @@ def test_the_tolerance_covers_a_moved_look(seed, error):
 # --- the warps -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("twin", [gather.none, gather.rotation, gather.planar, scatter.forward], ids=lambda t: t.__name__)
+@pytest.mark.parametrize(
+    "twin", [gather.none, gather.rotation, gather.planar, scatter.forward], ids=lambda t: t.__name__
+)
 def test_an_unmoved_eye_sees_the_picture_itself(twin):
     picture, depth = random_picture(1, (9, 7)), np.random.default_rng(2).uniform(0, 2, (7, 9))
     got = twin(Asked(picture, depth, STRAIGHT, STRAIGHT, (9, 7)))
@@ -277,7 +279,9 @@ def test_a_quad_is_two_triangles(seed):
     corners = [centre - right - up, centre + right - up, centre + right + up, centre - right + up]
     rays = np.append(rng.normal(scale=0.5, size=(60, 2)), np.full((60, 1), -1.0), axis=1)
     as_quad = cast_quads([[centre, right, up]], np.zeros(3), rays)
-    as_triangles = cast_triangles([[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]], np.zeros(3), rays)
+    as_triangles = cast_triangles(
+        [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]], np.zeros(3), rays
+    )
     sure = (np.abs(np.abs(as_quad.uv) - 1).min(axis=1) > 1e-9) | (as_quad.shape < 0)
     # Edge-on quads magnify rounding: leave those out.
     sure &= as_quad.cosine > 1e-3

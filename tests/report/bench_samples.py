@@ -16,7 +16,11 @@ WARPS = {
     "mesh": (160.0, 0.07, 0.031), "mesh_adaptive": (21.0, 0.071, 0.031), "multi": (15.3, 0.058, 0.012), "layered": (24.0, 0.049, 0.006),
 }  # fmt: skip
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")
-MACHINE = {"gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)", "gl_version": "4.5 (Core Profile) Mesa 22.3.6", "cpu_count": 2}
+MACHINE = {
+    "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
+    "gl_version": "4.5 (Core Profile) Mesa 22.3.6",
+    "cpu_count": 2,
+}
 
 
 def _dice(*key: object) -> np.random.Generator:
@@ -24,7 +28,11 @@ def _dice(*key: object) -> np.random.Generator:
 
 
 def a_row(
-    warp: str = "forward", fill: str = "interpolate", trace: str = "look-around", latency_ms: float = 200.0, **changes: Any
+    warp: str = "forward",
+    fill: str = "interpolate",
+    trace: str = "look-around",
+    latency_ms: float = 200.0,
+    **changes: Any,
 ) -> dict[str, Any]:
     """One row of the bench; the same arguments give the same row."""
     ms, flip, holes = WARPS.get(warp.partition(":")[0], (5.0, 0.1, 0.02))
@@ -86,7 +94,9 @@ def a_grid(warps: Sequence[str] = tuple(WARPS)) -> list[dict[str, Any]]:
             turning = axis in ("yaw", "pitch", "roll")
             for step in np.linspace(-1, 1, 7):
                 free = turning and warp != "none"
-                error = (0.01 + flip * (0.4 if free else 1.6) * abs(step) ** 0.8) * (1 + 0.02 * _dice(warp, axis, step).standard_normal())
+                error = (0.01 + flip * (0.4 if free else 1.6) * abs(step) ** 0.8) * (
+                    1 + 0.02 * _dice(warp, axis, step).standard_normal()
+                )
                 rows.append({
                     "warp": warp, "axis": axis, "offset": float(step * (30 if turning else 0.3)), "psnr_db": 40 - 60 * error, "flip": error,
                     "hole_share": holes * abs(step),

@@ -61,6 +61,13 @@ def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
     for i in range(count):
         truth, late, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
         error = np.abs(warped.astype(int) - truth).max(axis=-1).astype(np.uint8)
-        values = {"psnr_db": 20.1 + i, "ssim": 0.7, "flip": 0.2 - 0.02 * i, "hole_share": 0.031, "border_share": 0.02, "flicker": None}
+        values = {
+            "psnr_db": 20.1 + i,
+            "ssim": 0.7,
+            "flip": 0.2 - 0.02 * i,
+            "hole_share": 0.031,
+            "border_share": 0.02,
+            "flicker": None,
+        }
         frames.append(WorstFrame(3.2 * i + 1, i % 2, tuple(comparison_panels(late, warped, truth, error)), values))
     return frames

@@ -47,12 +47,18 @@ def test_every_chart_takes_its_colours_from_the_page_and_shares_no_ids():
     for name, text in all_charts():
         root = ElementTree.fromstring(text)
         assert "viewBox" in root.attrib and not {"width", "height"} & set(root.attrib), name
-        assert set(re.findall(r"var\((--[\w-]+)\)", text)) <= variables and not re.findall(r"#0[0-9a-f]0\w{3}\b", text), name
-        assert set(re.findall(r"(?:fill|stroke): (#\w+)", text)) <= {"#000000", "#ffffff"}, name  # markers' defaults, overridden on use
+        assert set(re.findall(r"var\((--[\w-]+)\)", text)) <= variables and not re.findall(
+            r"#0[0-9a-f]0\w{3}\b", text
+        ), name
+        assert set(re.findall(r"(?:fill|stroke): (#\w+)", text)) <= {"#000000", "#ffffff"}, (
+            name
+        )  # markers' defaults, overridden on use
         assert "<style" not in text and "http" not in text.replace("http://www.w3.org", ""), name
         ids = set(re.findall(r' id="([^"]+)"', text))
         assert not ids & seen, name
-        assert set(re.findall(r"url\(#(\w+)\)|href=\"#(\w+)\"", text)) <= {(i, "") for i in ids} | {("", i) for i in ids}, name
+        assert set(re.findall(r"url\(#(\w+)\)|href=\"#(\w+)\"", text)) <= {(i, "") for i in ids} | {
+            ("", i) for i in ids
+        }, name
         seen |= ids
 
 
@@ -60,7 +66,9 @@ def test_every_point_has_its_name_and_fills_their_key():
     for measure in ("flip", "psnr_db"):
         found = words(pareto_chart(one_case(), measure))
         # The fills of one warp that nearly coincide share a name.
-        assert [name for name in WARPS if found.count(name) not in (1, 2)] == [] and sum(found.count(name) for name in WARPS) > 20
+        assert [name for name in WARPS if found.count(name) not in (1, 2)] == [] and sum(
+            found.count(name) for name in WARPS
+        ) > 20
         assert {"fill none", "fill interpolate"} <= set(found)
 
 
@@ -95,20 +103,30 @@ def test_odd_values_can_be_drawn():
     perfect = {name: {"mean": value, "p95": value} for name, value in (("flip", 0.0), ("psnr_db", 100.0))}
     for time in (0.0, 1e-9, 7.0, 1e5):
         times = {"total": {"median": time, "p95": time}}
-        rows = [a_row(w, quality={**a_row()["quality"], **perfect}, time_ms={**a_row()["time_ms"], **times}) for w in ("none", "mesh")]
+        rows = [
+            a_row(w, quality={**a_row()["quality"], **perfect}, time_ms={**a_row()["time_ms"], **times})
+            for w in ("none", "mesh")
+        ]
         (case,) = cases([*rows, a_row("backward")])
         for measure in ("flip", "psnr_db"):
             assert words(pareto_chart(case, measure)).count("mesh") == 1
     nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in ("holes", "edges", "elsewhere")}
     assert "forward" in words(regions_chart(cases([a_row(regions=nothing, fill="none")])[0]))
     flat = [{"warp": "mesh", "axis": "x", "offset": x, "flip": 0.0, "psnr_db": 100.0} for x in (-1.0, 0.0, 1.0)]
-    assert "mesh" in words(displacement_chart(flat, "x")) and "mesh" in words(displacement_chart(flat[:1], "x", "psnr_db"))
+    assert "mesh" in words(displacement_chart(flat, "x")) and "mesh" in words(
+        displacement_chart(flat[:1], "x", "psnr_db")
+    )
 
 
 def test_names_are_text_whatever_they_hold():
     rows = [a_row(NASTY, fill=NASTY), a_row()]
     grid = [{"warp": NASTY, "axis": "x", "offset": x, "flip": 0.1, "psnr_db": 30.0} for x in (-1.0, 1.0)]
-    for text in (pareto_chart(cases(rows)[0]), regions_chart(cases(rows)[0]), traffic_chart(traffic(rows)), displacement_chart(grid, "x")):
+    for text in (
+        pareto_chart(cases(rows)[0]),
+        regions_chart(cases(rows)[0]),
+        traffic_chart(traffic(rows)),
+        displacement_chart(grid, "x"),
+    ):
         assert "<b>" not in text and any(NASTY in word for word in words(text))
 
 
@@ -116,7 +134,9 @@ def test_a_spec_with_settings_looks_like_its_warp():
     specs = ["mesh", "mesh:cut=slope", "mesh:cut=identity", "new_warp"]
     assert {PAGE.warp(spec) for spec in specs[:3]} == {PAGE.warp("mesh")} != {PAGE.warp("forward")}
     assert len({str(dash) for dash in list(dashes_of(specs).values())[:3]}) == 3
-    assert PAGE.warp("new_warp").startswith("#") and PAPER.warp("new_warp").startswith("#") and warp_of("a:b=1,c=2") == "a"
+    assert (
+        PAGE.warp("new_warp").startswith("#") and PAPER.warp("new_warp").startswith("#") and warp_of("a:b=1,c=2") == "a"
+    )
     assert "mesh:" in words(pareto_chart(cases([a_row(spec) for spec in specs])[0]))
 
 
@@ -124,7 +144,10 @@ def test_markers_do_not_depend_on_who_else_is_there_for_known_fills_and_never_co
     fills = [f"fill-{letter}" for letter in "abcdefgh"]
     chosen = markers_of(["interpolate", *fills, "none"])
     assert len(set(chosen.values())) == 10
-    assert markers_of(["none"])["none"] == chosen["none"] and markers_of(["interpolate"])["interpolate"] == chosen["interpolate"]
+    assert (
+        markers_of(["none"])["none"] == chosen["none"]
+        and markers_of(["interpolate"])["interpolate"] == chosen["interpolate"]
+    )
 
 
 def luminance(colour: str) -> float:
@@ -173,16 +196,25 @@ def test_what_was_not_displaced_is_told():
 def test_regions_add_up_to_the_whole():
     row = a_row()
     added, within = zip(*region_parts(row), strict=True)
-    assert sum(added) == pytest.approx(sum(r["share"] * r["flip"] for r in row["regions"].values())) and len(within) == 3
+    assert (
+        sum(added) == pytest.approx(sum(r["share"] * r["flip"] for r in row["regions"].values())) and len(within) == 3
+    )
     assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"holes": {}})) is None
     assert "not measured" in words(regions_chart(cases([a_row(regions={})])[0]))
 
 
 def test_each_pass_once_for_each_size():
-    rows = [*some_rows(), a_row(size=[640, 400]), a_row("none", passes=[{"name": "warp", "bytes": 0, "bound_ms": 0.0, "median_ms": 1.0}])]
+    rows = [
+        *some_rows(),
+        a_row(size=[640, 400]),
+        a_row("none", passes=[{"name": "warp", "bytes": 0, "bound_ms": 0.0, "median_ms": 1.0}]),
+    ]
     found = traffic(rows)
     assert len(found) == len(WARPS) + 2 + 3  # the fill `none` has no pass
-    assert {entry.kind for entry in found} == {"warp", "fill", "lens"} and {entry.size for entry in found} == {"1280x800", "640x400"}
+    assert {entry.kind for entry in found} == {"warp", "fill", "lens"} and {entry.size for entry in found} == {
+        "1280x800",
+        "640x400",
+    }
     assert all(entry.times_bound == entry.median_ms / entry.bound_ms for entry in found if entry.bound_ms)
     assert "not measured" in words(traffic_chart([])) and "lens radial" in words(traffic_chart(found))
     assert traffic([a_row(passes=[{"name": "warp", "bytes": 0, "bound_ms": None, "median_ms": None}])]) == []

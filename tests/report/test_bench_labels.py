@@ -15,7 +15,9 @@ def placed(points, sizes):
     return np.concatenate([corners, corners + sizes], axis=1)
 
 
-@pytest.mark.parametrize("count, spread_of_points", [(0, 0.1), (1, 0.1), (15, 0.05), (30, 0.1), (15, 0.2), (30, 0.2), (45, 0.2)])
+@pytest.mark.parametrize(
+    "count, spread_of_points", [(0, 0.1), (1, 0.1), (15, 0.05), (30, 0.1), (15, 0.2), (30, 0.2), (45, 0.2)]
+)
 def test_labels_cover_nothing(count, spread_of_points):
     """As many as the bench has, from crowded to loose: 45 names of these sizes fill a quarter of the area."""
     rng = np.random.default_rng(count)
@@ -25,7 +27,9 @@ def test_labels_cover_nothing(count, spread_of_points):
     own = np.eye(count, dtype=bool)
     assert not (boxes_touch(boxes, boxes) & ~own).any()
     assert (boxes[:, :2] >= 0).all() and (boxes[:, 2:] <= AREA).all()
-    if spread_of_points < 0.2:  # dozens of markers, 8 wide, within a tenth of the area: their leaders may have to pass a label
+    if (
+        spread_of_points < 0.2
+    ):  # dozens of markers, 8 wide, within a tenth of the area: their leaders may have to pass a label
         return
     assert not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any()
     tips = np.concatenate([np.zeros((0, 2)), *(leaders(points[[i]], boxes[[i]])[1] for i in range(count))])
@@ -60,13 +64,19 @@ def test_a_label_of_several_points_stands_beside_one_of_them_and_covers_none():
     boxes = np.concatenate([corners, corners + (60, 11)], axis=1)
     starts, tips = leaders(points, boxes[:1])
     assert np.linalg.norm(starts - tips) < 8 and starts[0] in points
-    assert not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any() and not boxes_touch(boxes[:1], boxes[1:]).any()
+    assert (
+        not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any()
+        and not boxes_touch(boxes[:1], boxes[1:]).any()
+    )
 
 
 def test_points_of_one_name_share_it_only_if_they_are_near():
     points = np.array([[0.0, 0], [5, 0], [50, 0], [10, 0], [5, 1]])
     assert groups_of(["a", "a", "a", "a", "b"], points, 6) == [[0, 1, 3], [2], [4]]
-    assert groups_of(["a", "a", "a"], np.array([[0.0, 0], [10, 0], [5, 0]]), 6) == [[0, 1, 2]] and groups_of([], points[:0], 6) == []
+    assert (
+        groups_of(["a", "a", "a"], np.array([[0.0, 0], [10, 0], [5, 0]]), 6) == [[0, 1, 2]]
+        and groups_of([], points[:0], 6) == []
+    )
 
 
 COORDINATES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
@@ -76,7 +86,9 @@ COORDINATES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
 def test_segments_through_a_box(start, end):
     """Against many points along the segment; the box has half-integer sides, so that none of them is a matter of rounding."""
     start, end, box = np.array([start], float), np.array([end], float), np.array([[-1.5, -0.5, 2.5, 1.5]])
-    along = start + (end - start) * np.linspace(0, 1, 1681)[:, None]  # every crossing of a half-integer line lies between two of these
+    along = (
+        start + (end - start) * np.linspace(0, 1, 1681)[:, None]
+    )  # every crossing of a half-integer line lies between two of these
     within = ((along > box[0, :2]) & (along < box[0, 2:])).all(axis=1).any()
     hit = segments_hit(start, end, box)[0, 0]
     assert hit or not within

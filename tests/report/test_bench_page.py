@@ -38,13 +38,52 @@ def text() -> str:
 
 def test_everything_is_on_the_page(text):
     page, data = Page(text), a_small_bench()
-    wanted = [COMMAND, "The trace is <short>.", "6 warps × 2 fills", "in 2 cases", "look-around", "200 ms and 800 ms", "scene room"]
-    wanted += ["llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "wall clock around finished GPU work", "– / 4.18", "9.7 GB/s", "7.2 min"]
-    wanted += ["within 20 ms per eye", "backward + interpolate", "steps 3", "16.70 ms", "multi + interpolate", "22 % of the FLIP error"]
-    wanted += ["+1.10 dB, +10.60 ms", "The GPU timer answers 1 ns", "look-around, 800 ms", "How to read this", "1280x800"]
+    wanted = [
+        COMMAND,
+        "The trace is <short>.",
+        "6 warps × 2 fills",
+        "in 2 cases",
+        "look-around",
+        "200 ms and 800 ms",
+        "scene room",
+    ]
+    wanted += [
+        "llvmpipe (LLVM 15.0.6, 256 bits)",
+        "Mesa 22.3.6",
+        "wall clock around finished GPU work",
+        "– / 4.18",
+        "9.7 GB/s",
+        "7.2 min",
+    ]
+    wanted += [
+        "within 20 ms per eye",
+        "backward + interpolate",
+        "steps 3",
+        "16.70 ms",
+        "multi + interpolate",
+        "22 % of the FLIP error",
+    ]
+    wanted += [
+        "+1.10 dB, +10.60 ms",
+        "The GPU timer answers 1 ns",
+        "look-around, 800 ms",
+        "How to read this",
+        "1280x800",
+    ]
     wanted += ["iterative: seed=forward, steps=3"]  # in pieces that a narrow screen may break
-    wanted += ["best no slower than forward + interpolate", "FLIP at the worse end of each axis", "±0.3 m", "±30 °", "1.70", "0.93"]
-    wanted += [COLUMNS[name].text(row) for row in data["rows"] for name in ("total_ms", "flip", "psnr_db", "mismatch", "edges_flip")]
+    wanted += [
+        "best no slower than forward + interpolate",
+        "FLIP at the worse end of each axis",
+        "±0.3 m",
+        "±30 °",
+        "1.70",
+        "0.93",
+    ]
+    wanted += [
+        COLUMNS[name].text(row)
+        for row in data["rows"]
+        for name in ("total_ms", "flip", "psnr_db", "mismatch", "edges_flip")
+    ]
     assert [word for word in wanted if word not in page.text] == []
     # Per case error against time twice (FLIP, PSNR) and regions; six axes twice; memory traffic.
     assert page.tags.count("svg") == 2 * 3 + 12 + 1
@@ -68,7 +107,11 @@ def test_the_tables_can_be_read_without_seeing_them(text):
 
 def test_nothing_is_fetched(text):
     page = Page(text)
-    addresses = [v for _, name, v in page.attributes if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}]
+    addresses = [
+        v
+        for _, name, v in page.attributes
+        if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}
+    ]
     assert addresses and all(a.startswith("#") for a in addresses)
     assert not {"script", "link", "iframe", "object", "embed", "img"} & set(page.tags)
     ids = [value for _, name, value in page.attributes if name == "id"]
@@ -82,30 +125,55 @@ def everything_nasty(value, nasty: str):
     """The same data with each text in it, but for the few that mean something to the page, made nasty."""
     if isinstance(value, dict):
         kept = ("clock", "axis", "name")
-        return {key: entry if key in kept and isinstance(entry, str) else everything_nasty(entry, nasty) for key, entry in value.items()}
+        return {
+            key: entry if key in kept and isinstance(entry, str) else everything_nasty(entry, nasty)
+            for key, entry in value.items()
+        }
     if isinstance(value, list):
         return [everything_nasty(entry, nasty) for entry in value]
     return f"{nasty}{value}" if isinstance(value, str) else value
 
 
-@pytest.mark.parametrize("nasty", ["<script>alert(1)</script>", "</code></style><i>", '" onload="x', "$x_1$ {{ 7*7 }} --> ]]> &amp; 漢字 "])
+@pytest.mark.parametrize(
+    "nasty", ["<script>alert(1)</script>", "</code></style><i>", '" onload="x', "$x_1$ {{ 7*7 }} --> ]]> &amp; 漢字 "]
+)
 def test_what_the_input_holds_is_text_not_markup(nasty):
     rows = [a_row(warp, fill, notes=["odd"]) for warp in ("none", "forward") for fill in ("none", "interpolate")]
     data = everything_nasty(a_bench(rows=rows, grid=a_grid(("none", "mesh")), notes=["a note"]), nasty)
     data["rows"][0] = {**data["rows"][0], "effects": [nasty]}
     text = render_bench_page(data)
     page = Page(text)
-    assert not {"script", "i"} & set(page.tags) and not [name for _, name, _ in page.attributes if name.startswith("on")]
+    assert not {"script", "i"} & set(page.tags) and not [
+        name for _, name, _ in page.attributes if name.startswith("on")
+    ]
     found = page.text
     shown = " ".join(nasty.split())
-    expected = ("hmdwarp bench --budget", "look-around", "forward", "interpolate", "llvmpipe", "a note", "odd", "The GPU timer")
+    expected = (
+        "hmdwarp bench --budget",
+        "look-around",
+        "forward",
+        "interpolate",
+        "llvmpipe",
+        "a note",
+        "odd",
+        "The GPU timer",
+    )
     assert [word for word in expected if f"{shown}{word}" not in found.replace(f"{shown} ", shown)] == []
 
 
 def test_without_anything_that_may_be_missing():
     row = a_row(**aggregate([]), regions={}, mismatch=None, passes=[])
     for rows in ([], [row], [row, a_row("none", regions={}, passes=[])]):
-        data = {"rows": rows, "schema": 1, "hmdwarp": "0.1.0", "machine": None, "clock": "wall", "clocks": None, "grid": [], "choice": None}
+        data = {
+            "rows": rows,
+            "schema": 1,
+            "hmdwarp": "0.1.0",
+            "machine": None,
+            "clock": "wall",
+            "clocks": None,
+            "grid": [],
+            "choice": None,
+        }
         text = render_bench_page(data)
         found = Page(text).text
         absent = ("Where the error lies", "Fused with", "Memory traffic", "displacement", "most accurate within")
@@ -116,7 +184,9 @@ def test_without_anything_that_may_be_missing():
 def test_a_budget_that_nothing_beats_and_other_forms_of_settings():
     choice = {**a_bench()["choice"], "next": None, "settings": "steps=2", "guard": 1.5, "psnr_db": None}
     found = Page(render_bench_page(a_bench(rows=[a_row()], grid=[], fused=[], choice=choice))).text
-    assert "Nothing measured is more accurate" in found and "settings steps=2, guard 1.5" in found and "PSNR – dB" in found
+    assert (
+        "Nothing measured is more accurate" in found and "settings steps=2, guard 1.5" in found and "PSNR – dB" in found
+    )
 
 
 def test_what_was_not_measured_in_every_case_says_where():
@@ -134,7 +204,10 @@ def test_the_clients_own_depth_is_a_pass_with_one_name():
 
 
 def test_notes_of_rows_are_told_once():
-    rows = [a_row("mesh", notes=["odd", "rare"]), *(a_row(warp, notes=["odd"]) for warp in ("none", "forward", "backward"))]
+    rows = [
+        a_row("mesh", notes=["odd", "rare"]),
+        *(a_row(warp, notes=["odd"]) for warp in ("none", "forward", "backward")),
+    ]
     found = Page(render_bench_page(a_bench(rows=rows, grid=[]))).text
     assert "odd (4 combinations)" in found and "rare (mesh + interpolate, look-around, 200 ms)" in found
 
@@ -187,7 +260,10 @@ def test_whole_quiet_and_alone_in_chromium(text, width, dark, tmp_path):
     found = json.loads(html.unescape(match[1]))
     assert [line for line in done.stderr.splitlines() if PAGE_MESSAGE.search(line)] == []
     assert found["faults"] == [] and found["requests"] == [] and found["stars"] > 4
-    assert found["before"] == [8, 0] and found["after"] == [0, 8]  # two cases and six axes, by FLIP until PSNR is chosen
+    assert found["before"] == [8, 0] and found["after"] == [
+        0,
+        8,
+    ]  # two cases and six axes, by FLIP until PSNR is chosen
     assert len(found["charts"]) == 8 + 2 + 1 and all(w > 300 and h > 100 for w, h in found["charts"])
     assert found["wider"] <= 0  # tables and charts scroll in their own boxes
     darkness = sum(map(int, re.findall(r"\d+", found["paper"])[:3]))

@@ -30,7 +30,11 @@ def body(text: str) -> list[str]:
 @pytest.mark.parametrize("width", [60, 80, 100, 140])
 def test_fits_and_no_number_is_cut(width, warps):
     rows = some_rows(warps, latencies=(200.0, 800.0))
-    rows[0] = a_row("none", "none", time_ms={stage: {"median": 12345.678, "p95": 23456.789} for stage in ("warp", "fill", "lens", "total")})
+    rows[0] = a_row(
+        "none",
+        "none",
+        time_ms={stage: {"median": 12345.678, "p95": 23456.789} for stage in ("warp", "fill", "lens", "total")},
+    )
     text = printed(rows, width)
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text and len(body(text)) == len(rows)
@@ -42,7 +46,9 @@ def test_fits_and_no_number_is_cut(width, warps):
 def test_columns_are_given_up_in_order_and_told():
     rows = some_rows()
     wide, narrow = printed(rows, 100), printed(rows, 70)
-    assert "left out" not in wide and all(word in wide for word in ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP"))
+    assert "left out" not in wide and all(
+        word in wide for word in ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP")
+    )
     assert "left out, for they do not fit: p95" in narrow and "FLIP" in narrow and "holes%" in narrow
     assert len(body(printed(rows, 48))) == len(rows)  # the least there is: warp, fill, ms and FLIP
 
@@ -54,7 +60,9 @@ def test_each_case_begins_with_its_best_and_marks_its_front():
         start = next(i for i, line in enumerate(lines) if line.strip() == case.label) + 1
         block = lines[start : start + len(case.rows)]
         flips = [COLUMNS["flip"].text(row) for row in case.ordered()]
-        assert flips == sorted(flips) and [flip in line for flip, line in zip(flips, block, strict=True)] == [True] * len(block)
+        assert flips == sorted(flips) and [flip in line for flip, line in zip(flips, block, strict=True)] == [
+            True
+        ] * len(block)
         best = {id(row) for row in case.front()}
         assert [line.startswith("*") for line in block] == [id(row) in best for row in case.ordered()]
         assert 1 < len(best) < len(block)
@@ -88,7 +96,9 @@ def test_names_are_no_markup():
 
 def test_markdown_has_the_rows_as_given():
     rows = some_rows(("none", "backward"), ("none",), ("walk",), (200.0,))
-    text = markdown_table(rows, ["trace", "latency_ms", "warp", "total_ms", "flip", "hole_share", "edges_flip"], mark="flip")
+    text = markdown_table(
+        rows, ["trace", "latency_ms", "warp", "total_ms", "flip", "hole_share", "edges_flip"], mark="flip"
+    )
     head, rule, *lines = text.splitlines()
     assert head == "| recording | latency ms | warp | time ms | FLIP | holes % | FLIP edges |"
     assert rule == "| --- | ---: | --- | ---: | ---: | ---: | ---: |"

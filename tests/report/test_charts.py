@@ -51,7 +51,11 @@ def test_svg_takes_its_colours_from_the_page_and_its_width_too():
     text = svg(None, "forward", "<none> & co")
     root = ElementTree.fromstring(text)
     assert root.tag.endswith("svg") and "viewBox" in root.attrib and not {"width", "height"} & set(root.attrib)
-    assert not re.findall(r"#0[0-9]0[0-9]0[0-9]", text) and "<style" not in text and "http" not in text.replace("http://www.w3.org", "")
+    assert (
+        not re.findall(r"#0[0-9]0[0-9]0[0-9]", text)
+        and "<style" not in text
+        and "http" not in text.replace("http://www.w3.org", "")
+    )
     for variable in ("--chart-ink", "--chart-grid", "--series-1", "--series-2"):
         assert f"var({variable})" in text
     words = {"".join(node.itertext()) for node in root.iter("{http://www.w3.org/2000/svg}text")}

@@ -44,7 +44,9 @@ def test_writes_and_replaces(write, tmp_path):
 
 
 @pytest.mark.parametrize("write", WRITES)
-@pytest.mark.parametrize("code, kind", [(errno.ENOSPC, MachineError), (errno.EDQUOT, MachineError), (errno.EROFS, InputError)])
+@pytest.mark.parametrize(
+    "code, kind", [(errno.ENOSPC, MachineError), (errno.EDQUOT, MachineError), (errno.EROFS, InputError)]
+)
 def test_a_failed_write_leaves_the_old_file(write, code, kind, tmp_path, monkeypatch):
     path = tmp_path / "out"
     path.write_bytes(b"old")

@@ -15,7 +15,16 @@ from hmdwarp.report.schema import validate_summary
 from .samples import a_summary
 from .test_page import CHROMIUM, in_chromium
 
-NAMES = ("age_ms", "pose_age_ms", "period_ms", "busy_ms", "angular_speed_deg_s", "linear_speed_m_s", "hole_share/0", "hole_share/1")
+NAMES = (
+    "age_ms",
+    "pose_age_ms",
+    "period_ms",
+    "busy_ms",
+    "angular_speed_deg_s",
+    "linear_speed_m_s",
+    "hole_share/0",
+    "hole_share/1",
+)
 
 REFRESH = {"render": (3.0, 4.0), "warp": (2.5,), "fill": (1.0,), "effects": (0.0,), "lens": (1.0,), "total": (7.5,)}
 
@@ -34,8 +43,17 @@ def a_live_summary(**changes) -> dict:
         "notices": {"tracking lost": 12}, "lost": [],
         "garbage_collector": {"between": True, "collections": [1001, 0, 0], "total_ms": 12.0, "longest_ms": 0.4}, "sampled_every": 1,
     }  # fmt: skip
-    figures = aggregate([{"warp_ms": 1.25, "fill_ms": 0.5, "effects_ms": 0.0, "lens_ms": 0.5, "total_ms": 2.25, "hole_share": 0.0213}])
-    return {**a_summary(), **figures, "clock": "gpu", "rate_hz": 80.0, "notes": ["A <note>."], "live": {**live, **changes}}
+    figures = aggregate(
+        [{"warp_ms": 1.25, "fill_ms": 0.5, "effects_ms": 0.0, "lens_ms": 0.5, "total_ms": 2.25, "hole_share": 0.0213}]
+    )
+    return {
+        **a_summary(),
+        **figures,
+        "clock": "gpu",
+        "rate_hz": 80.0,
+        "notes": ["A <note>."],
+        "live": {**live, **changes},
+    }
 
 
 def a_column(count=300, holes=True):
@@ -64,7 +82,9 @@ def test_the_lines_say_what_counts():
 
 def test_what_was_not_measured_is_not_told():
     nothing = {name: pair(None) for name in ("render", "warp", "fill", "effects", "lens", "total")}
-    summary = a_live_summary(pose_age_ms=pair(None), period_ms=pair(None), refresh_ms=nothing, refreshes=1, missed=0, seconds=0.0)
+    summary = a_live_summary(
+        pose_age_ms=pair(None), period_ms=pair(None), refresh_ms=nothing, refreshes=1, missed=0, seconds=0.0
+    )
     told = live_lines({**summary, **aggregate([])}, None)
     assert told[0] == "shown                   1 picture in 0.0 s; none missed"
     assert [line[:17].strip() for line in told] == ["shown", "frames are old by", "note: A <note>."]
@@ -76,11 +96,23 @@ def test_a_refresh_is_weighed_against_its_budget():
 
 
 def test_the_page_says_it_too_and_escapes():
-    page = render_live_report(a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="hmdwarp live --out 'a&b'")
-    for text in ("&lt;Monado&gt;", "a&amp;b", "A &lt;note&gt;.", "latency 200 → 250", "60%", "0.9% of 1010", "tracking lost (12×)"):
+    page = render_live_report(
+        a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="hmdwarp live --out 'a&b'"
+    )
+    for text in (
+        "&lt;Monado&gt;",
+        "a&amp;b",
+        "A &lt;note&gt;.",
+        "latency 200 → 250",
+        "60%",
+        "0.9% of 1010",
+        "tracking lost (12×)",
+    ):
         assert text in page, text
     assert page.count("<svg") == 6 and "not measured" not in page
-    assert page == render_live_report(a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="hmdwarp live --out 'a&b'")
+    assert page == render_live_report(
+        a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="hmdwarp live --out 'a&b'"
+    )
 
 
 def test_a_page_of_almost_nothing():

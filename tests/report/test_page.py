@@ -76,9 +76,27 @@ class Page(HTMLParser):
 def test_everything_is_on_the_page():
     page = Page(render())
     summary = a_summary(some_rows(0, seconds=4))
-    wanted = [COMMAND, NOTES[0], "llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "wall clock", "look-around", "rift-dk1", "640×400"]
+    wanted = [
+        COMMAND,
+        NOTES[0],
+        "llvmpipe (LLVM 15.0.6, 256 bits)",
+        "Mesa 22.3.6",
+        "wall clock",
+        "look-around",
+        "rift-dk1",
+        "640×400",
+    ]
     wanted += ["200 ms", "360 frames"]
-    wanted += ["PSNR", "SSIM", "FLIP", "Holes", "Flicker", "How to read this", "4.20 s, right eye", "72 of 720 pictures measured"]
+    wanted += [
+        "PSNR",
+        "SSIM",
+        "FLIP",
+        "Holes",
+        "Flicker",
+        "How to read this",
+        "4.20 s, right eye",
+        "72 of 720 pictures measured",
+    ]
     wanted += [f"{summary['quality']['psnr_db']['mean']:.2f}", f"{summary['time_ms']['total']['p95']:.2f}", "★"]
     assert [word for word in wanted if word not in page.text] == []
     assert page.tags.count("img") == 12 and page.tags.count("svg") == 6
@@ -87,14 +105,22 @@ def test_everything_is_on_the_page():
 def test_nothing_is_fetched():
     """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
     page = Page(render())
-    addresses = [v for _, name, v in page.attributes if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}]
+    addresses = [
+        v
+        for _, name, v in page.attributes
+        if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}
+    ]
     assert addresses and all(a.startswith(("data:image/", "#")) for a in addresses)
     assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags)
     assert set(re.findall(r"url\(([^)]{0,3})", render())) <= {"#" + c + d for c in "p" for d in "0123456789abcdef"}
 
 
 def test_what_the_user_typed_is_text_not_markup():
-    text = render(command="</code><script>alert(1)</script>", notes=["<b>bold</b>"], summary={**a_summary(), "trace": "<i>x</i>.csv"})
+    text = render(
+        command="</code><script>alert(1)</script>",
+        notes=["<b>bold</b>"],
+        summary={**a_summary(), "trace": "<i>x</i>.csv"},
+    )
     assert "<script" not in text and "<b>bold" not in text and "<i>x" not in text
     assert "<b>bold</b>" in Page(text).text
 
@@ -115,13 +141,22 @@ def test_worst_frames_come_from_what_the_pool_kept():
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
     assert [name for name, _ in frame.panels] == ["late frame", "warped", "truth", "error (FLIP)"]
-    assert all(np.array_equal(picture, given) for (_, picture), given in zip(frame.panels, (late, shown, truth), strict=False))
+    assert all(
+        np.array_equal(picture, given) for (_, picture), given in zip(frame.panels, (late, shown, truth), strict=False)
+    )
     assert "0.50 s, right eye" in render(worst=[frame])
 
 
 def test_without_baseline_worst_frames_notes_or_any_measurement():
     rows = [{"frame": 0, "eye": 0, "time_s": 0.0, "angular_speed_deg_s": 1.0, "linear_speed_m_s": 0.0}]
-    text = render(summary={**a_summary(), **aggregate([])}, baseline_summary=None, rows=rows, baseline_rows=None, worst=[], notes=[])
+    text = render(
+        summary={**a_summary(), **aggregate([])},
+        baseline_summary=None,
+        rows=rows,
+        baseline_rows=None,
+        worst=[],
+        notes=[],
+    )
     page = Page(text)
     assert "★" not in page.text and "Worst frames" not in page.text and "What was noticed" not in page.text
     assert page.text.count("not measured") == 4 and "–" in page.text
@@ -134,8 +169,21 @@ def test_the_same_run_gives_the_same_page():
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = [
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
-    *("--disable-component-update", "--disable-sync", "--hide-scrollbars", "--enable-logging=stderr", "--virtual-time-budget=5000"),
+    *(
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+    ),
+    *(
+        "--disable-component-update",
+        "--disable-sync",
+        "--hide-scrollbars",
+        "--enable-logging=stderr",
+        "--virtual-time-budget=5000",
+    ),
 ]
 # Chromium's own remarks on the machine (no D-Bus, no GPU) are no messages of the page.
 PAGE_MESSAGE = re.compile(r":CONSOLE[:(]\d+")
@@ -175,7 +223,9 @@ def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = Fa
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
     assert found, done.stderr[-2000:]
-    return json.loads(html.unescape(found[1])), "\n".join(line for line in done.stderr.splitlines() if PAGE_MESSAGE.search(line))
+    return json.loads(html.unescape(found[1])), "\n".join(
+        line for line in done.stderr.splitlines() if PAGE_MESSAGE.search(line)
+    )
 
 
 @pytest.mark.slow

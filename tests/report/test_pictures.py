@@ -15,7 +15,9 @@ from .samples import a_scene
 def find(strip: np.ndarray, panel: np.ndarray) -> tuple[int, int] | None:
     """Where (row, column) a panel lies in a strip, pixel for pixel."""
     height, width = panel.shape[:2]
-    starts = np.argwhere((strip[: strip.shape[0] - height + 1, : strip.shape[1] - width + 1] == panel[0, 0]).all(axis=-1))
+    starts = np.argwhere(
+        (strip[: strip.shape[0] - height + 1, : strip.shape[1] - width + 1] == panel[0, 0]).all(axis=-1)
+    )
     for row, column in starts:
         if np.array_equal(strip[row : row + height, column : column + width], panel):
             return int(row), int(column)
@@ -78,5 +80,7 @@ def test_png_keeps_every_byte(picture):
 def test_jpeg_is_close_and_small():
     picture = a_scene(size=(640, 400))
     with Image.open(io.BytesIO(jpeg_bytes(picture))) as image:
-        assert np.abs(np.asarray(image).astype(int) - picture).mean() < 3  # steps of the quantiser at quality 90 are 2 to 10
+        assert (
+            np.abs(np.asarray(image).astype(int) - picture).mean() < 3
+        )  # steps of the quantiser at quality 90 are 2 to 10
     assert len(jpeg_bytes(picture)) < picture.size / 4

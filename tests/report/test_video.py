@@ -12,7 +12,16 @@ from hmdwarp.report.video import VideoWriter, available_encoders
 
 av = pytest.importorskip("av")
 
-COLOURS = [(255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255), (0, 0, 0), (128, 128, 128), (200, 100, 50), (12, 200, 220)]
+COLOURS = [
+    (255, 0, 0),
+    (0, 255, 0),
+    (0, 0, 255),
+    (255, 255, 255),
+    (0, 0, 0),
+    (128, 128, 128),
+    (200, 100, 50),
+    (12, 200, 220),
+]
 
 needs_encoder = pytest.mark.skipif(not available_encoders(), reason="this PyAV was built without an H.264 encoder")
 
@@ -116,14 +125,18 @@ def test_without_pictures_there_is_no_file(tmp_path):
 
 
 @needs_encoder
-@pytest.mark.parametrize("picture", [np.zeros((32, 31, 3), np.uint8), np.zeros((32, 32), np.uint8), np.zeros((32, 32, 3))])
+@pytest.mark.parametrize(
+    "picture", [np.zeros((32, 31, 3), np.uint8), np.zeros((32, 32), np.uint8), np.zeros((32, 32, 3))]
+)
 def test_pictures_of_another_kind(picture, tmp_path):
     with pytest.raises(HmdwarpError, match="picture of shape"), VideoWriter(tmp_path / "a.mp4", (32, 32), 30) as writer:
         writer.add(picture)
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("size, rate", [((8, 32), 30), ((32, 32), 0), ((32, 32), -1), ((32, 32), float("nan")), ((32, 32), float("inf"))])
+@pytest.mark.parametrize(
+    "size, rate", [((8, 32), 30), ((32, 32), 0), ((32, 32), -1), ((32, 32), float("nan")), ((32, 32), float("inf"))]
+)
 def test_sizes_and_rates_that_make_no_video(size, rate, tmp_path):
     with pytest.raises(InputError, match="video of"):
         VideoWriter(tmp_path / "a.mp4", size, rate)

@@ -33,6 +33,11 @@ def test_a_summary_that_does_not_say_is_told_as_nothing(rows):
 def test_the_terminal_hears_of_a_plain_run_no_more_than_before():
     summary = a_summary()
     assert len(told_lines(summary)) == 3
-    plain = {"codec": "none", "mbit_s": 100.0, "frames": {"drawn": 10, "sent": 10, "shown": 8, "under_way": 2}, "response_ms": None}
+    plain = {
+        "codec": "none",
+        "mbit_s": 100.0,
+        "frames": {"drawn": 10, "sent": 10, "shown": 8, "under_way": 2},
+        "response_ms": None,
+    }
     assert told_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
     assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]

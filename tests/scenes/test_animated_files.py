@@ -31,9 +31,13 @@ def write_glb(path, channels: dict[str, tuple], *, change=None) -> None:
     index = next(k for k, node in enumerate(header["nodes"]) if node.get("name") == "lift")
     header["nodes"][index].pop("matrix", None)
     header["nodes"][index] |= {"translation": list(map(float, PLACES[0])), "scale": [1.0, 0.5, 1.0]}
-    roots = next(a for a in (header["scenes"][0]["nodes"], *(node.get("children", []) for node in header["nodes"])) if index in a)
+    roots = next(
+        a for a in (header["scenes"][0]["nodes"], *(node.get("children", []) for node in header["nodes"])) if index in a
+    )
     roots.remove(index)
-    header["nodes"].append({"name": "yard", "rotation": [0, HALF, 0, HALF], "translation": [10.0, 0, 0], "children": [index]})
+    header["nodes"].append(
+        {"name": "yard", "rotation": [0, HALF, 0, HALF], "translation": [10.0, 0, 0], "children": [index]}
+    )
     roots.append(len(header["nodes"]) - 1)
     animation = {"channels": [], "samplers": []}
     for where, (times, values) in channels.items():
@@ -47,7 +51,9 @@ def write_glb(path, channels: dict[str, tuple], *, change=None) -> None:
             binary += array.tobytes()
             ends[end] = len(header["accessors"]) - 1
         animation["samplers"].append(ends)
-        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": {"node": index, "path": where}})
+        animation["channels"].append(
+            {"sampler": len(animation["samplers"]) - 1, "target": {"node": index, "path": where}}
+        )
     header["animations"] = [animation]
     header["buffers"][0]["byteLength"] = len(binary)
     if change:
@@ -129,8 +135,16 @@ def no_such_node(header):
     ("channels", "change", "message"),
     [
         ({"translation": ((0, 2, 1), PLACES)}, None, "translation of node 'lift': key 2 is at 1 s; .* increase"),
-        ({"translation": ((0, np.nan, 1), PLACES)}, None, "translation of node 'lift': a key is not made of finite numbers"),
-        ({"translation": (TIMES, np.full((3, 3), np.inf))}, None, "translation of node 'lift': a key is not made of finite numbers"),
+        (
+            {"translation": ((0, np.nan, 1), PLACES)},
+            None,
+            "translation of node 'lift': a key is not made of finite numbers",
+        ),
+        (
+            {"translation": (TIMES, np.full((3, 3), np.inf))},
+            None,
+            "translation of node 'lift': a key is not made of finite numbers",
+        ),
         ({"rotation": (TIMES, np.zeros((3, 4)))}, None, "rotation of node 'lift': key 0 is no rotation"),
         ({"translation": (TIMES, PLACES[:2])}, None, "3 key times and 2 values; wanted 1 for each"),
         ({"translation": (TIMES, PLACES)}, wrong_type, "whole numbers; wanted floats"),

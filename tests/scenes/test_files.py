@@ -19,7 +19,12 @@ from hmdwarp.server import Server
 
 # Red above green on the left, blue above yellow on the right, in 8 x 8 pixels.
 PICTURE = np.zeros((8, 8, 3), np.uint8)
-PICTURE[:4, :4], PICTURE[4:, :4], PICTURE[:4, 4:], PICTURE[4:, 4:] = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)
+PICTURE[:4, :4], PICTURE[4:, :4], PICTURE[:4, 4:], PICTURE[4:, 4:] = (
+    (255, 0, 0),
+    (0, 255, 0),
+    (0, 0, 255),
+    (255, 255, 0),
+)
 
 
 def upright_square() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -31,7 +36,9 @@ def upright_square() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def textured_square() -> trimesh.Trimesh:
     vertices, faces, uv = upright_square()
     material = trimesh.visual.material.PBRMaterial(baseColorTexture=Image.fromarray(PICTURE), doubleSided=True)
-    return trimesh.Trimesh(vertices, faces, visual=trimesh.visual.TextureVisuals(uv=uv, material=material), process=False)
+    return trimesh.Trimesh(
+        vertices, faces, visual=trimesh.visual.TextureVisuals(uv=uv, material=material), process=False
+    )
 
 
 def world_corners(scene: Scene) -> np.ndarray:
@@ -54,7 +61,9 @@ def test_a_glb_keeps_its_texture_and_its_nodes_transforms(tmp_path, gpu):
     assert (scene.textures[0].image == PICTURE).all()
     # The square now faces +x: from there red is at the upper left, as in the picture.
     server = Server(gpu, scene)
-    seen = server.draw(View(Pose((7, 1, -2), (0, np.sin(np.pi / 4), 0, np.cos(np.pi / 4))), Fov.symmetric(0.8, 0.8)), (20, 20))
+    seen = server.draw(
+        View(Pose((7, 1, -2), (0, np.sin(np.pi / 4), 0, np.cos(np.pi / 4))), Fov.symmetric(0.8, 0.8)), (20, 20)
+    )
     colour = download(seen.colour)[..., :3].astype(float)
     server.close()
     for row, column, strong in ((5, 5, (1, 0, 0)), (14, 5, (0, 1, 0)), (5, 14, (0, 0, 1)), (14, 14, (1, 1, 0))):
@@ -75,7 +84,9 @@ def test_an_obj_keeps_its_texture(tmp_path):
 
 def test_an_obj_without_its_texture_is_grey_and_says_so(tmp_path):
     (tmp_path / "square.mtl").write_text("newmtl a\nmap_Kd gone.png\n")
-    (tmp_path / "square.obj").write_text("mtllib square.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
+    (tmp_path / "square.obj").write_text(
+        "mtllib square.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
+    )
     scene = load_scene(tmp_path / "square.obj")
     assert scene.triangle_count == 1
     assert len(scene.notes) == 1
@@ -93,12 +104,16 @@ def picture_file(folder) -> None:
     Image.fromarray(PICTURE).save(folder / "picture.png")
 
 
-@pytest.mark.parametrize(("material", "tint"), [("", 1.0), ("Kd 1 1 1\n", 1.0), ("Kd 0.4 0.4 0.4\n", 1.0), ("Kd 0.8 0.8 0.8\n", 0.6038)])
+@pytest.mark.parametrize(
+    ("material", "tint"), [("", 1.0), ("Kd 1 1 1\n", 1.0), ("Kd 0.4 0.4 0.4\n", 1.0), ("Kd 0.8 0.8 0.8\n", 0.6038)]
+)
 def test_a_texture_is_tinted_only_by_a_colour_somebody_chose(tmp_path, material, tint):
     """Kd is sRGB; without one, or with the 0.4 that trimesh writes where there is none, the picture alone counts."""
     picture_file(tmp_path)
     (tmp_path / "a.mtl").write_text(f"newmtl a\n{material}map_Kd picture.png\n")
-    (tmp_path / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+    (tmp_path / "a.obj").write_text(
+        "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    )
     (tmp_path / "b.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd picture.png\n")
     (tmp_path / "b.obj").write_text((tmp_path / "a.obj").read_text().replace("a.mtl", "b.mtl"))
     light, white = (load_scene(tmp_path / f"{name}.obj").meshes[0].light for name in "ab")
@@ -153,7 +168,9 @@ def test_a_glb_base_colour_without_a_texture_is_kept(tmp_path):
     square = trimesh.Trimesh(vertices, faces, visual=trimesh.visual.TextureVisuals(material=material), process=False)
     square.export(tmp_path / "a.glb")
     light = load_scene(tmp_path / "a.glb").meshes[0].light
-    assert np.allclose(light[:, 1] / light[:, 0], 0.2, atol=0.01)  # glTF factors are linear; trimesh keeps them as bytes
+    assert np.allclose(
+        light[:, 1] / light[:, 0], 0.2, atol=0.01
+    )  # glTF factors are linear; trimesh keeps them as bytes
     assert (light[:, 2] == 0).all()
 
 
@@ -205,7 +222,12 @@ def one_line_error(path) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "v 0\nv 1\nv 2\nf 1 2 3\n", "v 0 0 0\nf 1 1 -7\n"],
+    [
+        "v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+        "v 0\nv 1\nv 2\nf 1 2 3\n",
+        "v 0 0 0\nf 1 1 -7\n",
+    ],
     ids=["two numbers a vertex", "no such vertex", "one number a vertex", "a vertex before the first"],
 )
 def test_an_obj_whose_numbers_do_not_fit_is_refused(tmp_path, text):

@@ -62,14 +62,20 @@ def bent_up(mesh: Mesh) -> Mesh:
 @pytest.mark.parametrize(
     ("mesh", "message"),
     [
-        (attrs.evolve(mirror(), normals=np.zeros((4, 3))), "mesh 'glass': a mirror without a normal: .* not of length 1"),
+        (
+            attrs.evolve(mirror(), normals=np.zeros((4, 3))),
+            "mesh 'glass': a mirror without a normal: .* not of length 1",
+        ),
         (
             attrs.evolve(mirror(), normals=[(0, 0, 1), (0, 0, 1), (0, 1, 0), (0, 0, 1)]),
             "without a normal: its normals differ by up to .* deg",
         ),
         (bent_up(mirror()), "without a normal: its vertices leave a plane by 100 mm"),
         (attrs.evolve(mirror(), normals=-mirror().normals), "without a normal: some triangles face the other way"),
-        (attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivity=0.5)), r"differ by up to .*\(curved=True\)"),
+        (
+            attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivity=0.5)),
+            r"differ by up to .*\(curved=True\)",
+        ),
         (attrs.evolve(mirror(curved=True), positions=np.zeros((4, 3))), "a curved mirror of no size"),
     ],
 )

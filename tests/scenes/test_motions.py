@@ -80,7 +80,10 @@ def test_a_track_that_ends_stands_still_there():
         (lambda: Track([0], SQUARE[:1]), "2 keys at least"),
         (lambda: Track([0, 1, 2], SQUARE), r"\(3,\) key times and \(5, 3\) positions"),
         (lambda: Track([0, 1, 2, 3, 4], SQUARE, TURNS[:4]), "5 key times and 4 turns"),
-        (lambda: Track([0, 1, 2, 3, 4], SQUARE + np.arange(5)[:, None]), "the last key of a loop must be the pose of the first"),
+        (
+            lambda: Track([0, 1, 2, 3, 4], SQUARE + np.arange(5)[:, None]),
+            "the last key of a loop must be the pose of the first",
+        ),
         (lambda: Track([0, 1, 2, 3, 4], SQUARE, Rotation.from_rotvec(np.eye(5, 3))), "the last key of a loop"),
         (lambda: Spinning(Pose(), (0, 0, 0), 1.0), "an axis longer than 0"),
         (lambda: Spinning(Pose(), (0, 0, 1), np.nan), "a finite speed"),

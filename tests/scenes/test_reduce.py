@@ -88,7 +88,10 @@ def test_small_things_go_before_walls_are_bent():
 
 
 def test_meshes_that_meet_still_meet():
-    floor, wall = mesh_of(patch((0, 0, 0), (0, 0, 2), (2, 0, 0))), mesh_of(patch((0, 0, 0), (0, 2, 0), (0, 0, 2)), (0.9, 0.2, 0.1))
+    floor, wall = (
+        mesh_of(patch((0, 0, 0), (0, 0, 2), (2, 0, 0))),
+        mesh_of(patch((0, 0, 0), (0, 2, 0), (0, 0, 2)), (0.9, 0.2, 0.1)),
+    )
     kept = reduced(scene_of(floor, wall), 0.1).meshes
     assert len(kept) == 2
     assert open_edges(*kept) == pytest.approx(12, rel=1e-6)  # three sides each; the fourth they share
@@ -137,7 +140,10 @@ def test_the_same_every_time():
 
 def test_what_one_sees_through_or_wears_is_left_out():
     glass = mesh_of(SHEET, material=Material(see_through=True))
-    hud, mirror = mesh_of(SHEET, material=Material(head_locked=True)), mesh_of(SHEET, material=Material(reflectivity=0.5))
+    hud, mirror = (
+        mesh_of(SHEET, material=Material(head_locked=True)),
+        mesh_of(SHEET, material=Material(reflectivity=0.5)),
+    )
     kept = reduced(scene_of(glass, hud, mirror), 0.5)
     assert len(kept.meshes) == 1
     assert not kept.effects

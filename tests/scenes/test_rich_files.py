@@ -29,11 +29,20 @@ class Glb:
 
     def __init__(self, positions: np.ndarray = SQUARE) -> None:
         self.binary = b""
-        self.told: dict = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "bufferViews": [], "accessors": []}
+        self.told: dict = {
+            "asset": {"version": "2.0"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "bufferViews": [],
+            "accessors": [],
+        }
         uv = np.array([(0, 1), (1, 1), (1, 0), (0, 0)], np.float32)
         attributes = {"POSITION": self.numbers(positions), "TEXCOORD_0": self.numbers(uv)}
         self.primitive = {"attributes": attributes, "indices": self.numbers(FACES)}
-        self.told |= {"meshes": [{"primitives": [self.primitive]}], "nodes": [{"name": "thing", "mesh": 0, "translation": [0, 1, -3]}]}
+        self.told |= {
+            "meshes": [{"primitives": [self.primitive]}],
+            "nodes": [{"name": "thing", "mesh": 0, "translation": [0, 1, -3]}],
+        }
 
     def view(self, data: bytes) -> int:
         self.binary += b"\0" * (-len(self.binary) % 4)
@@ -64,9 +73,14 @@ class Glb:
 
     def animate(self, path: str, times, values, kind: str = "LINEAR", node: int = 0) -> Glb:
         animation = self.told.setdefault("animations", [{"name": "walk", "samplers": [], "channels": []}])[0]
-        ends = {"input": self.numbers(np.array(times, np.float32)), "output": self.numbers(np.array(values, np.float32))}
+        ends = {
+            "input": self.numbers(np.array(times, np.float32)),
+            "output": self.numbers(np.array(values, np.float32)),
+        }
         animation["samplers"].append(ends | {"interpolation": kind})
-        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}})
+        animation["channels"].append(
+            {"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}}
+        )
         return self
 
     def skin(self, weights=((1, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0.5, 0.5, 0, 0)), joints=(0, 1, 0, 0)) -> Glb:
@@ -76,7 +90,9 @@ class Glb:
         self.told["nodes"][0]["skin"] = 0
         inverse = np.tile(np.eye(4, dtype=np.float32), (2, 1, 1))
         inverse[1, 3, :3] = (0, -1, 0)  # columns first, as the format has it
-        self.told["skins"] = [{"name": "figure", "joints": [1, 2], "inverseBindMatrices": self.numbers(inverse.reshape(2, 16))}]
+        self.told["skins"] = [
+            {"name": "figure", "joints": [1, 2], "inverseBindMatrices": self.numbers(inverse.reshape(2, 16))}
+        ]
         attributes = self.primitive["attributes"]
         attributes["JOINTS_0"] = self.numbers(np.tile(np.array(joints, np.uint8), (4, 1)))
         attributes["WEIGHTS_0"] = self.numbers(np.array(weights, np.float32))
@@ -102,7 +118,14 @@ def rgba(alpha) -> np.ndarray:
 
 
 def metal(roughness: float = 0.0, **more) -> dict:
-    return {"pbrMetallicRoughness": {"metallicFactor": 1.0, "roughnessFactor": roughness, "baseColorFactor": [0.8, 0.7, 0.6, 1.0]}, **more}
+    return {
+        "pbrMetallicRoughness": {
+            "metallicFactor": 1.0,
+            "roughnessFactor": roughness,
+            "baseColorFactor": [0.8, 0.7, 0.6, 1.0],
+        },
+        **more,
+    }
 
 
 def test_polished_metal_mirrors_and_dull_metal_does_not(tmp_path):
@@ -128,7 +151,11 @@ def test_extras_say_how_much_something_mirrors(tmp_path):
 
 
 def test_what_is_blended_or_transmits_is_see_through(tmp_path):
-    blend = Glb().material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.25]}).load(tmp_path, "blend.glb")
+    blend = (
+        Glb()
+        .material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.25]})
+        .load(tmp_path, "blend.glb")
+    )
     assert blend.effects == SceneEffect.TRANSPARENCY and blend.meshes[0].material.opacity == 0.25
     told = {"KHR_materials_transmission": {"transmissionFactor": 0.9}}
     base = {"baseColorFactor": [0.2, 1.0, 0.4, 1.0]}
@@ -141,8 +168,12 @@ def test_what_is_masked_is_cut_out_by_its_alpha(tmp_path):
     alpha = np.zeros((8, 8), np.uint8)
     alpha[:, :3], alpha[:, 3:6] = 100, 200
     glb = Glb()
-    scene = glb.material(alphaMode="MASK", pbrMetallicRoughness={"baseColorTexture": glb.texture(rgba(alpha))}).load(tmp_path)
-    assert not scene.effects and is_cutout(scene, scene.meshes[0])  # a surface with holes: there is nothing to composite
+    scene = glb.material(alphaMode="MASK", pbrMetallicRoughness={"baseColorTexture": glb.texture(rgba(alpha))}).load(
+        tmp_path
+    )
+    assert not scene.effects and is_cutout(
+        scene, scene.meshes[0]
+    )  # a surface with holes: there is nothing to composite
     assert np.array_equal(np.unique(scene.textures[0].image[..., 3], return_counts=True), ([0, 255], [40, 24]))
     with pytest.raises(SceneError, match="no triangles"):
         Glb().material(alphaMode="MASK", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.2]}).load(tmp_path)
@@ -169,7 +200,13 @@ def test_extras_of_a_node_fix_it_to_the_head(tmp_path):
 
 
 def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
-    steps = Glb().animate("translation", (0, 1, 2), ((0, 0, 0), (5, 0, 0), (5, 0, 0)), "STEP").load(tmp_path).bodies[0].motion
+    steps = (
+        Glb()
+        .animate("translation", (0, 1, 2), ((0, 0, 0), (5, 0, 0), (5, 0, 0)), "STEP")
+        .load(tmp_path)
+        .bodies[0]
+        .motion
+    )
     assert [steps.state(round(t * S)).pose.position_m[0] for t in (0, 0.99, 1.01)] == [0, 0, 5]
     assert (steps.state(S // 2).velocity_m_s == 0).all()
     # Tangent in, value, tangent out: the parabola t^2 from 0 to 2 s, whose slopes are 0 and 4.
@@ -177,7 +214,9 @@ def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
     spline = Glb().animate("translation", (0, 2), keys, "CUBICSPLINE").load(tmp_path).bodies[0].motion
     for t in (0.25, 1.0, 1.5):
         state = spline.state(round(t * S))
-        assert state.pose.position_m[0] == pytest.approx(t * t, abs=1e-6) and state.velocity_m_s[0] == pytest.approx(2 * t, abs=1e-6)
+        assert state.pose.position_m[0] == pytest.approx(t * t, abs=1e-6) and state.velocity_m_s[0] == pytest.approx(
+            2 * t, abs=1e-6
+        )
 
 
 @pytest.mark.parametrize("kind", ["LINEAR", "CUBICSPLINE"])
@@ -191,19 +230,28 @@ def test_velocities_are_those_of_the_poses(tmp_path, kind):
     for node in (0, 1):
         turns = rng.normal(size=(3 * each, 4))
         turns /= np.linalg.norm(turns, axis=1, keepdims=True) if each == 1 else 1
-        glb.animate("rotation", (0, 1, 3), turns, kind, node).animate("translation", (0, 2), rng.normal(size=(2 * each, 3)), kind, node)
+        glb.animate("rotation", (0, 1, 3), turns, kind, node).animate(
+            "translation", (0, 2), rng.normal(size=(2 * each, 3)), kind, node
+        )
     motion = glb.load(tmp_path).bodies[0].motion
     for t in (0.3, 0.7, 1.4, 2.6):
         before, at, after = (motion.state(round(t * S) + step) for step in (-1000, 0, 1000))
         velocity = (after.pose.position_m - before.pose.position_m) / 2e-6
         spin = (after.pose.rotation * before.pose.rotation.inv()).as_rotvec() / 2e-6
         # Positions of some metres keep 1e-16 of that: 1e-9 m/s over 2 us; the motion's third derivative is far smaller yet.
-        assert np.allclose(at.velocity_m_s, velocity, atol=1e-5) and np.allclose(at.angular_velocity_rad_s, spin, atol=1e-5)
+        assert np.allclose(at.velocity_m_s, velocity, atol=1e-5) and np.allclose(
+            at.angular_velocity_rad_s, spin, atol=1e-5
+        )
 
 
 def test_a_skin_goes_where_the_weighted_mean_of_its_joints_takes_it(tmp_path):
     turn = Rotation.from_rotvec((0, 0, np.pi / 2))
-    scene = Glb().skin().animate("rotation", (0, 1, 2), ((0, 0, 0, 1), turn.as_quat(), turn.as_quat()), node=2).load(tmp_path)
+    scene = (
+        Glb()
+        .skin()
+        .animate("rotation", (0, 1, 2), ((0, 0, 0, 1), turn.as_quat(), turn.as_quat()), node=2)
+        .load(tmp_path)
+    )
     assert scene.effects == SceneEffect.SOFT_MOTION
     deformation = scene.meshes[0].deformation
     rest, bent = (deformation.positions(round(t * S)) + scene.origin_m for t in (0, 1))
@@ -220,12 +268,16 @@ def test_all_that_is_drawn_by_the_server(tmp_path, gpu):
     """A skinned mesh, a moving pane and a HUD in one file, in one picture."""
     glb = Glb().skin().animate("translation", (0, 1), ((0, 1, 0), (0, 2, 0)), node=2)
     glb.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 0, 0, 0.5]})
-    glb.told["nodes"].append({"mesh": 0, "translation": [0, 0, -2], "scale": [0.1, 0.1, 0.1], "extras": {"head_locked": True}})
+    glb.told["nodes"].append(
+        {"mesh": 0, "translation": [0, 0, -2], "scale": [0.1, 0.1, 0.1], "extras": {"head_locked": True}}
+    )
     glb.told["scenes"][0]["nodes"].append(3)
     scene = glb.load(tmp_path)
     assert scene.effects == SceneEffect.SOFT_MOTION | SceneEffect.TRANSPARENCY | SceneEffect.OVERLAY
     server = Server(gpu, scene)
-    pictures = [server.draw(View(scene.viewpoint, Fov.symmetric(1, 1)), (32, 32), time_ns=t).colour.read() for t in (0, S // 2)]
+    pictures = [
+        server.draw(View(scene.viewpoint, Fov.symmetric(1, 1)), (32, 32), time_ns=t).colour.read() for t in (0, S // 2)
+    ]
     assert pictures[0] != pictures[1]
     server.close()
 

@@ -70,5 +70,8 @@ def test_recycled_cubes_are_used_again(server):
 
 def test_a_cube_beyond_the_gpu_is_refused_with_what_to_do(server):
     narrow = View(Pose(), Fov.symmetric(0.02, 0.02))
-    with pytest.raises(InputError, match=r"a cube map as sharp as a picture of 640x640 would have \d+x\d+ pixels: .* use a smaller size"):
+    with pytest.raises(
+        InputError,
+        match=r"a cube map as sharp as a picture of 640x640 would have \d+x\d+ pixels: .* use a smaller size",
+    ):
         server.draw_frame([narrow], 0, (640, 640), needs=Needs(cube=True))

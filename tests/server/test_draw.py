@@ -30,7 +30,12 @@ def random_view(seed: int, wide: float = 1.0) -> View:
     """An eye near (0, 1.6, 0), turned anywhere within about 45 degrees of -z, with an asymmetric field of view."""
     rng = np.random.default_rng(seed)
     turn = Rotation.from_euler("YXZ", rng.uniform((-45, -30, -40), (45, 30, 40)), degrees=True)
-    fov = Fov(-wide * rng.uniform(0.3, 0.9), wide * rng.uniform(0.3, 0.9), -wide * rng.uniform(0.2, 0.8), wide * rng.uniform(0.3, 0.7))
+    fov = Fov(
+        -wide * rng.uniform(0.3, 0.9),
+        wide * rng.uniform(0.3, 0.9),
+        -wide * rng.uniform(0.2, 0.8),
+        wide * rng.uniform(0.3, 0.7),
+    )
     return View(Pose(rng.uniform((-0.3, 1.3, -0.3), (0.3, 1.9, 0.3)), turn.as_quat()), fov)
 
 
@@ -96,7 +101,8 @@ def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_c
     server, view = Server(gpu, load_scene("spheres")), random_view(seed)
     rays, eye = world_directions(view, SIZE).reshape(-1, 3), view.pose.position_m
     hits = nearest(
-        cast_spheres([(*b.centre, b.radius) for b in BALLS], eye, rays), cast_quads([(FLOOR.centre, FLOOR.right, FLOOR.up)], eye, rays)
+        cast_spheres([(*b.centre, b.radius) for b in BALLS], eye, rays),
+        cast_quads([(FLOOR.centre, FLOOR.right, FLOOR.up)], eye, rays),
     )
     exact, shape, cosine = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape, hits.cosine))
     drawn = read(server.draw(view, SIZE).inverse_depth)
@@ -112,7 +118,9 @@ def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_c
 
 def test_inverse_depth_of_the_room_is_that_of_its_triangles(room):
     scene, view, size = room.scene, random_view(3), (161, 101)
-    corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in scene.meshes if len(mesh.triangles)]).astype(np.float64)
+    corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in scene.meshes if len(mesh.triangles)]).astype(
+        np.float64
+    )
     eye_image = room.draw(view, size)
     drawn = read(eye_image.inverse_depth)
     room.pool(size).release(eye_image.colour)
@@ -158,7 +166,10 @@ def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed
     # keep 11 bits; 3e-3 is the room GL leaves for decoding sRGB (0.5/255 in the encoded value, slope of the curve at most 2.4).
     corners = np.stack([bilinear(linear, u + dx / 256, v + dy / 256) for dx in (-0.5, 0.5) for dy in (-0.5, 0.5)])
     swing = corners.max(axis=0) - corners.min(axis=0)
-    assert (np.abs(drawn[..., :3] - expected) <= swing * (2 / 256 + 2 * SNAP_PX) + expected * 2**-10 + 3e-3 * (expected + 0.1)).all()
+    assert (
+        np.abs(drawn[..., :3] - expected)
+        <= swing * (2 / 256 + 2 * SNAP_PX) + expected * 2**-10 + 3e-3 * (expected + 0.1)
+    ).all()
     assert (drawn[..., 3] == 1).all()
 
 
@@ -219,7 +230,10 @@ def test_two_draws_and_depth_alone_are_bit_equal(room):
 
 
 def test_a_scene_a_million_metres_away_draws_the_same_picture_to_the_last_bit(gpu):
-    near, offset = load_scene("planes"), np.array([2.0**20, -(2.0**19), 2.0**21])  # powers of two: adding them rounds nothing here
+    near, offset = (
+        load_scene("planes"),
+        np.array([2.0**20, -(2.0**19), 2.0**21]),
+    )  # powers of two: adding them rounds nothing here
     view = View(Pose((0.125, 1.625, 0.25), random_view(4).pose.orientation_xyzw), random_view(4).fov)
     far_view = View(Pose(view.pose.position_m + offset, view.pose.orientation_xyzw), view.fov)
     pictures = []

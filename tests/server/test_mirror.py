@@ -64,7 +64,9 @@ def test_the_depth_of_what_a_plane_mirror_shows_is_that_of_the_whole_path(server
         mirrored = rays[k] - 2 * (rays[k] @ normal) * normal
         beyond = plain_things(place, mirrored[None])[0]
         chrome_there = cast_spheres([(*CHROME.centre, CHROME.radius)], place, mirrored[None]).inverse_depth[0]
-        other_mirror = cast_quads([quad_of(other) for other in (FLOOR, WALL) if other is not quad], place, mirrored[None]).inverse_depth[0]
+        other_mirror = cast_quads(
+            [quad_of(other) for other in (FLOOR, WALL) if other is not quad], place, mirrored[None]
+        ).inverse_depth[0]
         beyond = max(beyond, chrome_there, other_mirror)
         expected.append(1 / (1 / met[k] + 1 / beyond) if beyond else 0.0)
     expected, chosen_found = np.array(expected), found[chosen]
@@ -142,7 +144,9 @@ def test_the_whole_picture_is_what_the_twin_makes_of_its_layers(gpu, uneven, vie
 
 
 @pytest.mark.parametrize(
-    "needs", [Needs(), Needs(reflections=True), Needs(curved_reflections=True), EVERY], ids=["-", "plane", "ball", "both"]
+    "needs",
+    [Needs(), Needs(reflections=True), Needs(curved_reflections=True), EVERY],
+    ids=["-", "plane", "ball", "both"],
 )
 def test_what_is_wanted_as_a_layer_is_left_out_of_the_picture_and_nothing_else(server, needs):
     eye, whole = layered(server, needs=needs), read(server.draw(VIEW, SIZE).colour)
@@ -209,7 +213,9 @@ def test_a_marched_mirror_shows_what_the_picture_shows_and_nothing_else(gpu, ser
     assert (np.abs(marched_depth - depth)[hit] <= 0.03 * depth[hit] + 1e-3).mean() > 0.85
     missed = marched_depth < 0
     assert (read(found.seen.colour)[missed & floor] == 0).all()
-    assert np.array_equal(read(marched.draw(VIEW, SIZE).colour), read(server.draw(VIEW, SIZE).colour)), "the truth is never marched"
+    assert np.array_equal(read(marched.draw(VIEW, SIZE).colour), read(server.draw(VIEW, SIZE).colour)), (
+        "the truth is never marched"
+    )
     marched.close()
 
 

@@ -32,7 +32,9 @@ def read(texture) -> np.ndarray:
 def quad(name: str, z: float, half: float, colour: tuple, **settings) -> Mesh:
     positions = np.array([(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)])
     light = np.tile(colour, (4, 1))
-    return Mesh(name, positions, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], **settings)
+    return Mesh(
+        name, positions, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], **settings
+    )
 
 
 class Breathing:
@@ -94,7 +96,9 @@ def corners_at(scene: Scene, time_ns: int) -> tuple[np.ndarray, np.ndarray]:
 def away_from_edges(shape: np.ndarray) -> np.ndarray:
     same = np.zeros(shape.shape, bool)
     inner = shape[1:-1, 1:-1]
-    same[1:-1, 1:-1] = np.all([shape[y : y + inner.shape[0], x : x + inner.shape[1]] == inner for y in range(3) for x in range(3)], axis=0)
+    same[1:-1, 1:-1] = np.all(
+        [shape[y : y + inner.shape[0], x : x + inner.shape[1]] == inner for y in range(3) for x in range(3)], axis=0
+    )
     return same
 
 
@@ -127,7 +131,9 @@ def test_velocities_are_those_of_the_surface_along_the_axes_of_the_eye(server):
     velocity, depth = read(eye.velocity).astype(np.float64), read(eye.inverse_depth).astype(np.float64)
     soft = velocity[..., 3] == 1
     points = world_directions(EYE, SIZE)[soft] / depth[soft][:, None] + EYE.pose.position_m
-    exact = (points / 1.2) @ EYE.pose.rotation.as_matrix()  # it grows by its rest place each second, and is 1.2 of that now
+    exact = (
+        points / 1.2
+    ) @ EYE.pose.rotation.as_matrix()  # it grows by its rest place each second, and is 1.2 of that now
     assert np.abs(velocity[soft][:, :3] - exact).max() < 2.0**-10 * np.abs(exact).max() + 1e-5
     assert (velocity[~soft] == 0).all()
     server.recycle(frame)
@@ -224,7 +230,9 @@ class Lost(Breathing):
         return self.rest * np.nan
 
 
-@pytest.mark.parametrize(("kind", "message"), [(Growing, r"positions of shape \(7, 3\), wanted \(4, 3\)"), (Lost, "not finite numbers")])
+@pytest.mark.parametrize(
+    ("kind", "message"), [(Growing, r"positions of shape \(7, 3\), wanted \(4, 3\)"), (Lost, "not finite numbers")]
+)
 def test_a_broken_deformation_is_told_by_the_name_of_its_mesh(gpu, kind, message):
     mesh = quad("soft", -2, 0.4, (0, 0, 1))
     server = Server(gpu, Scene("bent", "", [attrs.evolve(mesh, deformation=kind(mesh.positions))]))

@@ -28,10 +28,19 @@ def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facin
     meshes = []
     for k, depth in enumerate(depths_m):
         r = half * depth
-        corners = [(-r * facing, -r, -depth), (r * facing, -r, -depth), (r * facing, r, -depth), (-r * facing, r, -depth)]
+        corners = [
+            (-r * facing, -r, -depth),
+            (r * facing, -r, -depth),
+            (r * facing, r, -depth),
+            (-r * facing, r, -depth),
+        ]
         light = np.full((4, 3), k + 1.0)
         triangles = [(0, 1, 2), (0, 2, 3)]
-        meshes.append(Mesh(f"wall {k}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, triangles, -1, double_sided))
+        meshes.append(
+            Mesh(
+                f"wall {k}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, triangles, -1, double_sided
+            )
+        )
     return Scene("walls", "", tuple(meshes), background=Background.uniform(SKY))
 
 

@@ -7,7 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.server.projection import NEAR_M, boxes_of, clip_from_eye, eye_from_scene, nearest_first, visible, world_from_ndc
+from hmdwarp.server.projection import (
+    NEAR_M,
+    boxes_of,
+    clip_from_eye,
+    eye_from_scene,
+    nearest_first,
+    visible,
+    world_from_ndc,
+)
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)
@@ -23,7 +31,9 @@ def test_clip_space_lands_on_the_pixel_the_field_of_view_names(fov, point):
     pixel = (clip[:2] / clip[3] + 1) / 2 * (640, 400)
     expected = fov.pixel_from_tangent((640, 400)) @ (x, y, 1)
     # float64: a dozen operations on numbers of the size of the result's terms
-    assert np.allclose(pixel, expected[:2], rtol=1e-12, atol=1e-12 * 640 * (1 + abs(x) + abs(y)) / np.ptp(fov.tangents[:2]).clip(max=1))
+    assert np.allclose(
+        pixel, expected[:2], rtol=1e-12, atol=1e-12 * 640 * (1 + abs(x) + abs(y)) / np.ptp(fov.tangents[:2]).clip(max=1)
+    )
     assert np.isclose(clip[3], depth)
     assert np.isclose((clip[2] / clip[3] + 1) / 2, 1 - NEAR_M / depth)
 
@@ -39,7 +49,11 @@ def test_a_box_with_a_visible_point_in_it_is_never_culled(pose, fov, ndc, depth,
 
 def test_a_box_behind_the_eye_is_culled():
     clip = clip_from_eye(Fov.symmetric(1, 1)) @ eye_from_scene(View(Pose(), Fov.symmetric(1, 1)), np.zeros(3))
-    assert visible(boxes_of(np.array([[0, 0, 5.0], [0, 0, -5.0], [9.0, 0, -5]]), np.ones((3, 3))), clip).tolist() == [False, True, False]
+    assert visible(boxes_of(np.array([[0, 0, 5.0], [0, 0, -5.0], [9.0, 0, -5]]), np.ones((3, 3))), clip).tolist() == [
+        False,
+        True,
+        False,
+    ]
 
 
 @given(st.lists(vectors, min_size=1, max_size=20), vectors)

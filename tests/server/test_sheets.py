@@ -36,7 +36,13 @@ def random_panes(seed: int, count: int = 4) -> list[Mesh]:
     for k in rng.permutation(count):
         centre = (rng.uniform(-0.4, 0.4), 1.6 + rng.uniform(-0.3, 0.3), -0.8 - 0.25 * k)
         tilt = rng.uniform(-0.05, 0.05, 2)
-        quad = Quad(centre, (rng.uniform(0.2, 0.5), 0, tilt[0]), (0, rng.uniform(0.2, 0.5), tilt[1]), -1, tuple(rng.uniform(0, 1, 3)))
+        quad = Quad(
+            centre,
+            (rng.uniform(0.2, 0.5), 0, tilt[0]),
+            (0, rng.uniform(0.2, 0.5), tilt[1]),
+            -1,
+            tuple(rng.uniform(0, 1, 3)),
+        )
         made.append(pane(f"pane-{k}", quad, opacity=rng.uniform(0.1, 0.9), tint=tuple(rng.uniform(0.3, 1, 3))))
     return made
 
@@ -56,7 +62,11 @@ def picture(gpu, scene: Scene, view: View, needs: Needs = NONE) -> dict[str, np.
     found = {"colour": read(eye.colour), "inverse_depth": read(eye.inverse_depth)[..., 0]}
     if eye.transparent is not None:
         layer = eye.transparent
-        found |= {"veil": read(layer.veil.colour), "depth": read(layer.veil.inverse_depth)[..., 0], "passing": read(layer.passing)}
+        found |= {
+            "veil": read(layer.veil.colour),
+            "depth": read(layer.veil.inverse_depth)[..., 0],
+            "passing": read(layer.passing),
+        }
     if eye.overlay is not None:
         found["overlay"] = read(eye.overlay)
     server.close()
@@ -83,7 +93,9 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
     rays = world_directions(view, SIZE).reshape(-1, 3)
     seen = look_through(sheets, view.pose.position_m, rays, plain["inverse_depth"].ravel())
     expected = seen.over(plain["colour"][..., :3].reshape(-1, 3)).reshape(whole["colour"][..., :3].shape)
-    safe = away_from_changes(seen.inverse_depth.reshape(SIZE[::-1]) < 0) & away_from_changes(seen.count.reshape(SIZE[::-1]))
+    safe = away_from_changes(seen.inverse_depth.reshape(SIZE[::-1]) < 0) & away_from_changes(
+        seen.count.reshape(SIZE[::-1])
+    )
     # Every sheet is a product and a sum stored in half floats, on top of the picture that was one before; light is at most 1.
     tolerance = 2 * HALF_UNIT * (1 + seen.count.reshape(SIZE[::-1]))[..., None]
     assert safe.mean() > 0.4 and (seen.count.max() >= 2)
@@ -94,11 +106,19 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_layers_put_together_are_the_whole_picture(gpu, seed):
-    hud = pane("hud", Quad((0.1, 0.05, -1), (0.2, 0, 0), (0, 0.1, 0), -1, (0.2, 1, 0.3)), see_through=False, head_locked=True, opacity=0.6)
+    hud = pane(
+        "hud",
+        Quad((0.1, 0.05, -1), (0.2, 0, 0), (0, 0.1, 0), -1, (0.2, 1, 0.3)),
+        see_through=False,
+        head_locked=True,
+        opacity=0.6,
+    )
     scene, view = with_meshes(*random_panes(seed), hud), View(Pose((0, 1.6, 0)), FOV, Pose((0.03, 0, 0)))
     whole, parts = picture(gpu, scene, view), picture(gpu, scene, view, LAYERS)
     hides = parts["depth"] < parts["inverse_depth"]  # all sheets of these pixels lie behind what is seen
-    decided = np.abs(parts["depth"] - parts["inverse_depth"]) > 2**-10 * parts["inverse_depth"]  # not where one cuts through a surface
+    decided = (
+        np.abs(parts["depth"] - parts["inverse_depth"]) > 2**-10 * parts["inverse_depth"]
+    )  # not where one cuts through a surface
     shown = parts["colour"][..., :3]
     shown = np.where(hides[..., None], shown, parts["passing"][..., :3] * shown + parts["veil"][..., :3])
     shown = (1 - parts["overlay"][..., 3:]) * shown + parts["overlay"][..., :3]
@@ -146,11 +166,17 @@ def test_a_fence_of_alpha_is_a_surface_with_holes(gpu):
     fence = attrs.evolve(pane("fence", Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), 0, (1, 1, 1))), texture=2)
     scene = with_meshes(fence, textures=(Texture("laths", image, repeat=False),))
     view = View(Pose((0, 1.6, 0)), FOV)
-    plain, whole, parts = picture(gpu, with_meshes(), view), picture(gpu, scene, view), picture(gpu, scene, view, LAYERS)
+    plain, whole, parts = (
+        picture(gpu, with_meshes(), view),
+        picture(gpu, scene, view),
+        picture(gpu, scene, view, LAYERS),
+    )
     at_fence = np.abs(whole["inverse_depth"] - 1) < 1e-5
     assert at_fence.sum() > 100
     assert np.array_equal(whole["inverse_depth"][~at_fence], plain["inverse_depth"][~at_fence])
-    assert np.array_equal(whole["colour"], parts["colour"]) and (parts["depth"] == -1).all()  # none of it is in the veil
+    assert (
+        np.array_equal(whole["colour"], parts["colour"]) and (parts["depth"] == -1).all()
+    )  # none of it is in the veil
     server = Server(gpu, scene)
     depth = server.draw_depth(view, SIZE, allocate(gpu.gl, SIZE, SCALAR))
     assert np.array_equal(read(depth)[..., 0], whole["inverse_depth"])  # the client's own knows it too
@@ -195,13 +221,20 @@ def test_panes_of_bodies_and_panes_that_deform_are_drawn_where_they_are(gpu):
 
 
 def test_what_is_head_locked_does_not_depend_on_where_the_head_is_and_looks(gpu):
-    hud = pane("hud", Quad((0.1, 0.05, -1), (0.2, 0, 0), (0, 0.1, 0), -1, (0.2, 1, 0.3)), see_through=False, head_locked=True)
+    hud = pane(
+        "hud", Quad((0.1, 0.05, -1), (0.2, 0, 0), (0, 0.1, 0), -1, (0.2, 1, 0.3)), see_through=False, head_locked=True
+    )
     server, headset = Server(gpu, with_meshes(hud)), load_headset("rift-dk1")
     found = []
-    for pose in (Pose((0, 1.6, 0)), Pose((3, -1, 7), Rotation.from_euler("YXZ", (140, 30, 10), degrees=True).as_quat())):
+    for pose in (
+        Pose((0, 1.6, 0)),
+        Pose((3, -1, 7), Rotation.from_euler("YXZ", (140, 30, 10), degrees=True).as_quat()),
+    ):
         frame = server.draw_frame(headset.views(pose), 0, SIZE, 1.3, Needs(overlay=True))
         found.append([read(eye.overlay) for eye in frame.eyes])
-        assert all(eye.overlay.size == SIZE and eye.size != SIZE for eye in frame.eyes)  # no guard band for what does not move
+        assert all(
+            eye.overlay.size == SIZE and eye.size != SIZE for eye in frame.eyes
+        )  # no guard band for what does not move
     for first, second in zip(*found, strict=True):
         assert np.array_equal(first, second)
     left, right = found[0]

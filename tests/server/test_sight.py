@@ -24,7 +24,12 @@ turns = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: np.linalg.norm(q) > 
 def chunks_of(centres, half_sizes) -> Chunks:
     """Chunks of three indices each, in two batches, none of them neighbours."""
     n = len(centres)
-    return Chunks(np.arange(n) * 10, np.full(n, 3), np.arange(n) % 2, boxes_of(np.array(centres, float), np.array(half_sizes, float)))
+    return Chunks(
+        np.arange(n) * 10,
+        np.full(n, 3),
+        np.arange(n) % 2,
+        boxes_of(np.array(centres, float), np.array(half_sizes, float)),
+    )
 
 
 def drawn(draws) -> set[int]:
@@ -32,7 +37,9 @@ def drawn(draws) -> set[int]:
     return {first // 10 for _, spans in draws for first, _ in spans}
 
 
-boxes = st.lists(st.tuples(st.tuples(*[st.floats(-20, 20)] * 3), st.tuples(*[st.floats(0.01, 3)] * 3)), min_size=1, max_size=30)
+boxes = st.lists(
+    st.tuples(st.tuples(*[st.floats(-20, 20)] * 3), st.tuples(*[st.floats(0.01, 3)] * 3)), min_size=1, max_size=30
+)
 
 
 @given(boxes, near, turns, fovs)
@@ -79,7 +86,9 @@ def test_little_more_is_drawn_than_is_seen(gpu):
         view = View(Pose((0.3 * math.sin(turn), 1.6, 0.2), (0, math.sin(turn / 2), 0, math.cos(turn / 2))), fov)
         exact = visible(chunks.boxes, clip_from_eye(fov) @ eye_from_scene(view, server.scene.origin_m))
         known = len(server._buffers.sights._known)
-        draws = server._buffers.sights.near(view.pose.unit_quaternion, view.pose.position_m - server.scene.origin_m, fov)
+        draws = server._buffers.sights.near(
+            view.pose.unit_quaternion, view.pose.position_m - server.scene.origin_m, fov
+        )
         cells += len(server._buffers.sights._known) != known
         seen += chunks.count[exact].sum()
         cell += sum(count for _, spans in draws for _, count in spans)

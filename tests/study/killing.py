@@ -109,7 +109,9 @@ class Nursery:
         return int(self._lines.readline())
 
 
-def live(start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None) -> Life:
+def live(
+    start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None
+) -> Life:
     """Run the program and kill it: after so long; or after so many lines of its witness, and `after_s` more. None for both lets it live."""
     (told, told_by), (said, said_by) = os.pipe(), os.pipe()
     lines: list[list] = []
@@ -203,7 +205,10 @@ def faults(killed: Killed) -> list[str]:
         contents = store.contents()
     out = [*_of_the_file(killed.store), *_of_the_told(killed, contents)]
     for session in contents.sessions:
-        out += [f"{session.code}: {fault}" for fault in (*_of_session(killed, contents, session), *_of_answers(killed, contents, session))]
+        out += [
+            f"{session.code}: {fault}"
+            for fault in (*_of_session(killed, contents, session), *_of_answers(killed, contents, session))
+        ]
     if sorted(one.code for one in contents.sessions) != sorted(killed.codes):
         out.append(f"sessions of {[one.code for one in contents.sessions]}, and {killed.codes} had one each")
     return [*out, *_of_orders(contents)]
@@ -228,7 +233,9 @@ def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
     if unconfirmed.total() > killed.kills:
         out.append(f"{unconfirmed.total()} answers that nobody was told of, by {killed.kills} kills")
     shown = {(code_of[one.session], one.key, one.presentation, one.complete) for one in contents.showings}
-    out += [f"shown and missing: {line[1:]}" for line in killed.told if line[0] == "shown" and tuple(line[1:]) not in shown]
+    out += [
+        f"shown and missing: {line[1:]}" for line in killed.told if line[0] == "shown" and tuple(line[1:]) not in shown
+    ]
     events = Counter((code_of[one.session], one.kind, one.key) for one in contents.events)
     told = Counter(tuple(line[1:]) for line in killed.told if line[0] == "event")
     return out + [f"journal lines missing: {one}" for one in told - events]

@@ -64,10 +64,16 @@ def _rows(design: Design, cohort: Cohort, person: int) -> list[Rating]:
 def _why(cohort: Cohort, person: int, trial: int) -> str:
     if trial < cohort.trials[person]:
         return "the participant could not say"
-    return "the stop rule for sickness ended the session before" if cohort.why[person] == SICK else "the session was stopped before"
+    return (
+        "the stop rule for sickness ended the session before"
+        if cohort.why[person] == SICK
+        else "the session was stopped before"
+    )
 
 
 def _sitting(cohort: Cohort, person: int) -> Sitting:
     why = cohort.why[person]
     trials = int(cohort.trials[person])
-    return Sitting(_name(cohort, person), cohort.part.name, 1, why, "" if why == COMPLETE else why, trials, cohort.order.shape[1])
+    return Sitting(
+        _name(cohort, person), cohort.part.name, 1, why, "" if why == COMPLETE else why, trials, cohort.order.shape[1]
+    )

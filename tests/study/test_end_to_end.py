@@ -51,7 +51,9 @@ class Study:
         """The same people, by their model alone, with the orders that the sessions were given."""
         sessions = self.contents.sessions
         people = [person_of(one.code) for one in sessions]
-        return Population(self.model, self.design, "main").of(people, self.design.seed, orders=[one.order for one in sessions])
+        return Population(self.model, self.design, "main").of(
+            people, self.design.seed, orders=[one.order for one in sessions]
+        )
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +104,9 @@ def test_what_was_shown_is_what_was_planned(study):
         wanted = study.design.part("main").condition(one.condition).settings["latency"]
         # A frame that comes at once is still drawn two refreshes of 50 ms before it is seen.
         assert one.actual["latency_ms_median"] == pytest.approx(max(wanted, 100.0), abs=1e-6)
-        assert one.actual["pictures"] * 50 == pytest.approx(1000 * study.design.seconds, abs=51)  # at 20 Hz; both ends count
+        assert one.actual["pictures"] * 50 == pytest.approx(
+            1000 * study.design.seconds, abs=51
+        )  # at 20 Hz; both ends count
 
 
 def known_effect(study: Study, comparison: Comparison) -> float:
@@ -132,15 +136,24 @@ def test_dropouts_are_listed(study):
     page = (study.made / "analysis" / "report.html").read_text()
     assert all(one in page for one in sub)
     with (study.made / "export" / "bids" / "participants.tsv").open(newline="") as file:
-        listed = {row["participant_id"].removeprefix("sub-"): row["status"] for row in csv.DictReader(file, delimiter="\t")}
+        listed = {
+            row["participant_id"].removeprefix("sub-"): row["status"] for row in csv.DictReader(file, delimiter="\t")
+        }
     assert {one: status for one, status in listed.items() if status != "complete"} == sub
 
 
 def test_the_export_reads_back(study):
-    own, exported = from_contents(study.contents, study.design, SIMULATED), from_csv(study.made / "export" / "ratings.csv", Given())
+    own, exported = (
+        from_contents(study.contents, study.design, SIMULATED),
+        from_csv(study.made / "export" / "ratings.csv", Given()),
+    )
     assert exported.rows
     values = [
-        {(row.participant, row.place, row.condition, row.previous): row.value for row in one.rows if row.value is not None}
+        {
+            (row.participant, row.place, row.condition, row.previous): row.value
+            for row in one.rows
+            if row.value is not None
+        }
         for one in (own, exported)
     ]
     assert values[0] == values[1]

@@ -22,7 +22,9 @@ pytestmark = pytest.mark.slow
 
 
 def started(arguments: list[str]) -> subprocess.Popen:
-    return subprocess.Popen([*tiny.PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tiny.ROOT)
+    return subprocess.Popen(
+        [*tiny.PROGRAM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tiny.ROOT
+    )
 
 
 def until_showing(store: Path, process: subprocess.Popen, key: str = "trial/1") -> None:
@@ -77,7 +79,9 @@ def small_disk(tmp_path) -> Iterator[Path]:
     place.mkdir()
     if os.geteuid() != 0 or not shutil.which("mount"):
         pytest.skip("a disk of its own can be mounted by root alone")
-    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], check=False, capture_output=True, text=True)
+    done = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], check=False, capture_output=True, text=True
+    )
     if done.returncode:
         pytest.skip(f"no disk can be mounted here ({done.stderr.strip()})")
     yield place
@@ -108,7 +112,10 @@ def test_a_folder_that_may_not_be_written(tmp_path):
     study, model = tiny.write(tmp_path)
     data = tmp_path / "tiny-data"
     tiny.ran(*tiny.session(study, model, "one"))
-    if os.geteuid() != 0 or subprocess.run(["mount", "--bind", data, data], check=False, capture_output=True).returncode:
+    if (
+        os.geteuid() != 0
+        or subprocess.run(["mount", "--bind", data, data], check=False, capture_output=True).returncode
+    ):
         pytest.skip("root may write everywhere, and only root can mount a folder read-only")
     try:
         subprocess.run(["mount", "-o", "remount,ro,bind", data, data], check=True)

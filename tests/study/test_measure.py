@@ -142,7 +142,9 @@ def test_nothing_to_measure_is_told(store):
 
 def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):
     (tmp_path / "bench.json").write_text("{}", encoding="utf-8")
-    showing = attrs.evolve(store.contents().showings[0], settings={"warp": "auto", "budget": 5.0, "bench": str(tmp_path / "bench.json")})
+    showing = attrs.evolve(
+        store.contents().showings[0], settings={"warp": "auto", "budget": 5.0, "bench": str(tmp_path / "bench.json")}
+    )
     with pytest.raises(InputError, match="cannot be repeated"):
         run_options(showing, store.contents().sessions[0], store.traces, OPTIONS)
     with pytest.raises(InputError, match="chosen"):
@@ -164,7 +166,9 @@ def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
     """Far outside of what one can walk in, where a replay moves the trace into the scene and begins at 0."""
     cut = turned(tmp_path / "far.csv", shift_m=(30.0, 0.0, 0.0))
     far = str(tmp_path / "far.csv")
-    options = RunOptions(trace=far, scene="planes", size=(32, 40), rate_hz=30, latency_ms=0, against="", as_recorded=True)
+    options = RunOptions(
+        trace=far, scene="planes", size=(32, 40), rate_hz=30, latency_ms=0, against="", as_recorded=True
+    )
     with build_rig(options) as rig:
         assert (rig.track.position_m == cut.position_m).all() and (rig.track.time_ns == cut.time_ns).all()
         assert rig.timetable.first_ns == cut.time_ns[0] >= EPOCH_NS

@@ -85,7 +85,10 @@ def test_the_seed_and_the_part_decide_and_nothing_else():
 
 
 KNOWN_WILLIAMS = (("c2", "c3", "c0", "c1"),)
-KNOWN_RANDOM = ((("c3", "c0", "c2", "c1"), ("c2", "c1", "c3", "c0")), (("c3", "c0", "c1", "c2"), ("c3", "c1", "c2", "c0")))
+KNOWN_RANDOM = (
+    (("c3", "c0", "c2", "c1"), ("c2", "c1", "c3", "c0")),
+    (("c3", "c0", "c1", "c2"), ("c3", "c1", "c2", "c0")),
+)
 
 
 @pytest.mark.parametrize("n", [2, 3, 5])

@@ -81,7 +81,9 @@ def test_power_is_that_of_the_signed_rank_test():
     """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86: that is the signed-rank test's efficiency.
     The exact level is 0.0425 here, which takes a little more; 3 standard errors of 2000 studies are 0.024."""
     design = one_comparison()
-    found = power_of(planned_model(design, design.scales[0], 1.0, 1.0), design, design.scales[0], [12], studies=2000, seed=1)
+    found = power_of(
+        planned_model(design, design.scales[0], 1.0, 1.0), design, design.scales[0], [12], studies=2000, seed=1
+    )
     (share,) = found.strengths[0].found.values()
     assert 0.82 < share.value < 0.90
     assert found.true_effect == pytest.approx({design.families[0].comparisons[0]: 1.0}, abs=0.03)
@@ -90,7 +92,9 @@ def test_power_is_that_of_the_signed_rank_test():
 
 def test_without_an_effect_the_power_is_the_level():
     design = one_comparison()
-    found = power_of(planned_model(design, design.scales[0], 0.0, 1.0), design, design.scales[0], [8, 20], studies=2000, seed=2)
+    found = power_of(
+        planned_model(design, design.scales[0], 0.0, 1.0), design, design.scales[0], [8, 20], studies=2000, seed=2
+    )
     for strength in found.strengths:
         (share,) = strength.found.values()
         assert share.low < 0.05  # an exact test's level is at most that: 0.039 with 8, 0.048 with 20
@@ -142,7 +146,10 @@ def test_planned_effects_point_to_the_better_one(sign):
 
 def test_effects_that_contradict_each_other_are_refused():
     part = DESIGN.parts[0].name
-    circle = Family("round", (Comparison(part, "late", "warped"), Comparison(part, "warped", "turned"), Comparison(part, "turned", "late")))
+    circle = Family(
+        "round",
+        (Comparison(part, "late", "warped"), Comparison(part, "warped", "turned"), Comparison(part, "turned", "late")),
+    )
     with pytest.raises(InputError, match="circle"):
         with_effect(load_model("quick"), attrs.evolve(DESIGN, families=(circle,)), GRADE, 0.5)
     with pytest.raises(InputError, match="no .*family"):

@@ -103,7 +103,9 @@ def test_conditions_left_out_are_predicted_as_a_regression_with_a_level_for_each
             known = [one for one in rows if one["condition"] != left_out]
             asked = [one for one in rows if one["condition"] == left_out]
             for measure in (name, None):
-                fit = np.linalg.lstsq(matrix(known, people, measure), np.array([one["value"] for one in known]), rcond=None)[0]
+                fit = np.linalg.lstsq(
+                    matrix(known, people, measure), np.array([one["value"] for one in known]), rcond=None
+                )[0]
                 off = ((np.array([one["value"] for one in asked]) - matrix(asked, people, measure) @ fit) ** 2).sum()
                 error, alone = (error + off, alone) if measure else (error, alone + off)
         assert found[name].skill_condition == pytest.approx(1 - error / alone, rel=1e-9)
@@ -128,7 +130,9 @@ def test_two_that_are_equally_good_are_not_told_apart():
         for person in range(12):
             flip, psnr = rng.normal(size=8), rng.normal(size=8)
             y = rng.normal() + 0.5 * flip + 0.5 * psnr + 0.8 * rng.normal(size=8)
-            rows += [row(f"p{person}", f"c{k}", float(y[k]), {FLIP: float(flip[k]), PSNR: float(psnr[k])}) for k in range(8)]
+            rows += [
+                row(f"p{person}", f"c{k}", float(y[k]), {FLIP: float(flip[k]), PSNR: float(psnr[k])}) for k in range(8)
+            ]
         claimed += len(few(rows).candidates) == 1
     assert claimed <= 9
 
@@ -236,4 +240,6 @@ def test_missing_ratings_and_other_scales_are_left_alone():
 
 def test_one_measure_alone_is_not_called_the_best():
     found = few(made_up(1, {FLIP: 0.5}))
-    assert found.sentences()[0].startswith("Only one measure can be looked at") and attrs.asdict(found)["scale"] == "grade"
+    assert (
+        found.sentences()[0].startswith("Only one measure can be looked at") and attrs.asdict(found)["scale"] == "grade"
+    )

@@ -90,7 +90,14 @@ median_s = 0.1
 """
 
 
-USUAL = {"missing": 0.05, "dropout": 0.0, "pause": 0.1, "again": 0.1, "sickening": 0.02, "easily_sick": 0.5}  # nobody leaves
+USUAL = {
+    "missing": 0.05,
+    "dropout": 0.0,
+    "pause": 0.1,
+    "again": 0.1,
+    "sickening": 0.02,
+    "easily_sick": 0.5,
+}  # nobody leaves
 
 
 def write(folder: Path, **people: float) -> tuple[Path, Path]:

@@ -60,7 +60,13 @@ def program(fd: int, arguments: list[str]) -> None:
 def nursery(link: socket.socket) -> None:
     """For each list of arguments that comes with two pipes, for the witness and for what is printed: a child that is the program; its
     process id goes back at once, its status when it is dead. Nothing of OpenGL is open where it is forked from."""
-    for name in ("cli._app", "study.run.session", "study.run.options", "study.respondents.simulated", "display.offscreen"):
+    for name in (
+        "cli._app",
+        "study.run.session",
+        "study.run.options",
+        "study.respondents.simulated",
+        "display.offscreen",
+    ):
         importlib.import_module(f"hmdwarp.{name}")
     while (asked := socket.recv_fds(link, 1 << 16, 2))[0]:
         data, (told, said) = asked[:2]

@@ -87,10 +87,12 @@ def test_every_key_is_found(path, line):
 
 
 KEYS = st.text("ab-", min_size=1, max_size=2)
-MULTILINE = ['QQQ\na = [1\nQQQ'.replace("Q", '"'), "QQQ\n[x]\nQQQ".replace("Q", "'")]
+MULTILINE = ["QQQ\na = [1\nQQQ".replace("Q", '"'), "QQQ\n[x]\nQQQ".replace("Q", "'")]
 SCALARS = st.sampled_from(['"x"', '"]#\\""', "'='", "1", "-1.5e3", "true", "2001-01-01", *MULTILINE])
 LISTS = st.lists(SCALARS, max_size=3).map(lambda values: "[\n" + ", # [\n".join(values) + "\n]")
-VALUES = st.one_of(SCALARS, LISTS, LISTS.map(lambda inner: f"{{ a = 1, b = {inner} }}"), LISTS.map(lambda inner: f"[{inner}, {inner}]"))
+VALUES = st.one_of(
+    SCALARS, LISTS, LISTS.map(lambda inner: f"{{ a = 1, b = {inner} }}"), LISTS.map(lambda inner: f"[{inner}, {inner}]")
+)
 PAIRS = st.lists(st.tuples(KEYS, VALUES), max_size=4, unique_by=lambda pair: pair[0])
 
 

@@ -39,11 +39,19 @@ DATA = {
         (lambda t: t.number("huge"), "huge is a number beyond all bounds: wanted a finite number", ("huge",)),
         (lambda t: t.within("number", 0, 2), "number is 2.5: wanted a number of at least 0 and at most 2", ("number",)),
         (lambda t: t.within("whole", 3, math.inf, above=True), "whole is 3: wanted a number above 3", ("whole",)),
-        (lambda t: t.whole("number", 0, 9), "number is 2.5: wanted a whole number of at least 0 and at most 9", ("number",)),
+        (
+            lambda t: t.whole("number", 0, 9),
+            "number is 2.5: wanted a whole number of at least 0 and at most 9",
+            ("number",),
+        ),
         (lambda t: t.whole("flag", 0, 9), "flag is True: wanted a whole number", ("flag",)),
         (lambda t: t.whole("huge", 0, 9), "huge is a number beyond all bounds", ("huge",)),
         (lambda t: t.texts("text"), "text is 'x': wanted a list of texts", ("text",)),
-        (lambda t: t.tables("table"), "table is {'inner': 1}: wanted an array of tables, each beginning with [[table]]", ("table",)),
+        (
+            lambda t: t.tables("table"),
+            "table is {'inner': 1}: wanted an array of tables, each beginning with [[table]]",
+            ("table",),
+        ),
         (lambda t: t.table("texts"), "texts is ['a', 'b']: wanted a table of keys", ("texts",)),
         (lambda t: t.tables("texts"), "texts is 'a': wanted a table of keys", ("texts", 0)),
         (lambda t: t.tables("tables")[1].number("a"), "tables.a is 'x': wanted a finite number", ("tables", 1, "a")),
@@ -59,7 +67,12 @@ def test_what_is_wrong_is_named(ask, says, path):
 def test_what_is_left_out_may_have_a_default():
     table = Table({})
     assert table.text("a", "b") == "b" and table.flag("c", False) is False and table.number("d", None) is None
-    assert table.whole("e", 0, 9, 5) == 5 and table.texts("f", ()) == () and table.tables("g") == () and table.within("h", 0, 1, 0.5) == 0.5
+    assert (
+        table.whole("e", 0, 9, 5) == 5
+        and table.texts("f", ()) == ()
+        and table.tables("g") == ()
+        and table.within("h", 0, 1, 0.5) == 0.5
+    )
 
 
 def test_a_key_nobody_asked_for_is_refused_with_the_nearest_known_one():
@@ -68,7 +81,9 @@ def test_a_key_nobody_asked_for_is_refused_with_the_nearest_known_one():
     table.number("seconds")
     (part,) = table.tables("part")
     part.text("name")
-    with pytest.raises(KeyFault, match=r"unknown key part\.nmae: did you mean part\.name\? known are part\.name") as caught:
+    with pytest.raises(
+        KeyFault, match=r"unknown key part\.nmae: did you mean part\.name\? known are part\.name"
+    ) as caught:
         table.refuse_unread()
     assert caught.value.path == ("part", 0, "nmae")
     table = Table({"braeks": 1})
@@ -89,7 +104,9 @@ def test_keys_with_odd_characters_stay_on_the_line():
     assert str(caught.value).startswith(r"unknown key 'a\nb'")
 
 
-@pytest.mark.parametrize(("header", "wanted"), [("[condition]", "[[condition]]"), ('[part."my own"]', "[[part.my own]]")])
+@pytest.mark.parametrize(
+    ("header", "wanted"), [("[condition]", "[[condition]]"), ('[part."my own"]', "[[part.my own]]")]
+)
 def test_a_table_twice_is_told_how_several_are_written(header, wanted):
     with pytest.raises(InputError) as caught:
         parsed(f"{header}\nx = 1\n{header}\nx = 2\n", "some.toml", lambda table: table.keys())

@@ -20,28 +20,47 @@ _FAMILY = "Compare these pairs instead of the planned ones, corrected together; 
 def analyse(
     source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help=_SOURCE)],
     out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/*.csv.")],
-    store: Annotated[Path | None, typer.Option("--store", help="A study's data; by default beside its file.", show_default=False)] = None,
+    store: Annotated[
+        Path | None, typer.Option("--store", help="A study's data; by default beside its file.", show_default=False)
+    ] = None,
     scale: Annotated[
-        str, typer.Option("--scale", help="The scale of a table that does not name it: grade, acr, ..", show_default=False)
+        str,
+        typer.Option("--scale", help="The scale of a table that does not name it: grade, acr, ..", show_default=False),
     ] = "",
     low_is_good: Annotated[
         bool | None,
-        typer.Option("--low-is-good/--high-is-good", help="Which way a table's ratings go, where it does not say.", show_default=False),
+        typer.Option(
+            "--low-is-good/--high-is-good",
+            help="Which way a table's ratings go, where it does not say.",
+            show_default=False,
+        ),
     ] = None,
     column: Annotated[
         _Texts,
         typer.Option(
-            "--column", metavar="ROLE=NAME", help="Its column for a role: rating=mos, participant=who; may be repeated.", show_default=False
+            "--column",
+            metavar="ROLE=NAME",
+            help="Its column for a role: rating=mos, participant=who; may be repeated.",
+            show_default=False,
         ),
     ] = None,
     family: Annotated[_Texts, typer.Option("--family", metavar="A:B;C:D", help=_FAMILY, show_default=False)] = None,
     claims: Annotated[
-        Path | None, typer.Option("--claims", help="A .toml file of published figures to hold against the ratings.", show_default=False)
+        Path | None,
+        typer.Option(
+            "--claims", help="A .toml file of published figures to hold against the ratings.", show_default=False
+        ),
     ] = None,
     pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
-    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")] = False,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the bootstrap: the same one gives the same intervals.")] = 142,
-    resamples: Annotated[int, typer.Option("--resamples", min=100, max=10_000_000, help="Resamples of the bootstrap.")] = 20_000,
+    simulated: Annotated[
+        bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")
+    ] = False,
+    seed: Annotated[
+        int, typer.Option("--seed", min=0, help="Seed of the bootstrap: the same one gives the same intervals.")
+    ] = 142,
+    resamples: Annotated[
+        int, typer.Option("--resamples", min=100, max=10_000_000, help="Resamples of the bootstrap.")
+    ] = 20_000,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Say what ratings show and what they leave open: exact tests, intervals, order effects, missing ratings; tables, plots, one page.
@@ -130,7 +149,11 @@ def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
     from ...report.study_words import counted
 
     heads, lines = condition_lines(part["conditions"])
-    return _table(f"{part['part'] or 'Conditions'}: {measure['title']}, {counted(part['participants'], 'participant')}", heads, lines)
+    return _table(
+        f"{part['part'] or 'Conditions'}: {measure['title']}, {counted(part['participants'], 'participant')}",
+        heads,
+        lines,
+    )
 
 
 def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
@@ -150,7 +173,11 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
         ]
         for row in rows
     ]
-    return _table(f"{part}: positive means the second was rated better" if part else "Positive: the second was rated better", heads, lines)
+    return _table(
+        f"{part}: positive means the second was rated better" if part else "Positive: the second was rated better",
+        heads,
+        lines,
+    )
 
 
 def _table(title: str, heads: Any, lines: list[list[str]]) -> Table:
@@ -158,7 +185,9 @@ def _table(title: str, heads: Any, lines: list[list[str]]) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table = Table(
+        title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0)
+    )
     for number, (name, unit) in enumerate(heads):
         table.add_column(f"{name} {unit}".strip(), justify="right" if number else "left", no_wrap=number > 0)
     for line in lines:

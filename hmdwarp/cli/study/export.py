@@ -9,16 +9,30 @@ import typer
 
 
 def export(
-    study: Annotated[str, typer.Argument(metavar="STUDY", help="The study's .toml file, or the name of a shipped study.")],
+    study: Annotated[
+        str, typer.Argument(metavar="STUDY", help="The study's .toml file, or the name of a shipped study.")
+    ],
     out: Annotated[Path, typer.Option("--out", help="A new folder for the tables and the BIDS tree.")],
-    store: Annotated[Path | None, typer.Option("--store", help="The data; by default beside the file.", show_default=False)] = None,
+    store: Annotated[
+        Path | None, typer.Option("--store", help="The data; by default beside the file.", show_default=False)
+    ] = None,
     pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
-    simulated: Annotated[bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")] = False,
-    remarks: Annotated[bool, typer.Option("--remarks", help="What was typed freely too: it may name somebody.")] = False,
-    all_revisions: Annotated[bool, typer.Option("--all-revisions", help="Also every answer that was corrected later.")] = False,
+    simulated: Annotated[
+        bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")
+    ] = False,
+    remarks: Annotated[
+        bool, typer.Option("--remarks", help="What was typed freely too: it may name somebody.")
+    ] = False,
+    all_revisions: Annotated[
+        bool, typer.Option("--all-revisions", help="Also every answer that was corrected later.")
+    ] = False,
     parquet: Annotated[
         bool | None,
-        typer.Option("--parquet/--no-parquet", help="Write ratings.parquet; by default where pyarrow is installed.", show_default=False),
+        typer.Option(
+            "--parquet/--no-parquet",
+            help="Write ratings.parquet; by default where pyarrow is installed.",
+            show_default=False,
+        ),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:

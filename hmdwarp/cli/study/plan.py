@@ -42,7 +42,11 @@ def _print_head(design: Design) -> None:
     from .._show import in_columns, paragraph
 
     paragraph(typer.style(design.title, bold=True))
-    rows = [("Study", f"{design.name}: {design.path} has no fault"), ("Hidden", _hidden(design)), ("Order", _order(design))]
+    rows = [
+        ("Study", f"{design.name}: {design.path} has no fault"),
+        ("Hidden", _hidden(design)),
+        ("Order", _order(design)),
+    ]
     if design.practice is not None:
         rows.append(("Practice", f"{design.practice_seconds:g} s first, not scored: {_settings(design.practice)}"))
     if design.sickness is not None:
@@ -123,7 +127,12 @@ def _print_part(design: Design, part: Part, orders: bool) -> None:
     rows = []
     for number, one in enumerate(part.conditions, 1):
         own = ", ".join(f"{name} {_value(value)}" for name, value in one.settings.items() if name not in shared)
-        rows.append((f"{number}  {one.name}", (own or "as all") + _unsaid(one) + (" (the hidden reference)" if one.reference else "")))
+        rows.append(
+            (
+                f"{number}  {one.name}",
+                (own or "as all") + _unsaid(one) + (" (the hidden reference)" if one.reference else ""),
+            )
+        )
     if shared:
         rows.append(("   all", ", ".join(f"{name} {_value(value)}" for name, value in shared.items())))
     in_columns(rows, indent=2)
@@ -201,7 +210,9 @@ def _scale(scale: Scale) -> str:
     anchors = "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items())
     good = "low" if scale.low_is_good else "high"
     items = f" {len(scale.items)} items." if len(scale.items) > 1 else ""
-    return f"{scale.title}: {scale.least:g} to {scale.most:g} in steps of {scale.step:g}, {good} is good.{items} {anchors}"
+    return (
+        f"{scale.title}: {scale.least:g} to {scale.most:g} in steps of {scale.step:g}, {good} is good.{items} {anchors}"
+    )
 
 
 def _print_families(design: Design) -> None:

@@ -22,12 +22,22 @@ OWNED = ("power.csv", "power.png")
 def power(
     study: Study,
     out: Annotated[Path, typer.Option("--out", help="Folder for the table, the plot and power.json.")],
-    effect: Annotated[float | None, typer.Option("--effect", help="So much better is b than a, in each planned comparison.")] = None,
-    sd: Annotated[float | None, typer.Option("--sd", help="Standard deviation of one person's difference, with --effect alone.")] = None,
-    model: Annotated[str | None, typer.Option("--model", help="How people answer: a .toml file, or a shipped one's name.")] = None,
+    effect: Annotated[
+        float | None, typer.Option("--effect", help="So much better is b than a, in each planned comparison.")
+    ] = None,
+    sd: Annotated[
+        float | None, typer.Option("--sd", help="Standard deviation of one person's difference, with --effect alone.")
+    ] = None,
+    model: Annotated[
+        str | None, typer.Option("--model", help="How people answer: a .toml file, or a shipped one's name.")
+    ] = None,
     scale: Annotated[str | None, typer.Option("--scale", help="Which of the study's scales, if not the first.")] = None,
-    n: Annotated[str, typer.Option("--n", help="People who begin: 6..40 tries what balances the orders; or a list, 10,12,15.")] = "6..40",
-    studies: Annotated[int, typer.Option("--studies", min=10, max=1_000_000, help="How many studies are simulated.")] = 1000,
+    n: Annotated[
+        str, typer.Option("--n", help="People who begin: 6..40 tries what balances the orders; or a list, 10,12,15.")
+    ] = "6..40",
+    studies: Annotated[
+        int, typer.Option("--studies", min=10, max=1_000_000, help="How many studies are simulated.")
+    ] = 1000,
     wanted: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="The power that is wanted.")] = 0.8,
     alpha: Annotated[float, typer.Option("--alpha", min=1e-6, max=0.5, help="Significance level, after Holm.")] = 0.05,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the simulation.")] = 1,
@@ -104,7 +114,9 @@ def _counts(text: str, design: Design) -> list[int]:
             raise InputError(f"--n {text}: {wanted}")
         step = lcm(*(len(rows_for(design, part.name)) for part in design.parts))
         balanced = [count for count in range(step, most + 1, step) if count >= least]
-        counts = balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
+        counts = (
+            balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
+        )
     else:
         raise InputError(f"--n {text}: wanted a range like 6..40, or a list like 10,12,15")
     if not counts or counts[0] < 1 or counts[-1] > many:
@@ -133,7 +145,9 @@ def _tell(found: Power, people: Model, wanted: float, out: Path) -> None:
     from ...study.power.told import name_of, sentences
     from .._show import console, paragraph
 
-    paragraph(f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} after Holm:")
+    paragraph(
+        f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} after Holm:"
+    )
     table = Table(box=None, pad_edge=False)
     table.add_column("people who begin")
     for strength in found.strengths:

@@ -16,21 +16,38 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130
 
-Study = Annotated[str, typer.Argument(help="The study: a .toml file, or the name of one that came with the program.", show_default=False)]
-Participant = Annotated[str, typer.Option("--participant", help="A code, never a name; new draws one.", show_default=False)]
-Part = Annotated[str | None, typer.Option("--part", help="Which part of the plan, where it has several.", show_default=False)]
-Resume = Annotated[bool, typer.Option("--resume", help="Go on with an interrupted session, at the first step that is not done.")]
+Study = Annotated[
+    str,
+    typer.Argument(help="The study: a .toml file, or the name of one that came with the program.", show_default=False),
+]
+Participant = Annotated[
+    str, typer.Option("--participant", help="A code, never a name; new draws one.", show_default=False)
+]
+Part = Annotated[
+    str | None, typer.Option("--part", help="Which part of the plan, where it has several.", show_default=False)
+]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on with an interrupted session, at the first step that is not done.")
+]
 NewSession = Annotated[bool, typer.Option("--new-session", help="A further session of somebody known.")]
 Pilot = Annotated[bool, typer.Option("--pilot", help="A rehearsal: kept apart from people, counted apart.")]
 Simulate = Annotated[
-    str | None, typer.Option("--simulate", help="A response model (.toml) answers in place of somebody.", show_default=False)
+    str | None,
+    typer.Option("--simulate", help="A response model (.toml) answers in place of somebody.", show_default=False),
 ]
-Source = Annotated[str, typer.Option("--source", help="openxr, desktop, offscreen (nobody looks), or auto: headset, else window.")]
-Trace = Annotated[str, typer.Option("--trace", help="A recorded head leads the window or the offscreen display.", show_default=False)]
+Source = Annotated[
+    str, typer.Option("--source", help="openxr, desktop, offscreen (nobody looks), or auto: headset, else window.")
+]
+Trace = Annotated[
+    str, typer.Option("--trace", help="A recorded head leads the window or the offscreen display.", show_default=False)
+]
 Store = Annotated[
-    Path | None, typer.Option("--store", help="Folder for the data; by default STUDY-data beside the file.", show_default=False)
+    Path | None,
+    typer.Option("--store", help="Folder for the data; by default STUDY-data beside the file.", show_default=False),
 ]
-DeskKind = Annotated[str, typer.Option("--desk", help="The experimenter's: terminal, lines, none, or auto: terminal where it can be.")]
+DeskKind = Annotated[
+    str, typer.Option("--desk", help="The experimenter's: terminal, lines, none, or auto: terminal where it can be.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors, and a code that was drawn.")]
 
 

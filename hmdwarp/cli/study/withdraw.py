@@ -10,9 +10,13 @@ import typer
 
 
 def withdraw(
-    study: Annotated[str, typer.Argument(metavar="STUDY", help="The study's file (.toml), or the name of a shipped one.")],
+    study: Annotated[
+        str, typer.Argument(metavar="STUDY", help="The study's file (.toml), or the name of a shipped one.")
+    ],
     code: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.")],
-    store: Annotated[Path | None, typer.Option("--store", help="The folder of the study's data, if not the usual one.")] = None,
+    store: Annotated[
+        Path | None, typer.Option("--store", help="The folder of the study's data, if not the usual one.")
+    ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
 ) -> None:
     """Erase all ratings, events and head traces of a participant, for good; an empty mark stays, so that the code is not used again."""
@@ -25,7 +29,9 @@ def withdraw(
     with Store(folder, study=name, say=typer.echo) as opened:
         if not yes and not was_cut_off(opened, code):
             if not sys.stdin.isatty():
-                raise InputError(f"withdrawing {code} cannot be undone: say --yes, or use a terminal, where it is asked")
+                raise InputError(
+                    f"withdrawing {code} cannot be undone: say --yes, or use a terminal, where it is asked"
+                )
             found = holdings(opened, code)
             typer.echo(f"{folder} holds of participant {found.code}: {found.words()}.")
             if not typer.confirm("Erase it for good?"):
@@ -33,7 +39,9 @@ def withdraw(
                 return
         erased = go(opened, code)
         known, told = (code, "the rest of it") if erased is None else (erased.code, erased.words())
-    typer.echo(f"Participant {known} has withdrawn; erased: {told}. The code stays marked, and their order is free. {BEYOND}")
+    typer.echo(
+        f"Participant {known} has withdrawn; erased: {told}. The code stays marked, and their order is free. {BEYOND}"
+    )
 
 
 def _where(study: str, store: Path | None) -> tuple[Path, str | None]:

@@ -61,7 +61,9 @@ class EffectPass(ABC):
     reads: ClassVar[tuple[str, ...]]
     carries: ClassVar[bool] = False
 
-    def __init__(self, gpu: Gpu, parts: frozenset[str], late_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools) -> None:
+    def __init__(
+        self, gpu: Gpu, parts: frozenset[str], late_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools
+    ) -> None:
         self.gpu, self.parts, self.late_size, self.shown_size, self.tools = gpu, parts, late_size, shown_size, tools
         self.prepare()
 

@@ -35,7 +35,10 @@ MOST_BODIES = 4096
 MOST_SIDE = 2**16 - 1  # pixels are listed by 16 bits a side
 QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
 ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
-SPLIT_UNITS = {"still_colour": 4, "still_inverse_depth": 5}  # images; those that are read have the units of their textures
+SPLIT_UNITS = {
+    "still_colour": 4,
+    "still_inverse_depth": 5,
+}  # images; those that are read have the units of their textures
 STILL = 1e-9  # pixels: what rounding leaves of a body that rests, far below any motion
 RIGID, SOFT = "rigid_motion", "soft_motion"
 
@@ -86,7 +89,11 @@ class MotionPass(LatePass):
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
-        return (*cls.reads[:2], *(("late.ids",) if RIGID in parts else ()), *(("late.velocity",) if SOFT in parts else ()))
+        return (
+            *cls.reads[:2],
+            *(("late.ids",) if RIGID in parts else ()),
+            *(("late.velocity",) if SOFT in parts else ()),
+        )
 
     @classmethod
     def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
@@ -102,7 +109,13 @@ class MotionPass(LatePass):
         self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
         # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in the shaders.
-        sizes = (4 * MAP_FLOATS * MOST_BODIES, 4 * self._words, 4 * self._words, DRAW_BYTES * self._draws, 4 * wide * high)
+        sizes = (
+            4 * MAP_FLOATS * MOST_BODIES,
+            4 * self._words,
+            4 * self._words,
+            DRAW_BYTES * self._draws,
+            4 * wide * high,
+        )
         self._buffers = [gl.buffer(reserve=size) for size in sizes]
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
         self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
@@ -116,12 +129,16 @@ class MotionPass(LatePass):
 
     def run(self, given: Given) -> Given:
         into = iter(self._moved)
-        late, *others = (self._image(image, given.shown_ns - image.drawn_ns, into) for image in (given.late, *given.others))
+        late, *others = (
+            self._image(image, given.shown_ns - image.drawn_ns, into) for image in (given.late, *given.others)
+        )
         return attrs.evolve(given, late=late, others=tuple(others))
 
     def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
         """The image as it is `age_ns` later; itself where nothing has moved by then. ids and velocities are used up: they no longer fit."""
-        maps = [body_map(state, age_ns, image.view, image.size) for state in image.bodies] if RIGID in self.parts else []
+        maps = (
+            [body_map(state, age_ns, image.view, image.size) for state in image.bodies] if RIGID in self.parts else []
+        )
         if len(maps) > MOST_BODIES:
             raise InputError(f"a frame with {len(maps)} bodies: '{self.name}' takes {MOST_BODIES} at most")
         soft = image.velocity is not None and SOFT in self.parts and swing_seconds(age_ns) != 0
@@ -134,7 +151,9 @@ class MotionPass(LatePass):
         self._run(self._order, named, (1, 1))
         self._run(self._list, named, self.late_size)
         self._draw_moving(named, into)
-        return attrs.evolve(image, colour=into.colour, inverse_depth=into.inverse_depth, ids=None, bodies=(), velocity=None)
+        return attrs.evolve(
+            image, colour=into.colour, inverse_depth=into.inverse_depth, ids=None, bodies=(), velocity=None
+        )
 
     def _named(self, image: EyeImage, maps: Sequence[WarpMap], age_ns: int) -> dict[str, Any]:
         """Uniforms by name, for whichever program has them."""
@@ -179,7 +198,9 @@ class MotionPass(LatePass):
         into.framebuffer.color_mask = nothing
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             into.framebuffer.clear(depth=1.0)
-        into.framebuffer.color_mask = wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
+        into.framebuffer.color_mask = (
+            wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
+        )
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             gl.depth_func = "<"
             self._array.render_indirect(self._buffers[3], moderngl.TRIANGLES, count=self._draws)
@@ -204,6 +225,10 @@ def _check(gpu: Gpu, size: tuple[int, int]) -> None:
     """Errors: MachineError where vertex shaders cannot read buffers; InputError for a picture too large to list."""
     blocks = gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"]
     if blocks < 2:
-        raise MachineError(f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects no-{RIGID},no-{SOFT}")
+        raise MachineError(
+            f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects no-{RIGID},no-{SOFT}"
+        )
     if max(size) > MOST_SIDE:
-        raise InputError(f"a late picture of {size[0]}x{size[1]}: moving things takes at most {MOST_SIDE} pixels a side")
+        raise InputError(
+            f"a late picture of {size[0]}x{size[1]}: moving things takes at most {MOST_SIDE} pixels a side"
+        )

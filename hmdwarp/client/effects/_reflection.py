@@ -73,7 +73,9 @@ class Reflections(ShownPass):
     def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
         reflection = given.late.reflection
         if reflection is None:
-            raise PlanError("reflections are compensated, but this frame has no layer of them; frames from a scene have it")
+            raise PlanError(
+                "reflections are compensated, but this frame has no layer of them; frames from a scene have it"
+            )
         seen = attrs.evolve(given.at_once(), late=as_image(given.late, reflection.seen), others=())
         self._warp.run(seen, self._seen)
         self._barrier()
@@ -104,7 +106,9 @@ class Reflections(ShownPass):
         into.bind_for_writing()
         self._seen.texture.use(0)
         units = {name: unit for unit, name in enumerate(read, start=1)}
-        mirrors = mirrors_in_eye(given.late.reflection.mirrors, given.middle) | tangents_of_pixels(given.middle, self.shown_size)
+        mirrors = mirrors_in_eye(given.late.reflection.mirrors, given.middle) | tangents_of_pixels(
+            given.middle, self.shown_size
+        )
         pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
         self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
         self._compose.run(*self.shown_size)

@@ -47,7 +47,9 @@ class _Veil(GatherWarp):
         picture.inverse_depth.bind_to_image(3, read=True, write=False)
         self.bind_colour(attrs.evolve(given, late=attrs.evolve(given.late, colour=layer.passing)), 1, self._maps(given))
         behind = {"late_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
-        self.run_gather(self._program, given, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **behind)
+        self.run_gather(
+            self._program, given, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **behind
+        )
 
     def close(self) -> None:
         self._seeds.close()

@@ -25,13 +25,17 @@ class HolePieces:
     with_depth: the inverse depth is copied too. twice: the colour is copied to a second texture as well.
     """
 
-    def __init__(self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, twice: bool = False) -> None:
+    def __init__(
+        self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, twice: bool = False
+    ) -> None:
         self._gpu, self._size, self._stamp = gpu, size, 0
         self._program = gpu.shaders.compute("fills/holes.comp", WITH_DEPTH=int(with_depth), TWICE=int(twice))
         self.count = -(-size[0] // PIECE[0]) * -(-size[1] // PIECE[1])
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
         if self.count * PIECE[0] > 64 * most:
-            raise InputError(f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a smaller one")
+            raise InputError(
+                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a smaller one"
+            )
         self.list = gpu.gl.buffer(reserve=len(_HEADER) + 4 * self.count)
         self._stamps = gpu.gl.buffer(bytes(8 * self.count))
 

@@ -74,7 +74,9 @@ def is_new(view: View, kept: Sequence[Keyframe]) -> bool:
 def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
     """The one whose loss costs least: the others, and the newest, cover most of it; of equals the oldest."""
     beside = Keyframe(-1, newest, 0)
-    return max(kept, key=lambda one: (covered(one.view, [beside, *(k for k in kept if k is not one)]).mean(), -one.drawn_ns))
+    return max(
+        kept, key=lambda one: (covered(one.view, [beside, *(k for k in kept if k is not one)]).mean(), -one.drawn_ns)
+    )
 
 
 def most_useful(kept: Sequence[Keyframe], shown: View, late: View, most: int) -> list[Keyframe]:

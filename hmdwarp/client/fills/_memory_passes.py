@@ -54,7 +54,9 @@ class Keeper:
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._gpu, self._size = gpu, size
-        self._keep, self._bounds, self._forget = (gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget"))
+        self._keep, self._bounds, self._forget = (
+            gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget")
+        )
         self._seed = gpu.shaders.compute("fills/memory_seeds.comp")
         cells = (-(-size[0] // 2), -(-size[1] // 2))
         self._depths = allocate(gpu.gl, cells, (2, "f4"))

@@ -33,8 +33,14 @@ class HoleFiller:
         self._gpu, self._size = gpu, shown_size
         self._cells = (-(-shown_size[0] // cell), -(-shown_size[1] // cell))
         shaders, gl = gpu.shaders, gpu.gl
-        self._empty, self._seed = shaders.compute("warps/layered_empty.comp"), shaders.compute("warps/layered_seed.comp")
-        self._start, self._gather = shaders.compute("fills/memory_start.comp"), shaders.compute("fills/memory_gather.comp")
+        self._empty, self._seed = (
+            shaders.compute("warps/layered_empty.comp"),
+            shaders.compute("warps/layered_seed.comp"),
+        )
+        self._start, self._gather = (
+            shaders.compute("fills/memory_start.comp"),
+            shaders.compute("fills/memory_gather.comp"),
+        )
         pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // _ROWS)
         _check_groups(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0], pieces, shown_size)
         self._quads = -(-self._cells[0] * self._cells[1] // 4)
@@ -51,7 +57,12 @@ class HoleFiller:
         self._first = True
         self._empty_seeds(self._pieces)
         self._bind(picture, into)
-        units = {"shown_colour": _SHOWN, "filled_colour": _FILLED, "shown_depth": _SHOWN_DEPTH, "filled_depth": _FILLED_DEPTH}
+        units = {
+            "shown_colour": _SHOWN,
+            "filled_colour": _FILLED,
+            "shown_depth": _SHOWN_DEPTH,
+            "filled_depth": _FILLED_DEPTH,
+        }
         self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
         self._dispatch(self._start, self._size)
         self._picture, self._into = picture, into
@@ -65,7 +76,9 @@ class HoleFiller:
         forward = WarpMap.between(found.view, size, shown, self._cells)
         depth.bind_to_image(_DEPTH, read=True, write=False)
         self._seeds.bind_to_storage_buffer(0)
-        self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self._cells)
+        self._seed.uniforms.set(
+            H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self._cells
+        )
         self._dispatch(self._seed, size)
         self._meet(found, shown, newest)
         self._first = False
@@ -81,10 +94,17 @@ class HoleFiller:
         self._pieces.bind_to_storage_buffer(1)
         units = {"shown_colour": _SHOWN, "filled_colour": _FILLED, "filled_depth": _FILLED_DEPTH, "best": _BEST}
         units |= {"late_colour": _LATE, "late_depth": _DEPTH}
-        sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self._size, "cells": self._cells}
+        sizes = {
+            "late_size": size,
+            "late_pixel": (1 / size[0], 1 / size[1]),
+            "shown_size": self._size,
+            "cells": self._cells,
+        }
         sizes["cells_per_pixel"] = tuple(c / s for c, s in zip(self._cells, self._size, strict=True))
         limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES, "once": 1}
-        self._gather.uniforms.set(H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits)
+        self._gather.uniforms.set(
+            H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits
+        )
         self._barrier()
         self._gather.program.run_indirect(self._pieces)
 

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from ..given import Given
     from ..picture import ShownPicture
 
-MINIMUM_COUNT = 3  # below three covered neighbours a pixel lies inside a hole, not in a crack: a guess there would only smear
+MINIMUM_COUNT = (
+    3  # below three covered neighbours a pixel lies inside a hole, not in a crack: a guess there would only smear
+)
 
 
 @fills.register

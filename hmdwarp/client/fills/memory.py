@@ -130,5 +130,3 @@ class Memory(Fill):
         other."""
         looked = 1 + MemorySettings().use
         return shown_pixels * (16 + looked * (4 + 4 * 4) // 4 + 12 * 2)
-
-

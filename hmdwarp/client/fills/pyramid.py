@@ -124,7 +124,12 @@ class Pyramid(Fill):
 
     def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
         level.bind(_SECOND, read=False, write=True)
-        units = {"below_colour": _FIRST[0], "below_depth": _FIRST[1], "level_colour": _SECOND[0], "level_depth": _SECOND[1]}
+        units = {
+            "below_colour": _FIRST[0],
+            "below_depth": _FIRST[1],
+            "level_colour": _SECOND[0],
+            "level_depth": _SECOND[1],
+        }
         program.uniforms.set(below_size=below_size, level_size=level.size, **units, **self._limits(level))
 
     def _push_one(self, level: _Level, above: _Level) -> None:
@@ -137,7 +142,9 @@ class Pyramid(Fill):
 
     def _read_above(self, program: Compute, above: _Level) -> None:
         above.bind(_FIRST)
-        program.uniforms.set(above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits(above))
+        program.uniforms.set(
+            above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits(above)
+        )
 
     def _limits(self, level: _Level) -> dict[str, float]:
         least = LEAST_LOCAL if self._is_local(level) else LEAST_BORDER

@@ -22,7 +22,9 @@ BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
 LIGHT = (4, "f4")  # rgba32f, PARTS texels a block
 PARTS = 3
 SEED = 0.5
-SAME_DEPTH = SAME_SURFACE = 0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
+SAME_DEPTH = SAME_SURFACE = (
+    0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
+)
 NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
 # What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1 unlit and 0.003 baked (`room`, `walk` and
@@ -117,7 +119,12 @@ class Relight(Fill):
         self._apply.run(WORKERS)
 
     def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
-        textures = (picture.colour.texture, picture.inverse_depth, self._albedo.colour.texture, self._albedo.inverse_depth)
+        textures = (
+            picture.colour.texture,
+            picture.inverse_depth,
+            self._albedo.colour.texture,
+            self._albedo.inverse_depth,
+        )
         for unit, texture in enumerate(textures):
             texture.bind_to_image(unit, read=True, write=False)
         into.colour.texture.bind_to_image(4, read=True, write=True)

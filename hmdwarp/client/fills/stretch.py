@@ -68,7 +68,13 @@ class Stretch(Fill):
         self._streaks.bind_to_image(_STREAKS, read=True, write=True)
         into.colour.bind_for_writing(_FILLED)
         chosen = self.settings
-        told = {"warped": _WARPED, "filled_depth": _FILLED_DEPTH, "streaks": _STREAKS, "shown_size": self.shown_size, "e": forward.e}
+        told = {
+            "warped": _WARPED,
+            "filled_depth": _FILLED_DEPTH,
+            "streaks": _STREAKS,
+            "shown_size": self.shown_size,
+            "e": forward.e,
+        }
         told |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
         views = {"back_H": back.H, "back_e": back.e, "late_size": self.late_size}
         self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **told)

@@ -85,7 +85,9 @@ class CompositeWarp(Warp):
         size = picture.colour.size
         forward = WarpMap.between(picture.view, size, shown, self.shown_size)
         picture.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
-        self._seed.uniforms.set(H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self.shown_size)
+        self._seed.uniforms.set(
+            H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self.shown_size
+        )
         self._empty.uniforms.set(quads=self._quads)
         self._dispatch(self._empty, (self._quads, 1))
         self._dispatch(self._seed, size)

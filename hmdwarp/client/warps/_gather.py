@@ -40,13 +40,17 @@ class GatherWarp(Warp):
             defines |= {"LENS": lens.look, **lens.look_defines()}
         if self.output.scanout:
             defines |= {"SCANOUT": 1}
-        return self.gpu.shaders.compute(path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines)
+        return self.gpu.shaders.compute(
+            path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines
+        )
 
     def map_between(self, shown: View, late: View) -> WarpMap:
         """From shown to rendered pixels."""
         return WarpMap.between(shown, self.shown_size, late, self.late_size)
 
-    def run_gather(self, program: Compute, given: Given, into: Canvas, *, colour_unit: int = 0, **uniforms: object) -> None:
+    def run_gather(
+        self, program: Compute, given: Given, into: Canvas, *, colour_unit: int = 0, **uniforms: object
+    ) -> None:
         """Bind the late colour and the result, set the map and the sizes, and run for every pixel of the output."""
         maps = self._maps(given)
         self.bind_colour(given, colour_unit, maps)

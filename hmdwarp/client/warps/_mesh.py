@@ -62,10 +62,16 @@ class MeshWarp(Warp):
         self._order = shaders.compute("warps/mesh_order.comp", CHUNKS=0)
         self._list = shaders.compute("warps/mesh_list.comp")
         if self.adaptive:
-            self._count, self._choose = (shaders.compute("warps/mesh_triangles.comp", STAGE=stage) for stage in range(2))
+            self._count, self._choose = (
+                shaders.compute("warps/mesh_triangles.comp", STAGE=stage) for stage in range(2)
+            )
             self._order_triangles = shaders.compute("warps/mesh_order.comp", CHUNKS=1)
-        self._cells = shaders.draw("warps/mesh_cells.vert", "warps/mesh_cells.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex)
-        self._pieces = shaders.draw("warps/mesh_pieces.vert", "warps/mesh_pieces.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex)
+        self._cells = shaders.draw(
+            "warps/mesh_cells.vert", "warps/mesh_cells.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex
+        )
+        self._pieces = shaders.draw(
+            "warps/mesh_pieces.vert", "warps/mesh_pieces.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex
+        )
 
     def _allocate(self) -> None:
         gl, (wide, high) = self.gpu.gl, self.late_size
@@ -75,7 +81,14 @@ class MeshWarp(Warp):
         self._calls = -(-cells // QUADS), 1 if self.adaptive else -(-4 * cells // QUADS)
         chunks = -(-cells // CHUNK)
         # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them; their triangles, chunks and masks.
-        sizes = [groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES, 8 * groups, *(CALL_BYTES * n for n in self._calls), 8 * cells, 4 * cells, 16]
+        sizes = [
+            groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES,
+            8 * groups,
+            *(CALL_BYTES * n for n in self._calls),
+            8 * cells,
+            4 * cells,
+            16,
+        ]
         if self.adaptive:
             sizes += [32 * cells, 4 * chunks, 8 * chunks]
         _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.late_size)
@@ -84,7 +97,9 @@ class MeshWarp(Warp):
         self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
         self._arrays = [
             gl.vertex_array(self._cells.program, [], index_buffer=self._corners, index_element_size=2),
-            gl.vertex_array(self._pieces.program, [], index_buffer=None if self.adaptive else self._corners, index_element_size=2),
+            gl.vertex_array(
+                self._pieces.program, [], index_buffer=None if self.adaptive else self._corners, index_element_size=2
+            ),
         ]
         self._colour = allocate(gl, self.shown_size, COLOUR)
         self._depth = gl.depth_renderbuffer(self.shown_size)
@@ -123,7 +138,12 @@ class MeshWarp(Warp):
         }
         side = GROUP // BLOCK
         blocks = self._groups[0] * side, self._groups[1] * side
-        for program, size in ((self._blocks, blocks), (self._merge, self._groups), (self._order, (1, 1)), (self._list, blocks)):
+        for program, size in (
+            (self._blocks, blocks),
+            (self._merge, self._groups),
+            (self._order, (1, 1)),
+            (self._list, blocks),
+        ):
             self._run(program, named, lambda program=program, size=size: program.run(*size))
         if self.adaptive:
             self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
@@ -154,7 +174,9 @@ class MeshWarp(Warp):
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
             gl.depth_func = ">"  # what is written is larger where it is nearer
-            for draw, array, calls, count in zip((self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True):
+            for draw, array, calls, count in zip(
+                (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
+            ):
                 draw.uniforms.set_declared(**named)
                 array.render_indirect(calls, moderngl.TRIANGLES, count=count)
             gl.depth_func = "<"

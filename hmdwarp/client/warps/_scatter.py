@@ -69,7 +69,9 @@ class OrderedScatter(ScatterWarp):
     def prepare(self) -> None:
         if max(self.late_size) > LONGEST_SIDE:
             wide, high = self.late_size
-            raise InputError(f"a late picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side")
+            raise InputError(
+                f"a late picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
+            )
         path, defines = f"warps/{self.name}.comp", self.defines()
         self._scatter, self._resolve = (self.gpu.shaders.compute(path, PASS=k, **defines) for k in range(2))
         self._keys = self.empty_keys()

@@ -47,7 +47,9 @@ class Backward(GatherWarp):
 
     def run(self, given: Given, into: Canvas) -> None:
         if given.client_inverse_depth is None:
-            raise PlanError("warp 'backward' needs the client's own depth, so a scene; for frames without one use 'forward'")
+            raise PlanError(
+                "warp 'backward' needs the client's own depth, so a scene; for frames without one use 'forward'"
+            )
         given.late.inverse_depth.bind_to_image(1, read=True, write=False)
         given.client_inverse_depth.bind_to_image(2, read=True, write=False)
         limits = {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}

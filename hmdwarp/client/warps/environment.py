@@ -68,7 +68,9 @@ class Environment(GatherWarp):
     def run(self, given: Given, into: Canvas) -> None:
         cube = given.late.cube
         if cube is None:
-            raise PlanError("warp 'environment' needs a cube map around the eye, which this frame has not; frames from a scene have it")
+            raise PlanError(
+                "warp 'environment' needs a cube map around the eye, which this frame has not; frames from a scene have it"
+            )
         side = cube.size[0] // 3
         pixel = (1 / cube.size[0], 1 / cube.size[1])
         self.run_gather(self._program, given, into, face_size=float(side), late_pixel=pixel)

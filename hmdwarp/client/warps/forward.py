@@ -48,7 +48,9 @@ class Forward(ScatterWarp):
 
     def prepare(self) -> None:
         if self.late_size[0] * self.late_size[1] > MOST_PIXELS:
-            raise InputError(f"a late picture of {self.late_size[0]}x{self.late_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels")
+            raise InputError(
+                f"a late picture of {self.late_size[0]}x{self.late_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
+            )
         self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 
     @classmethod
@@ -72,7 +74,9 @@ class Forward(ScatterWarp):
 def _one_pass(gpu: Gpu, path: str) -> bool:
     missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
     if path == "atomic64" and missing:
-        raise MachineError(f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} has not: use path=auto")
+        raise MachineError(
+            f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} has not: use path=auto"
+        )
     return path != "portable" and not missing
 
 
@@ -114,7 +118,9 @@ class _OnePass:
 
     def __init__(self, warp: Forward) -> None:
         self._warp = warp
-        self._nearest, self._resolve = (warp.gpu.shaders.compute("warps/forward_atomic64.comp", PASS=k) for k in range(2))
+        self._nearest, self._resolve = (
+            warp.gpu.shaders.compute("warps/forward_atomic64.comp", PASS=k) for k in range(2)
+        )
         self._keys = warp.empty_keys(words=2)
 
     def run(self, forward: WarpMap, into: Canvas) -> None:

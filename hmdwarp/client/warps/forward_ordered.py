@@ -33,10 +33,14 @@ class ForwardOrdered(OrderedScatter):
     """Scatters pixels as if one after the other, towards the epipole when the eye has moved ahead, away from it when back."""
 
     name = "forward_ordered"
-    summary = "moves each pixel by its own depth, in the occlusion-compatible order from the epipole: no depth comparison"
+    summary = (
+        "moves each pixel by its own depth, in the occlusion-compatible order from the epipole: no depth comparison"
+    )
     exact_when = "as 'forward', of surfaces whose pixels meet along epipolar lines"
     gets_wrong = "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; else as 'forward'"
-    source = "McMillan 1995 (UNC TR95-005), Walia and Verma; Mark and Bishop 1997 (why it does not always hold for pixels)"
+    source = (
+        "McMillan 1995 (UNC TR95-005), Walia and Verma; Mark and Bishop 1997 (why it does not always hold for pixels)"
+    )
     Settings = ForwardOrderedSettings
 
     def defines(self) -> dict[str, object]:
@@ -45,7 +49,11 @@ class ForwardOrdered(OrderedScatter):
     def order(self, given: Given) -> dict[str, object]:
         backward = WarpMap.between(given.shown, self.shown_size, given.late.view, self.late_size)
         pixel, sense = epipole_pixel(backward.e, self.late_size)
-        return {"epipole": tuple(pixel), "sense": sense, "start": _start(pixel, sense, self.late_size, self.settings.sheets == "rings")}
+        return {
+            "epipole": tuple(pixel),
+            "sense": sense,
+            "start": _start(pixel, sense, self.late_size, self.settings.sheets == "rings"),
+        }
 
 
 def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int64], int]:

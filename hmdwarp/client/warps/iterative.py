@@ -28,7 +28,9 @@ class IterativeSettings:
     tolerance * (the farther one's inverse depth + floor). converged: pixels by which the last guess may have been off; else a hole.
     """
 
-    seed: Literal["forward", "rotation"] = attrs.field(default="forward", validator=attrs.validators.in_(("forward", "rotation")))
+    seed: Literal["forward", "rotation"] = attrs.field(
+        default="forward", validator=attrs.validators.in_(("forward", "rotation"))
+    )
     steps: int = 3
     slanted: int = 1
     tolerance: float = DEPTH_TOLERANCE
@@ -37,7 +39,9 @@ class IterativeSettings:
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
-            raise ValueError(f"steps={self.steps}, slanted={self.slanted}: wanted 1 <= slanted <= steps <= {MOST_STEPS}")
+            raise ValueError(
+                f"steps={self.steps}, slanted={self.slanted}: wanted 1 <= slanted <= steps <= {MOST_STEPS}"
+            )
         if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged)):
             raise ValueError("tolerance, floor and converged must be 0 or more")
 
@@ -47,7 +51,9 @@ class Iterative(GatherWarp):
     """A gather by fixed point on the late depth, started by a low-resolution forward splat; what does not converge is a hole."""
 
     name = "iterative"
-    summary = "each pixel guesses its depth, looks where that was drawn, and takes the depth found there for its next guess"
+    summary = (
+        "each pixel guesses its depth, looks where that was drawn, and takes the depth found there for its next guess"
+    )
     reads = ("late.colour", "late.inverse_depth")
     exact_when = "the late picture saw the surface and the guesses converge, up to one bilinear resample"
     gets_wrong = "may miss the front one of several surfaces on a ray, or end in a hole there; silhouettes end half way between late pixels"

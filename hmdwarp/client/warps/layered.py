@@ -55,5 +55,7 @@ class Layered(CompositeWarp):
     def pictures(self, given: Given) -> list[Picture]:
         late, behind = given.late, self.settings.layers - 1
         if len(late.layers) < behind:
-            raise PlanError(f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(late.layers)}")
+            raise PlanError(
+                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(late.layers)}"
+            )
         return [Picture(each.colour, each.inverse_depth, late.view) for each in (late, *late.layers[:behind])]

@@ -16,7 +16,9 @@ STEEPEST_DEG = 85.0
 class MeshSettings:
     """cut: how sheets between two surfaces are found. steepest_deg: planes seen at up to this angle from facing stay whole."""
 
-    cut: Literal["slope", "vertex", "both"] = attrs.field(default="slope", validator=attrs.validators.in_(("slope", "vertex", "both")))
+    cut: Literal["slope", "vertex", "both"] = attrs.field(
+        default="slope", validator=attrs.validators.in_(("slope", "vertex", "both"))
+    )
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
 
 
@@ -26,7 +28,9 @@ class Mesh(MeshWarp):
 
     name = "mesh"
     summary = "draws the late picture as triangles between its pixels, cut where surfaces part"
-    exact_when = "surfaces are seen in the late picture and are smooth from one pixel to the next, up to one bilinear resample"
+    exact_when = (
+        "surfaces are seen in the late picture and are smooth from one pixel to the next, up to one bilinear resample"
+    )
     gets_wrong = "what was hidden is a hole; every edge is half a pixel wide of the truth; slow where triangles are"
     source = "Mark, McMillan and Bishop 1997, Post-Rendering 3D Warping; Mark 1999 (thesis), 3.3"
     Settings = MeshSettings

@@ -30,7 +30,9 @@ class MeshAdaptive(MeshWarp):
     """`mesh` with cells of up to 16x16 pixels where that moves nothing by more than the tolerance for this very motion."""
 
     name = "mesh_adaptive"
-    summary = "as mesh, with few large triangles where the surface is flat: the same picture within a twentieth of a pixel"
+    summary = (
+        "as mesh, with few large triangles where the surface is flat: the same picture within a twentieth of a pixel"
+    )
     exact_when = "as mesh, up to the tolerance (in shown pixels)"
     gets_wrong = "as mesh; detail in depth below the tolerance is flattened"
     source = "Schollmeyer et al. 2017, Efficient Hybrid Image Warping; Reinert et al. 2016, Proxy-guided Image-based Rendering"

@@ -23,7 +23,9 @@ class Planar(GatherWarp):
     reads = ("late.colour", "late.inverse_depth")
     exact_when = "the eye only turns, or everything lies on one plane facing the eye"
     gets_wrong = "parallax: nearer things move too little, farther ones too much"
-    source = "XR_MSFT_composition_layer_reprojection, planar from depth; McMillan and Bishop 1995 for the plane's homography"
+    source = (
+        "XR_MSFT_composition_layer_reprojection, planar from depth; McMillan and Bishop 1995 for the plane's homography"
+    )
 
     def prepare(self) -> None:
         self._median = self.gpu.shaders.compute("warps/median.comp")

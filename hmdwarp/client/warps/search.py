@@ -46,7 +46,9 @@ class Search(GatherWarp):
     name = "search"
     summary = "follows each pixel's ray through the late picture to the first surface it meets"
     reads = ("late.colour", "late.inverse_depth")
-    exact_when = "the late picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
+    exact_when = (
+        "the late picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
+    )
     gets_wrong = "silhouettes end half way between late pixels; slow where rays run long past many edges"
     source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
     Settings = SearchSettings
@@ -76,7 +78,9 @@ class Search(GatherWarp):
         chosen = self.settings
         surface = {"late_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
-        self.run_gather(self._program, given, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels)
+        self.run_gather(
+            self._program, given, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
+        )
 
     def _build_pyramid(self, levels: dict[str, tuple[int, ...]]) -> None:
         for level in range(1, LEVELS + 1):

@@ -38,7 +38,9 @@ class Splat(ScatterWarp):
     """Scatters the depth of each drawn pixel over its footprint, nearest first, then fetches the colours back through that depth."""
 
     name = "splat"
-    summary = "each pixel covers the footprint its square becomes, nearest surface wins: no cracks, smooth between pixels"
+    summary = (
+        "each pixel covers the footprint its square becomes, nearest surface wins: no cracks, smooth between pixels"
+    )
     exact_when = "always, up to one resample, where the late picture saw the surface"
     gets_wrong = "what was hidden is a hole; soft edges travel with their depth; magnified over 32 times it shows gaps"
     source = "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); Mori et al. 2009 (depth forward, colour backward)"

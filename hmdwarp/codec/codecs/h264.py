@@ -9,4 +9,6 @@ from . import CODECS, Codec
 
 _OPTIONS = {"preset": "veryfast", "tune": "zerolatency", "forced-idr": "1", "sc_threshold": "0"}
 
-CODECS.register(Codec("h264", "H.264 by x264, veryfast, zero latency", "libx264", "h264", crf=20, threads=2, options=_OPTIONS))
+CODECS.register(
+    Codec("h264", "H.264 by x264, veryfast, zero latency", "libx264", "h264", crf=20, threads=2, options=_OPTIONS)
+)

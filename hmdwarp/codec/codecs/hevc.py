@@ -10,4 +10,6 @@ from . import CODECS, Codec
 _X265 = "log-level=none:frame-threads=1:pools=2:repeat-headers=1:scenecut=0:open-gop=0:info=0"
 _OPTIONS = {"preset": "superfast", "tune": "zerolatency", "forced-idr": "1", "x265-params": _X265}
 
-CODECS.register(Codec("hevc", "H.265 by x265, superfast, zero latency", "libx265", "hevc", crf=22, threads=1, options=_OPTIONS))
+CODECS.register(
+    Codec("hevc", "H.265 by x265, superfast, zero latency", "libx265", "hevc", crf=22, threads=1, options=_OPTIONS)
+)

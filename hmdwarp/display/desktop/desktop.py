@@ -59,7 +59,12 @@ class DesktopDisplay:
         self._own = {one.name for one in options.controls if one.of_display}
         panel = options.panel and "panel" in self._own
         self._window = Window(
-            self._glfw, TITLE, self._shown.whole, _column() if panel else 0, full_screen=options.full_screen, vsync=options.vsync
+            self._glfw,
+            TITLE,
+            self._shown.whole,
+            _column() if panel else 0,
+            full_screen=options.full_screen,
+            vsync=options.vsync,
         )
         self._closers.append(self._window.close)
         self.gpu = Gpu(self._window.gl)
@@ -88,7 +93,12 @@ class DesktopDisplay:
 
     def _kind(self) -> str:
         glfw = self._glfw
-        names = {glfw.PLATFORM_X11: "X11", glfw.PLATFORM_WAYLAND: "Wayland", glfw.PLATFORM_WIN32: "Windows", glfw.PLATFORM_COCOA: "macOS"}
+        names = {
+            glfw.PLATFORM_X11: "X11",
+            glfw.PLATFORM_WAYLAND: "Wayland",
+            glfw.PLATFORM_WIN32: "Windows",
+            glfw.PLATFORM_COCOA: "macOS",
+        }
         return f"glfw {'.'.join(map(str, glfw.get_version()))}, {names.get(glfw.get_platform(), 'unknown')}, context: {self._window.api}"
 
     # --- what the driver sees ---
@@ -152,7 +162,9 @@ class DesktopDisplay:
         """What the title line and the panel show."""
         self._status = status
         panel = self._panel is not None and self._panel.on
-        status.values.update(full_screen=self._window.fills_screen, vsync=self._window.vsync, panel=panel, help=self._overlay.help)
+        status.values.update(
+            full_screen=self._window.fills_screen, vsync=self._window.vsync, panel=panel, help=self._overlay.help
+        )
 
     def reopen(self) -> bool:
         """A window is closed, never lost."""

@@ -61,7 +61,9 @@ class Keys:
         """Every control and every way to move, a line each: keys, tab, what they do. named: what the user calls a key."""
         named = named or label
         rows = [(_keys_of(control, named), control.what) for control in self.controls if control.what]
-        rows += [(" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING]
+        rows += [
+            (" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
+        ]
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 

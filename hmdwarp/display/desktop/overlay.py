@@ -20,7 +20,12 @@ class Overlay:
     words."""
 
     def __init__(
-        self, gpu: Gpu, presenter: Presenter, now_ns: Callable[[], int], controls: tuple[Control, ...], help_text: Callable[[], str]
+        self,
+        gpu: Gpu,
+        presenter: Presenter,
+        now_ns: Callable[[], int],
+        controls: tuple[Control, ...],
+        help_text: Callable[[], str],
     ) -> None:
         self._screen, self._presenter, self._now_ns = gpu.gl.screen, presenter, now_ns
         self._controls, self._help_text = controls, help_text
@@ -32,7 +37,9 @@ class Overlay:
         """A remark over the picture, for a few seconds."""
         self._said, self._until_ns = text, self._now_ns() + SAID_NS
 
-    def draw(self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: Label) -> None:
+    def draw(
+        self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: Label
+    ) -> None:
         """Into the window's framebuffer, (w, h) pixels. canvases: the eyes' pictures, none for black. count: of eyes, where there are no
         pictures. aspect: width over height of one picture. column: of it are left to a panel at the right.
         label: over each picture; beside a plate nothing is said."""
@@ -47,7 +54,9 @@ class Overlay:
         places = viewports(beside(size, column), len(pictures), aspect)
         for picture, over, place in zip(pictures, notices, places, strict=False):
             self._presenter.show(picture, self._screen, place, hardware_srgb=False, notice=over)
-        self._plates = [(place, over) for place, over in zip(places, notices, strict=False) if over is not None and over is notice]
+        self._plates = [
+            (place, over) for place, over in zip(places, notices, strict=False) if over is not None and over is notice
+        ]
 
     def on_plate(self, x: float, y: float) -> tuple[float, float] | None:
         """What is at that place of the framebuffer, in pixels from the bottom left, of what lies over the pictures now: (u, v) on it,

@@ -15,11 +15,20 @@ from . import panel_style as style
 LABEL, KEY = 60.0, 50.0  # widths of the columns, at a content scale of 1
 STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a number that is typed in (ctrl and click) is taken as it is
 FORMAT = {"latency": "%.0f ms", "guard": "%.2f x"}
-STATES = {"view": (("both", "both eyes"), ("flat", "one flat view"))}  # switches between two things, neither of which is off
+STATES = {
+    "view": (("both", "both eyes"), ("flat", "one flat view"))
+}  # switches between two things, neither of which is off
 PATIENCE_S = 0.5  # how long a value that was asked for is shown before what the run says counts again
 ACTIONS = ("recentre", "full_screen", "vsync", "help", "panel", "quit")
 LIT = ("full_screen", "vsync", "help")  # those that show whether they are on; the panel is, wherever it is seen
-LABELS = {"recentre": "recentre", "full_screen": "full screen", "vsync": "vsync", "help": "help", "panel": "hide", "quit": "end"}
+LABELS = {
+    "recentre": "recentre",
+    "full_screen": "full screen",
+    "vsync": "vsync",
+    "help": "help",
+    "panel": "hide",
+    "quit": "end",
+}
 
 
 @attrs.define
@@ -69,7 +78,9 @@ class Controls:
         keycap(keys_of(control, self._label))
 
     def _forget(self, status: Status, now_s: float) -> None:
-        done = [name for name, one in self._asked.items() if now_s > one.until_s or status.values.get(name) == one.value]
+        done = [
+            name for name, one in self._asked.items() if now_s > one.until_s or status.values.get(name) == one.value
+        ]
         for name in done:
             del self._asked[name]
 
@@ -94,7 +105,9 @@ class Controls:
             imgui.text(str(value))
             return None
         shown = self._dragged.get(name, float(value))
-        moved, now = imgui.slider_float(f"##{name}", shown, *control.span, FORMAT.get(name, "%g"), imgui.SliderFlags_.always_clamp)
+        moved, now = imgui.slider_float(
+            f"##{name}", shown, *control.span, FORMAT.get(name, "%g"), imgui.SliderFlags_.always_clamp
+        )
         if moved:
             typed = imgui.get_io().want_text_input
             self._dragged[name] = now if typed else round(now / STEP[name]) * STEP[name]

@@ -45,7 +45,12 @@ def plots_of(status: Status) -> list[Plot]:
         Plot("all passes", status.total_ms, limit=budget, told=True, over=bad, least=1.2 * (budget or 1.0)),
         # Any two refreshes differ a little: half a refresh late is a picture missed.
         Plot("between pictures", status.period_ms, limit=budget, over=1.5 * bad, least=2 * (budget or 1.0)),
-        Plot("age of the frame", status.age_ms, limit=latency if isinstance(latency, int | float) and latency else None, least=20.0),
+        Plot(
+            "age of the frame",
+            status.age_ms,
+            limit=latency if isinstance(latency, int | float) and latency else None,
+            least=20.0,
+        ),
         Plot("pose age at hand-over", status.pose_age_ms, least=5.0),
         Plot("holes before the fill", holes, unit="%", least=5.0),
     ]

@@ -181,7 +181,9 @@ class _Growing:
         self.buffer.release()
 
 
-def gathered(data: imgui.ImDrawData, atlases: dict[int, moderngl.Texture]) -> tuple[np.ndarray, np.ndarray, list[Batch]]:
+def gathered(
+    data: imgui.ImDrawData, atlases: dict[int, moderngl.Texture]
+) -> tuple[np.ndarray, np.ndarray, list[Batch]]:
     """Copies of all corners and indices of a frame, as one array each, and the batches that use them."""
     corners, indices, batches = [], [], []
     first_corner = first_index = 0

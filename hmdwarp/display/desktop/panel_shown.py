@@ -187,7 +187,9 @@ def _header(status: Status, scale: float) -> None:
     right_aligned(missed, style.WARN if status.missed else style.DIM)
     if status.recording:
         at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
-        imgui.get_window_draw_list().add_circle_filled((at.x + 0.35 * size, at.y + 0.5 * size), 0.3 * size, style.u32(style.BAD))
+        imgui.get_window_draw_list().add_circle_filled(
+            (at.x + 0.35 * size, at.y + 0.5 * size), 0.3 * size, style.u32(style.BAD)
+        )
         imgui.dummy((0.7 * size, size))
         imgui.same_line()
         imgui.text_colored(imgui.ImVec4(*style.BAD), "recording")

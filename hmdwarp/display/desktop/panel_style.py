@@ -11,7 +11,12 @@ WIDTH = 330  # of the panel
 FONT_SIZE = 15.0
 
 Rgba = tuple[float, float, float, float]
-PLATE: Rgba = (0.055, 0.065, 0.080, 0.86)  # dark enough to read on over a white wall, light enough to see movement through
+PLATE: Rgba = (
+    0.055,
+    0.065,
+    0.080,
+    0.86,
+)  # dark enough to read on over a white wall, light enough to see movement through
 TEXT: Rgba = (0.90, 0.92, 0.94, 1.0)
 DIM: Rgba = (0.60, 0.64, 0.69, 1.0)
 FAINT: Rgba = (0.60, 0.64, 0.69, 0.55)

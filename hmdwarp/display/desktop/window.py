@@ -48,7 +48,14 @@ class Window:
     """
 
     def __init__(
-        self, glfw: ModuleType, title: str, wanted: Size, column: int = 0, *, full_screen: bool = False, vsync: bool = True
+        self,
+        glfw: ModuleType,
+        title: str,
+        wanted: Size,
+        column: int = 0,
+        *,
+        full_screen: bool = False,
+        vsync: bool = True,
     ) -> None:
         self._glfw, self._title = glfw, title
         self.handle, self.api = _made(glfw, title, _units(glfw, wanted, column))
@@ -58,7 +65,9 @@ class Window:
             self.fill_screen(True)
         self._show()
         self.gl = self._context(vsync)
-        self._reset_status = self._function("glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR")
+        self._reset_status = self._function(
+            "glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR"
+        )
 
     def _show(self) -> None:
         glfw = self._glfw
@@ -78,7 +87,9 @@ class Window:
             gl = moderngl.create_context(require=WANTED, context=context)
         except Exception as error:  # moderngl raises bare Exception and ValueError
             self.close()
-            raise MachineError(f"no OpenGL {WANTED / 100:.1f} in a window: {error}; 'hmdwarp doctor' shows what is there") from error
+            raise MachineError(
+                f"no OpenGL {WANTED / 100:.1f} in a window: {error}; 'hmdwarp doctor' shows what is there"
+            ) from error
         gl.gc_mode = "context_gc"
         return gl
 
@@ -201,7 +212,9 @@ def _made(glfw: ModuleType, title: str, size: Size) -> tuple[object, str]:
             return handle, name
         said.append(f"{name}: {last_error(glfw)}")
     glfw.terminate()
-    raise MachineError(f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(said)}); 'hmdwarp doctor' shows what is there")
+    raise MachineError(
+        f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(said)}); 'hmdwarp doctor' shows what is there"
+    )
 
 
 def _hints(glfw: ModuleType, api: int) -> dict[int, int]:

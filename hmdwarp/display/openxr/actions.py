@@ -16,8 +16,16 @@ from .calls import Calls
 from .instance import Instance
 from .pressing import Pressing
 
-_SYNCED = xr.Result.SUCCESS.value  # else the session has not the user's attention (XR_SESSION_NOT_FOCUSED), and no button counts
-_WORDS = {"across": "stick, across", "along": "stick, along", "pad": "pad pressed", "pad_across": "pad, across", "pad_along": "pad, along"}
+_SYNCED = (
+    xr.Result.SUCCESS.value
+)  # else the session has not the user's attention (XR_SESSION_NOT_FOCUSED), and no button counts
+_WORDS = {
+    "across": "stick, across",
+    "along": "stick, along",
+    "pad": "pad pressed",
+    "pad_across": "pad, across",
+    "pad_along": "pad, along",
+}
 
 
 class Actions:
@@ -30,13 +38,17 @@ class Actions:
         self._calls, self._session = calls, session
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
         self._pressing, self._commands = Pressing(), list[Command]()
-        handle = calls.ask(xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0))
+        handle = calls.ask(
+            xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0)
+        )
         hands = [self._path(instance, path) for path in HANDS]
         actions = {name: self._made(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
         actions |= {name: self._made(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
         self._suggest(instance, actions)
         calls.ask(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
-        self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))  # kept: the next line but points at it
+        self._active = (xr.ActiveActionSet * 1)(
+            xr.ActiveActionSet(handle, xr.NULL_PATH)
+        )  # kept: the next line but points at it
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
         self._buttons = {name: _Asking(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
         # Each hand by itself: asked for both at once, Monado 25 tells 0 where one stick is at -1 and the other at 0.
@@ -66,7 +78,10 @@ class Actions:
             self._pressing.forget()
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
-        axes = {name: max((float(self._state("xrGetActionStateFloat", one)) for one in ones), key=abs) for name, ones in self._axes.items()}
+        axes = {
+            name: max((float(self._state("xrGetActionStateFloat", one)) for one in ones), key=abs)
+            for name, ones in self._axes.items()
+        }
         for button in self._pressing.step(buttons, axes, now_ns):
             control = self._controls.get(button)
             if control is not None:

@@ -13,7 +13,9 @@ def load_binding() -> None:
 
     Without libGL the import is an AttributeError, with a foreign loader an OSError: anything may come.
     """
-    os.environ.setdefault("XR_LOADER_DEBUG", "none")  # else the loader prints what we say in words of our own, in five lines
+    os.environ.setdefault(
+        "XR_LOADER_DEBUG", "none"
+    )  # else the loader prints what we say in words of our own, in five lines
     try:
         import xr  # noqa: F401
     except Exception as error:

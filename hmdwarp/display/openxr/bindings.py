@@ -44,7 +44,9 @@ PROFILES: dict[str, Bindings] = {
     "/interaction_profiles/valve/index_controller": _both(
         *_STICK, ("confirm", "trigger/click"), ("confirm", "a/click"), ("menu", "b/click")
     ),
-    "/interaction_profiles/htc/vive_controller": _both(*_TRACKPAD, ("confirm", "trigger/click"), ("menu", "menu/click")),
+    "/interaction_profiles/htc/vive_controller": _both(
+        *_TRACKPAD, ("confirm", "trigger/click"), ("menu", "menu/click")
+    ),
     "/interaction_profiles/microsoft/motion_controller": _both(
         *_STICK, *_TRACKPAD, ("confirm", "trigger/value"), ("menu", "menu/click")
     ),

@@ -61,7 +61,9 @@ class Calls:
 
     def _error(self, call: str, name: str, message: str) -> Exception:
         if name.removesuffix("Error") in _WRONG:
-            return HmdwarpError(f"{call}: {name}{f' ({message})' if message else ''}, which no call of ours should get from {self.name}")
+            return HmdwarpError(
+                f"{call}: {name}{f' ({message})' if message else ''}, which no call of ours should get from {self.name}"
+            )
         said = f"{call}{f', {message}' if message else ''}"
         words, remedy = trouble(self.stage, name, said, self.name, manifest_in_words(os.environ))
         lost = self.stage == "running" and name in LOST

@@ -75,7 +75,9 @@ class Connection:
     def make_pictures(self, calls: Calls, graphics: Graphics, size: tuple[int, int], with_depth: bool) -> None:
         """Pictures of that size for each eye. Errors: InputError for a size that is too large for the runtime."""
         if size[0] > self._largest[0] or size[1] > self._largest[1]:
-            raise InputError(f"size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}")
+            raise InputError(
+                f"size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}"
+            )
         kind, deep = colour_format(self._formats), depth_format(self._formats)
         self.colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]
         if with_depth and deep is not None:
@@ -114,7 +116,10 @@ def connect(
         views = calls.ask(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
         if len(views) != COUNT:
             raise MachineError(f"{calls.name} has {len(views)} views: wanted {COUNT}")
-        modes = [int(mode) for mode in calls.ask(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)]
+        modes = [
+            int(mode)
+            for mode in calls.ask(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
+        ]
         opaque = xr.EnvironmentBlendMode.OPAQUE.value
         session = Session(calls, instance, graphics.binding)
         stack.callback(session.destroy)
@@ -126,4 +131,6 @@ def connect(
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
         largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
         has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None
-        return Connection(instance, session, spaces, frames, recommended, has_depth, largest, formats, stack.pop_all(), actions)
+        return Connection(
+            instance, session, spaces, frames, recommended, has_depth, largest, formats, stack.pop_all(), actions
+        )

@@ -121,7 +121,14 @@ class OpenXrDisplay:
             colour = made.colours[eye]
             into = colour.acquire()
             # A float format holds linear light, which the switch leaves alone.
-            self._presenter.show(result.panel if result else None, into, (0, 0, *colour.size), hardware_srgb=True, notice=notice, eye=view)
+            self._presenter.show(
+                result.panel if result else None,
+                into,
+                (0, 0, *colour.size),
+                hardware_srgb=True,
+                notice=notice,
+                eye=view,
+            )
             colour.release()
             has_depth = bool(made.depths) and result is not None and result.inverse_depth is not None
             if has_depth:

@@ -22,7 +22,13 @@ class RuntimeEyes:
         self._views = (xr.View * COUNT)(xr.View(), xr.View())
         self._count = ctypes.c_uint32()
         self._info = xr.ViewLocateInfo(xr.ViewConfigurationType.PRIMARY_STEREO)
-        self._arguments = (ctypes.byref(self._info), ctypes.byref(self._state), COUNT, ctypes.byref(self._count), self._views)
+        self._arguments = (
+            ctypes.byref(self._info),
+            ctypes.byref(self._state),
+            COUNT,
+            ctypes.byref(self._count),
+            self._views,
+        )
         self._known: tuple[tuple[Pose, Fov], ...] = ()
         self._bytes = b""
 

@@ -59,8 +59,12 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
     if left:
         return left
     if asked:
-        raise MachineError(f"{VARIABLE} is '{asked}', and this runtime can be drawn for by {' or '.join(able) or 'neither'} here")
-    raise MachineError(f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X server")
+        raise MachineError(
+            f"{VARIABLE} is '{asked}', and this runtime can be drawn for by {' or '.join(able) or 'neither'} here"
+        )
+    raise MachineError(
+        f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X server"
+    )
 
 
 def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) -> Graphics:
@@ -82,11 +86,15 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
     least = xr.Version(needs.min_api_version_supported)
     found = gpu.gl.version_code
     if least.major * 100 + least.minor * 10 > max(found, WANTED):
-        raise MachineError(f"{calls.name} wants OpenGL {least.major}.{least.minor}, found {found / 100:.1f}: update the GPU's driver")
+        raise MachineError(
+            f"{calls.name} wants OpenGL {least.major}.{least.minor}, found {found / 100:.1f}: update the GPU's driver"
+        )
 
 
 def _windowed(controls: tuple[Control, ...]) -> Graphics:
-    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")  # GLX is X11's; read when glfw is first imported, which is now
+    os.environ.setdefault(
+        "PYGLFW_LIBRARY_VARIANT", "x11"
+    )  # GLX is X11's; read when glfw is first imported, which is now
     from .mirror import Mirror
 
     mirror = Mirror(controls)
@@ -120,7 +128,9 @@ def _library(name: str, *functions: str) -> ctypes.CDLL:
 
 def _glx_binding() -> ctypes.Structure:
     """Of the current context. Errors: MachineError if it is none of GLX (a window under Wayland)."""
-    glx = _library("libGL.so.1", "glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable", "glXChooseFBConfig")
+    glx = _library(
+        "libGL.so.1", "glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable", "glXChooseFBConfig"
+    )
     display, context = glx.glXGetCurrentDisplay(), glx.glXGetCurrentContext()
     if not (display and context):
         raise MachineError("the window's context is not GLX's")
@@ -129,7 +139,9 @@ def _glx_binding() -> ctypes.Structure:
     glx.glXQueryContext(shown, drawn, _FBCONFIG_ID, ctypes.byref(number))
     wanted = (ctypes.c_int * 3)(_FBCONFIG_ID, number.value, _NONE)
     screen = ctypes.CDLL("libX11.so.6").XDefaultScreen(shown)
-    chosen = ctypes.cast(glx.glXChooseFBConfig(shown, screen, wanted, ctypes.byref(count)), ctypes.POINTER(ctypes.c_void_p))
+    chosen = ctypes.cast(
+        glx.glXChooseFBConfig(shown, screen, wanted, ctypes.byref(count)), ctypes.POINTER(ctypes.c_void_p)
+    )
     config, visual = chosen[0] if count.value else None, ctypes.c_int()
     if config:
         glx.glXGetFBConfigAttrib(shown, ctypes.c_void_p(config), _VISUAL_ID, ctypes.byref(visual))

@@ -70,8 +70,12 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
         raise MachineError(f"{words}: {remedy}")
     on = [name for name in wanted if name in offered]
     calls.stage = "instance"
-    application = xr.ApplicationInfo(application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0))
-    handle = calls.ask(xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on))
+    application = xr.ApplicationInfo(
+        application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0)
+    )
+    handle = calls.ask(
+        xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on)
+    )
     try:
         return _described(calls, handle, frozenset(on))
     except BaseException:
@@ -82,7 +86,10 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
 def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
     properties = calls.ask(xr.get_instance_properties, handle)
     runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
-    calls.stage, calls.name = "headset", runtime if version in runtime else f"{runtime} {version}"  # Monado's name says it
+    calls.stage, calls.name = (
+        "headset",
+        runtime if version in runtime else f"{runtime} {version}",
+    )  # Monado's name says it
     system = calls.ask(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
     headset = _text(calls.ask(xr.get_system_properties, handle, system).system_name)
     pointer = calls.ask(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")

@@ -25,7 +25,8 @@ class Projection:
         for view, colour in zip(self._views, colours, strict=True):
             view.type, view.sub_image = xr.StructureType.COMPOSITION_LAYER_PROJECTION_VIEW, colour.whole()
         self._depths = [
-            xr.CompositionLayerDepthInfoKHR(depth.whole(), min_depth=0.0, max_depth=1.0, near_z=math.inf, far_z=NEAR_M) for depth in depths
+            xr.CompositionLayerDepthInfoKHR(depth.whole(), min_depth=0.0, max_depth=1.0, near_z=math.inf, far_z=NEAR_M)
+            for depth in depths
         ]
         self._depth_pointers = [ctypes.cast(ctypes.pointer(info), ctypes.c_void_p) for info in self._depths]
         self.struct = xr.CompositionLayerProjection(space=space, views=self._views)
@@ -37,5 +38,10 @@ class Projection:
         turned = view.pose.orientation
         turned.x, turned.y, turned.z, turned.w = pose.orientation_xyzw.tolist()
         angles = view.fov
-        angles.angle_left, angles.angle_right, angles.angle_down, angles.angle_up = fov.left, fov.right, fov.down, fov.up
+        angles.angle_left, angles.angle_right, angles.angle_down, angles.angle_up = (
+            fov.left,
+            fov.right,
+            fov.down,
+            fov.up,
+        )
         view._next = self._depth_pointers[eye] if with_depth else None

@@ -87,7 +87,9 @@ class Mirror:
         self._screen.clear()
         self._help = self._help and not help_goes(self._keys.controls, plate=not isinstance(label, str))
         text = presenter.notice(help_text(self._keys.controls) if self._help else label)
-        presenter.show(panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text)
+        presenter.show(
+            panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text
+        )
         self._glfw.swap_buffers(self._window.handle)
 
     def close(self) -> None:

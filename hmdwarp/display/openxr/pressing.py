@@ -14,7 +14,9 @@ class Pressing:
     """Of one pair of hands. A button that is down already when it is first heard of counts once it was let go."""
 
     def __init__(self) -> None:
-        self._down: dict[str, int | None] = {}  # since then it is held and goes on at that instant; None: not before it was let go
+        self._down: dict[
+            str, int | None
+        ] = {}  # since then it is held and goes on at that instant; None: not before it was let go
         self._heard = False
 
     def forget(self) -> None:

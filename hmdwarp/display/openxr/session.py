@@ -30,9 +30,13 @@ class Session:
         self._calls, self._instance, self._binding = calls, instance, binding
         self.state, self.running = State.UNKNOWN, False
         pointer = None if binding is None else ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
-        self.handle = calls.ask(xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer))
+        self.handle = calls.ask(
+            xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
+        )
         self._event = xr.EventDataBuffer()
-        self._changed = ctypes.cast(ctypes.pointer(self._event), ctypes.POINTER(xr.EventDataSessionStateChanged)).contents
+        self._changed = ctypes.cast(
+            ctypes.pointer(self._event), ctypes.POINTER(xr.EventDataSessionStateChanged)
+        ).contents
 
     def poll(self) -> None:
         """Hear everything the runtime has to say. Errors: Closed; Lost."""

@@ -29,7 +29,9 @@ def colour_format(offered: list[int]) -> int:
         if one in offered:
             return one
     found = ", ".join(f"{one:#x}" for one in offered) or "none"
-    raise MachineError(f"the runtime's pictures have formats {found}: wanted one of {', '.join(f'{one:#x}' for one in COLOURS)}; update it")
+    raise MachineError(
+        f"the runtime's pictures have formats {found}: wanted one of {', '.join(f'{one:#x}' for one in COLOURS)}; update it"
+    )
 
 
 def depth_format(offered: list[int]) -> int | None:

@@ -26,12 +26,20 @@ _STEPS = {
     "session": "when a session was made",
     "running": "in the middle of the session",
 }
-LOST = ("InstanceLostError", "SessionLostError", "SessionLossPending", "RuntimeFailureError")  # in the middle of a session
+LOST = (
+    "InstanceLostError",
+    "SessionLostError",
+    "SessionLossPending",
+    "RuntimeFailureError",
+)  # in the middle of a session
 
 _NO_RUNTIME = ("no OpenXR runtime: {active}", A_RUNTIME)
 _NO_HEADSET = ("{name} sees no headset ({error})", A_HEADSET)
 _NO_EXTENSION = ("{name} lacks an extension that was asked for ({why})", ANOTHER)
-_NO_GRAPHICS = ("{name} refuses this OpenGL context ({error}: {why})", "draw on the GPU that the headset is plugged into")
+_NO_GRAPHICS = (
+    "{name} refuses this OpenGL context ({error}: {why})",
+    "draw on the GPU that the headset is plugged into",
+)
 _KNOWN = {
     "RuntimeUnavailableError": _NO_RUNTIME,
     "FileAccessErrorError": _NO_RUNTIME,
@@ -42,11 +50,16 @@ _KNOWN = {
     "ExtensionDependencyNotEnabledError": _NO_EXTENSION,
     "GraphicsDeviceInvalidError": _NO_GRAPHICS,
     "ApiVersionUnsupportedError": ("{name} does not know OpenXR 1.0", UPDATE),
-    "LimitReachedError": ("{name} has no room for another program ({error})", "end the other program that uses the headset"),
+    "LimitReachedError": (
+        "{name} has no room for another program ({error})",
+        "end the other program that uses the headset",
+    ),
 }
 
 
-def trouble(stage: str, error: str, message: object = "", name: str = "the runtime", active: str = "") -> tuple[str, str]:
+def trouble(
+    stage: str, error: str, message: object = "", name: str = "the runtime", active: str = ""
+) -> tuple[str, str]:
     """What happened and what to do about it.
 
     stage: one of STAGES. error: the name of pyopenxr's exception, "died" for a process that asked and did not come back, or of whatever

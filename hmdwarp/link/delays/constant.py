@@ -22,7 +22,9 @@ class ConstantDelay(DelayModel):
     @classmethod
     def parse(cls, argument: str) -> ConstantDelay:
         if argument:
-            raise InputError(f"jitter 'constant:{argument}': a constant delay takes no number; its length is the latency")
+            raise InputError(
+                f"jitter 'constant:{argument}': a constant delay takes no number; its length is the latency"
+            )
         return cls()
 
     def longest_ns(self, latency_ns: int) -> int:

@@ -89,5 +89,7 @@ def _delay(path: Path, number: int, text: str) -> float:
         value = math.nan
     if not 0 <= value <= LONGEST_MS:
         shown = text if len(text) <= 40 else text[:37] + "..."
-        raise InputError(f"{path}: line {number}: '{shown}': wanted one delay in milliseconds, from 0 to {LONGEST_MS:g}")
+        raise InputError(
+            f"{path}: line {number}: '{shown}': wanted one delay in milliseconds, from 0 to {LONGEST_MS:g}"
+        )
     return value

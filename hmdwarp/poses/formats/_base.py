@@ -90,7 +90,11 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
 
 
 def _order_ignored(order: str) -> Defect:
-    return Defect("quat-order-named", f"--quat-order {order} was given, but the header names x, y, z and w", "the names are followed")
+    return Defect(
+        "quat-order-named",
+        f"--quat-order {order} was given, but the header names x, y, z and w",
+        "the names are followed",
+    )
 
 
 def _no_quaternion(head: Head, found: Columns) -> TraceError:
@@ -100,7 +104,9 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
             f"{head.path} gives Euler angles only ({names}): their order and signs differ from device to device and cannot be told from "
             "the file; convert them to quaternions with what you know of the device"
         )
-    return TraceError(f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'")
+    return TraceError(
+        f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"
+    )
 
 
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:

@@ -25,7 +25,13 @@ def exact_text(values: Iterable[float], separator: str) -> str:
 
 
 def write_rows(
-    track: PoseTrack, stream: IO[str], separator: str, *, stamp: Callable[[int], str], order: str, decimals: tuple[int, int] | None = None
+    track: PoseTrack,
+    stream: IO[str],
+    separator: str,
+    *,
+    stamp: Callable[[int], str],
+    order: str,
+    decimals: tuple[int, int] | None = None,
 ) -> None:
     """Time, position and quaternion of every sample.
 
@@ -42,7 +48,10 @@ def write_rows(
         else:
             row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * 4)
             # + 0.0 turns a rounded -0.0 into 0.0
-            rounded = (np.round(position, decimals[0]) + 0.0).tolist(), (np.round(orientation, decimals[1]) + 0.0).tolist()
+            rounded = (
+                (np.round(position, decimals[0]) + 0.0).tolist(),
+                (np.round(orientation, decimals[1]) + 0.0).tolist(),
+            )
             texts = [row % (*p, *q) for p, q in zip(*rounded, strict=True)]
         times = track.time_ns[part].tolist()
         stream.writelines(f"{stamp(t + offset)}{separator}{text}\n" for t, text in zip(times, texts, strict=True))

@@ -34,7 +34,12 @@ class Euroc(TraceFormat):
             return named_layout(head, options, unit="ns")
         order = options.quat_order or ("wxyz" if options.format == self.name else None)
         need_columns(head, 8)
-        return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="ns" if options.format else None)
+        return Layout(
+            time=0,
+            position=(1, 2, 3),
+            orientation=ordered(head, (4, 5, 6, 7), order),
+            unit="ns" if options.format else None,
+        )
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write(HEADER + "\n")

@@ -33,7 +33,9 @@ class Native(TraceFormat):
         return named_layout(head, options, unit="ns")
 
     def origin(self, head: Head) -> str:
-        return next((text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:")), "")
+        return next(
+            (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:")), ""
+        )
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         write_native(track, stream)

@@ -26,7 +26,12 @@ class Tum(TraceFormat):
         if has(head, *COLUMNS):
             return 90
         # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well come first.
-        bare = head.names is None and head.separator is None and head.width == 8 and all(is_number(f) for f in head.rows[0])
+        bare = (
+            head.names is None
+            and head.separator is None
+            and head.width == 8
+            and all(is_number(f) for f in head.rows[0])
+        )
         return 5 if bare else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
@@ -35,7 +40,12 @@ class Tum(TraceFormat):
         # Asked for by name, the file is what the format says; found by its shape alone, the order has to be told.
         order = options.quat_order or ("xyzw" if options.format == self.name else None)
         need_columns(head, 8)
-        return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="s" if options.format else None)
+        return Layout(
+            time=0,
+            position=(1, 2, 3),
+            orientation=ordered(head, (4, 5, 6, 7), order),
+            unit="s" if options.format else None,
+        )
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write("# " + " ".join(COLUMNS) + "\n")
@@ -47,7 +57,9 @@ def need_columns(head: Head, count: int) -> None:
     from ...errors import TraceError
 
     if head.width < count:
-        raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, wanted {count}: time, position and quaternion")
+        raise TraceError(
+            f"{head.path}: line {head.first_line}: {head.width} columns, wanted {count}: time, position and quaternion"
+        )
 
 
 def _seconds(time_ns: int) -> str:

@@ -76,7 +76,9 @@ def parse_axes(text: str) -> Axes:
 
 
 def _refuse(text: str) -> Axes:
-    raise InputError(f"up '{text}': wanted an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers (0.04,0.95,0.3)")
+    raise InputError(
+        f"up '{text}': wanted an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers (0.04,0.95,0.3)"
+    )
 
 
 def _upright(up: NDArray[np.float64]) -> Axes:

@@ -81,7 +81,14 @@ class Cleaner:
         position = self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3))
         notes = tuple(str(d) for d in self.defects)
         track = PoseTrack(
-            time_ns, position, self.rows.orientation, name=name, origin=origin, notes=notes, epoch_ns=self.epoch_ns, jumps=tuple(jumps)
+            time_ns,
+            position,
+            self.rows.orientation,
+            name=name,
+            origin=origin,
+            notes=notes,
+            epoch_ns=self.epoch_ns,
+            jumps=tuple(jumps),
         )
         return Cleaned(track, self.defects, self.segments, self.time_unit)
 
@@ -116,7 +123,13 @@ class Cleaner:
         elif rows.stamps is not None and rows.stamps[-2:].steps()[0] <= 0:
             reason = "its time is not after the one before"
         if reason:
-            self.note("last-row-cut", f"the last row is cut off ({reason}, no newline)", "dropped", 1, self._line(len(rows) - 1))
+            self.note(
+                "last-row-cut",
+                f"the last row is cut off ({reason}, no newline)",
+                "dropped",
+                1,
+                self._line(len(rows) - 1),
+            )
             rows.keep(slice(None, -1))
 
     def take_one_device(self) -> None:
@@ -132,7 +145,11 @@ class Cleaner:
         if heads:
             taken = heads[0]
         else:
-            taken = min(range(len(texts)), key=lambda i: float(texts[i])) if all(_is_index(t) for t in texts) else int(np.argmin(first))
+            taken = (
+                min(range(len(texts)), key=lambda i: float(texts[i]))
+                if all(_is_index(t) for t in texts)
+                else int(np.argmin(first))
+            )
         others = len(device) - int(counts[taken])
         self.note(
             "devices-interleaved",
@@ -151,7 +168,9 @@ class Cleaner:
         if not count:
             return
         if count == len(zero):
-            raise TraceError(f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read")
+            raise TraceError(
+                f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
+            )
         what = f"{count} rows have a zero quaternion, a marker for no tracking"
         self.note("zero-quaternion", what, "dropped", count, self._line(int(zero.argmax())))
         self.rows.keep(~zero)
@@ -163,7 +182,9 @@ class Cleaner:
         n = len(self.rows)
         step_ns = BILLION / self.options.rate
         if (n - 1) * step_ns > 2**62:
-            raise TraceError(f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher --rate")
+            raise TraceError(
+                f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher --rate"
+            )
         stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
         what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
         self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --rate says")
@@ -174,18 +195,32 @@ class Cleaner:
         """Cut where time falls; take the longest recording, or the one asked for. Never sort across a fall."""
         stamps = self._midnights(self.rows.stamps)
         self.rows.stamps = stamps
-        falls = np.flatnonzero((np.diff(stamps.whole) < 0) | ((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0))) + 1
+        falls = (
+            np.flatnonzero(
+                (np.diff(stamps.whole) < 0) | ((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0))
+            )
+            + 1
+        )
         starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
         seconds = UNITS_NS[self._unit(stamps)] / BILLION
         first, last = stamps[starts], stamps[ends - 1]
         span = ((last.whole - first.whole) + (last.billionths - first.billionths) / BILLION) * seconds
         wanted = self.options.segment
         if wanted is not None and wanted > len(span):
-            raise TraceError(f"{self.where} holds {len(span)} recording{'s' * (len(span) > 1)}: there is no segment {wanted}")
+            raise TraceError(
+                f"{self.where} holds {len(span)} recording{'s' * (len(span) > 1)}: there is no segment {wanted}"
+            )
         taken = int(np.argmax(span)) if wanted is None else wanted - 1
         listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
         self.segments = [
-            Segment(i + 1, self._line(starts[i]), self._line(ends[i] - 1), int(ends[i] - starts[i]), float(span[i]), i == taken)
+            Segment(
+                i + 1,
+                self._line(starts[i]),
+                self._line(ends[i] - 1),
+                int(ends[i] - starts[i]),
+                float(span[i]),
+                i == taken,
+            )
             for i in listed
         ]
         if len(span) > 1:
@@ -209,7 +244,13 @@ class Cleaner:
         if not over.any():
             return stamps
         row = int(over.argmax()) + 1
-        self.note("midnight", f"the clock passes midnight {int(over.sum())} times", "counted on", int(over.sum()), self._line(row))
+        self.note(
+            "midnight",
+            f"the clock passes midnight {int(over.sum())} times",
+            "counted on",
+            int(over.sum()),
+            self._line(row),
+        )
         days = np.concatenate([[0], np.cumsum(over)])
         return Stamps(stamps.whole + days * _DAY_S, stamps.billionths, True)
 
@@ -220,7 +261,9 @@ class Cleaner:
             steps = stamps.steps()
             rising = steps[steps > 0]
             if not len(rising):
-                raise TraceError(f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second instead")
+                raise TraceError(
+                    f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second instead"
+                )
             step = float(np.median(rising))
             unit = guess_unit(stamps, step)
             self.layout = attrs.evolve(self.layout, unit=unit)
@@ -235,7 +278,9 @@ class Cleaner:
         try:
             time_ns, self.epoch_ns = to_ns(self.rows.stamps, unit)
         except OverflowError as error:
-            raise TraceError(f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace") from None
+            raise TraceError(
+                f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
+            ) from None
         self.time_unit = UNIT_NAMES[unit] if not self.rows.stamps.clock else "hours:minutes:seconds"
         if self.options.rate is not None:
             self.time_unit = f"row numbers at {self.options.rate:g} Hz"
@@ -252,9 +297,17 @@ class Cleaner:
         if not run:
             return time_ns
         default = abs(abs(q[0, 3]) - 1) < 1e-6 or (p is not None and not p[0].any())
-        if not (default or run >= 3) or not len(find_jumps(time_ns[run - 1 : run + 1], q[run - 1 : run + 1], self._metres(run))):
+        if not (default or run >= 3) or not len(
+            find_jumps(time_ns[run - 1 : run + 1], q[run - 1 : run + 1], self._metres(run))
+        ):
             return time_ns
-        self.note("default-start", f"the first {run} rows hold one default pose, then the head jumps", "trimmed", run, self._line(0))
+        self.note(
+            "default-start",
+            f"the first {run} rows hold one default pose, then the head jumps",
+            "trimmed",
+            run,
+            self._line(0),
+        )
         self.epoch_ns += int(time_ns[run] - time_ns[0])
         self.rows.keep(slice(run, None))
         return time_ns[run:]
@@ -335,7 +388,13 @@ class Cleaner:
         count = quaternions.make_continuous(self.rows.orientation)
         if count:
             row = int((before != self.rows.orientation[:, 3]).argmax())
-            self.note("sign-flip", f"the quaternion changes its sign {count} times", "signs made continuous", count, self._line(row))
+            self.note(
+                "sign-flip",
+                f"the quaternion changes its sign {count} times",
+                "signs made continuous",
+                count,
+                self._line(row),
+            )
 
     def report_repeats(self) -> None:
         """Repeated poses: a tracker slower than the recorder. They stay, replay needs their timing."""

@@ -19,12 +19,55 @@ _ROTATION = {"q", "quat", "quaternion", "quaternions", "orientation", "orient", 
 _POSITION = {"p", "pos", "position", "t", "trans", "translation", "loc", "location"}
 _EULER = {"yaw", "pitch", "roll", "euler", "azimuth", "elevation", "heading"}
 _ELSEWHERE = {
-    *("left", "right", "hand", "hands", "touch", "controller", "gaze", "eye", "eyes", "gyro", "acc", "accel", "acceleration"),
-    *("vel", "velocity", "v", "angular", "omega", "b", "bw", "ba", "bg", "mag", "fov", "target", "lefthand", "righthand", "body"),
+    *(
+        "left",
+        "right",
+        "hand",
+        "hands",
+        "touch",
+        "controller",
+        "gaze",
+        "eye",
+        "eyes",
+        "gyro",
+        "acc",
+        "accel",
+        "acceleration",
+    ),
+    *(
+        "vel",
+        "velocity",
+        "v",
+        "angular",
+        "omega",
+        "b",
+        "bw",
+        "ba",
+        "bg",
+        "mag",
+        "fov",
+        "target",
+        "lefthand",
+        "righthand",
+        "body",
+    ),
 }
 _HEAD = {"head", "hmd", "camera", "headset"}
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
-_TIMES = {"time", "timestamp", "timestep", "timestamps", "t", "ts", "stamp", "mediatime", "playbacktime", "seconds", "elapsed", "clock"}
+_TIMES = {
+    "time",
+    "timestamp",
+    "timestep",
+    "timestamps",
+    "t",
+    "ts",
+    "stamp",
+    "mediatime",
+    "playbacktime",
+    "seconds",
+    "elapsed",
+    "clock",
+}
 _TIME_UNITS = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
     **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
@@ -32,7 +75,19 @@ _TIME_UNITS = {
     **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
     **dict.fromkeys(("tick", "ticks"), "100ns"),
 }
-_DEVICES = {"viewindex", "device", "deviceid", "devicename", "deviceindex", "eye", "eyeindex", "tracker", "trackerid", "sensor", "sensorid"}
+_DEVICES = {
+    "viewindex",
+    "device",
+    "deviceid",
+    "devicename",
+    "deviceindex",
+    "eye",
+    "eyeindex",
+    "tracker",
+    "trackerid",
+    "sensor",
+    "sensorid",
+}
 
 
 @attrs.frozen
@@ -79,7 +134,9 @@ def find_columns(names: list[str]) -> Columns:
         if unit:
             lengths[key] = _LENGTHS[unit]
     orientation_key = _best([k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k)])
-    position_key = _best([k for k, g in groups.items() if {"x", "y", "z"} <= set(g) and k != orientation_key and _is_position(k)])
+    position_key = _best(
+        [k for k, g in groups.items() if {"x", "y", "z"} <= set(g) and k != orientation_key and _is_position(k)]
+    )
     orientation, numbered = None, False
     if orientation_key is not None:
         orientation = tuple(groups[orientation_key][a] for a in "xyzw")
@@ -128,7 +185,9 @@ def _find_time(split: list[list[str]]) -> tuple[int | None, str | None]:
     return i, unit
 
 
-def _find_euler(names: list[str], split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[str, ...]:
+def _find_euler(
+    names: list[str], split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]
+) -> tuple[str, ...]:
     found = [names[i] for i, parts in enumerate(split) if set(parts) & _EULER]
     for key, axes in groups.items():
         if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:

@@ -135,7 +135,9 @@ def _refuse_binary(path: Path, raw: bytes) -> None:
     found = _CONTROL.search(raw.rstrip(b"\x00"))
     if found or not raw.rstrip(b"\x00"):
         at = found.start() if found else 0
-        raise TraceError(f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; wanted rows of numbers")
+        raise TraceError(
+            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; wanted rows of numbers"
+        )
 
 
 def _whole_lines(path: Path, raw: bytes, size: int, newline: bytes) -> list[tuple[int, int, str]]:
@@ -153,7 +155,9 @@ def _whole_lines(path: Path, raw: bytes, size: int, newline: bytes) -> list[tupl
     return out
 
 
-def _preamble(path: Path, lines: list[tuple[int, int, str]]) -> tuple[list[tuple[int, str]], tuple[int, str] | None, tuple[int, int, str]]:
+def _preamble(
+    path: Path, lines: list[tuple[int, int, str]]
+) -> tuple[list[tuple[int, str]], tuple[int, str] | None, tuple[int, int, str]]:
     """Comments, the header line if there is one, and the first row."""
     comments: list[tuple[int, str]] = []
     header: tuple[int, str] | None = None

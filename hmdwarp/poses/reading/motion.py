@@ -15,7 +15,9 @@ JUMP_DISTANCE_M = 0.25
 _BLOCK = 1_000_000
 
 
-def find_jumps(time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None) -> NDArray[np.int64]:
+def find_jumps(
+    time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None
+) -> NDArray[np.int64]:
     """Indices i such that the step from row i to i + 1 is a teleport: too far and too fast, in angle or in place."""
     found = []
     for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory

@@ -98,7 +98,9 @@ class RowReader:
             parts.append(rows if rows is not None else self._read_slowly(chunk))
         if self._repeated_headers:
             lines = self._repeated_headers
-            self.defects.append(Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0]))
+            self.defects.append(
+                Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0])
+            )
         return self._joined(parts)
 
     def _check_width(self) -> None:
@@ -109,11 +111,15 @@ class RowReader:
             return  # each row ends with a separator
         where = f"{head.path}: line {head.first_line}"
         if len(head.rows) == 1 and self._width < len(names):
-            raise TraceError(f"{where}: the only row ends after {self._width} of {len(names)} fields; the file was cut off")
+            raise TraceError(
+                f"{where}: the only row ends after {self._width} of {len(names)} fields; the file was cut off"
+            )
         raise self._wrong_width(where, self._width, len(names))
 
     def _wrong_width(self, where: str, found: int, wanted: int) -> TraceError:
-        message = f"{where}: {found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
+        message = (
+            f"{where}: {found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
+        )
         if self.head.separator == "," and found > wanted:
             return TraceError(
                 f"{message}: it looks like decimal commas inside a comma-separated file, which cannot be told apart; "
@@ -133,7 +139,9 @@ class RowReader:
                 text = rest + block
                 cut = text.rfind(newline) + 1
                 if not cut and len(text) > _LONGEST_LINE:
-                    raise TraceError(f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row of numbers")
+                    raise TraceError(
+                        f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row of numbers"
+                    )
                 rest = text[cut:]
                 if cut:
                     count = text.count(newline, 0, cut)
@@ -168,7 +176,13 @@ class RowReader:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
         try:
-            how = {"delimiter": self.head.separator, "usecols": columns, "comments": None, "ndmin": 1, "encoding": "latin-1"}
+            how = {
+                "delimiter": self.head.separator,
+                "usecols": columns,
+                "comments": None,
+                "ndmin": 1,
+                "encoding": "latin-1",
+            }
             table = np.loadtxt(io.BytesIO(text), dtype=kinds, **how)
             values = table["v"]
             # min and max are NaN if anything is
@@ -205,7 +219,11 @@ class RowReader:
     def _read_slowly(self, chunk: _Chunk) -> Rows:
         """Line by line: skips comments, blank lines and repeated headers; drops a last line that was cut; names any other that is bad."""
         pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
-        found = [(i, t) for i, t in enumerate(pieces.decode("utf-8", "replace").split("\n"), chunk.line) if t.strip(" \t\r\x00")]
+        found = [
+            (i, t)
+            for i, t in enumerate(pieces.decode("utf-8", "replace").split("\n"), chunk.line)
+            if t.strip(" \t\r\x00")
+        ]
         values, times, devices, lines = [], [], [], []
         for k, (number, text) in enumerate(found):
             bare = text.strip()
@@ -228,7 +246,9 @@ class RowReader:
             lines.append(number)
         return self._from_lists(values, times, devices, lines)
 
-    def _from_lists(self, values: list[list[float]], times: list[tuple[int, int, bool]], devices: list[bytes], lines: list[int]) -> Rows:
+    def _from_lists(
+        self, values: list[list[float]], times: list[tuple[int, int, bool]], devices: list[bytes], lines: list[int]
+    ) -> Rows:
         n = len(lines)
         table = np.array(values, dtype=np.float64).reshape(n, len(self._columns))
         stamps = None
@@ -254,7 +274,9 @@ class RowReader:
             try:
                 time = parse_one(field.replace(",", ".") if self.head.decimal_comma else field)
             except ValueError as error:
-                raise TraceError(f"{where}: {self._names[self.layout.time]}: {error}; repair or remove that line") from None
+                raise TraceError(
+                    f"{where}: {self._names[self.layout.time]}: {error}; repair or remove that line"
+                ) from None
         device = b"" if self.layout.device is None else fields[self.layout.device].encode("utf-8", "replace")
         return row, time, device
 
@@ -265,7 +287,9 @@ class RowReader:
         if abs(value) < _FARTHEST:
             return value
         shown = f"'{field[:40]}'" if field else "empty"
-        raise TraceError(f"{where}: {self._names[column]} is {shown}: wanted a finite number; repair or remove that line")
+        raise TraceError(
+            f"{where}: {self._names[column]} is {shown}: wanted a finite number; repair or remove that line"
+        )
 
     def _joined(self, parts: list[Rows]) -> Rows:
         if not sum(map(len, parts)):
@@ -274,7 +298,9 @@ class RowReader:
         stamps = None
         if self.layout.time is not None:
             clock = any(p.stamps.clock for p in parts)
-            stamps = Stamps(_taken(parts, lambda p: p.stamps.whole), _taken(parts, lambda p: p.stamps.billionths), clock)
+            stamps = Stamps(
+                _taken(parts, lambda p: p.stamps.whole), _taken(parts, lambda p: p.stamps.billionths), clock
+            )
             for p in parts:
                 p.stamps = None
         columns = {}
@@ -291,7 +317,11 @@ def _taken(parts: list[Rows], get) -> NDArray:
 
 def _looks_cut(text: str) -> bool:
     """A last line that breaks off: fewer fields, or a field that ends in the middle. NaN and words are faults, not cuts."""
-    return not any(f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none") for f in split(text, None) for f in f.split(","))
+    return not any(
+        f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")
+        for f in split(text, None)
+        for f in f.split(",")
+    )
 
 
 __all__ = ["BadStamp", "Layout", "RowReader", "Rows"]

@@ -15,7 +15,13 @@ WIDTH = 32  # bytes kept of a time field; anything longer is read the slow way
 _LARGEST = 2**62
 _CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}):(\d\d):(\d\d)(?:[.,](\d+))?(?:Z|[+-]\d\d:?\d\d)?$")
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
-UNIT_NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "100ns": "ticks of 100 ns", "ns": "nanoseconds"}
+UNIT_NAMES = {
+    "s": "seconds",
+    "ms": "milliseconds",
+    "us": "microseconds",
+    "100ns": "ticks of 100 ns",
+    "ns": "nanoseconds",
+}
 
 
 @attrs.define

@@ -67,7 +67,9 @@ class Occluders:
         for field, sigma_m, strength in ((self._near, 1.5 * CELL_M, 0.55), (self._wide, 4.5 * CELL_M, 0.75)):
             offset = 1.2 * sigma_m
             found = field.ravel()[self._index(points + normals * np.float32(offset))]
-            plane = CELL_M / (sigma_m * np.sqrt(2 * np.pi)) * np.exp(-0.5 * (offset / sigma_m) ** 2)  # what a flat wall alone gives
+            plane = (
+                CELL_M / (sigma_m * np.sqrt(2 * np.pi)) * np.exp(-0.5 * (offset / sigma_m) ** 2)
+            )  # what a flat wall alone gives
             out *= 1 - strength * np.clip((found - plane) / (3 * plane), 0, 1)
         return out
 
@@ -105,7 +107,12 @@ class Daylight:
             way = sample - points
             squared = np.maximum(np.einsum("ij,ij->i", way, way), 0.15)
             unit = way / np.sqrt(squared)[:, None]
-            total += room.passage(points, normals, sample) * _cosine(normals, unit, two_sided) * np.maximum(-unit[:, 2], 0) / squared
+            total += (
+                room.passage(points, normals, sample)
+                * _cosine(normals, unit, two_sided)
+                * np.maximum(-unit[:, 2], 0)
+                / squared
+            )
         return total[:, None] * np.float32(area / len(samples) / np.pi) * np.array(self.sky, np.float32)
 
     def sun_light(self, room: Occluders, points: Array, normals: Array, two_sided: NDArray[np.bool_]) -> Array:

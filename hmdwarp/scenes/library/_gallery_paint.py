@@ -24,7 +24,9 @@ def painting(index: int, height: int = 384, width: int = 320) -> Image:
     if kind == 0:
         image = tinted(1.1 - y + 0.10 * soft, dark, bright)
         land = y > 0.62 + 0.06 * soft[height // 2][None]
-        image = np.where(land[..., None], third * (0.35 + 0.9 * (1 - y))[..., None] * (1 + 0.16 * rough)[..., None], image)
+        image = np.where(
+            land[..., None], third * (0.35 + 0.9 * (1 - y))[..., None] * (1 + 0.16 * rough)[..., None], image
+        )
     elif kind == 1:
         flow = np.sin(9 * x + 3.5 * soft) * np.cos(7 * y + 2.5 * np.roll(soft, 60, axis=1))
         image = tinted(0.5 + 0.5 * flow, dark, bright)
@@ -35,15 +37,23 @@ def painting(index: int, height: int = 384, width: int = 320) -> Image:
         image = np.array([dark, bright, third, 0.5 * (dark + bright)])[which % 4]
     else:
         image = np.tile(bright, (height, width, 1))
-        for centre, radius, colour in (((0.42, 0.38), 0.30, third), ((0.62, 0.60), 0.24, dark), ((0.33, 0.72), 0.13, 0.5 * (third + dark))):
-            image = np.where((np.hypot(x - centre[0], (y - centre[1]) * height / width) < radius)[..., None], colour, image)
+        for centre, radius, colour in (
+            ((0.42, 0.38), 0.30, third),
+            ((0.62, 0.60), 0.24, dark),
+            ((0.33, 0.72), 0.13, 0.5 * (third + dark)),
+        ):
+            image = np.where(
+                (np.hypot(x - centre[0], (y - centre[1]) * height / width) < radius)[..., None], colour, image
+            )
     canvas = 0.03 * np.sin(x * width * 1.6) * np.sin(y * height * 1.6)
     return to_image(image * (1 + canvas + 0.07 * rough)[..., None])
 
 
 def paintings() -> Image:
     """All of them in COLUMNS x ROWS."""
-    return np.concatenate([np.concatenate([painting(row * COLUMNS + k) for k in range(COLUMNS)], axis=1) for row in range(ROWS)])
+    return np.concatenate(
+        [np.concatenate([painting(row * COLUMNS + k) for k in range(COLUMNS)], axis=1) for row in range(ROWS)]
+    )
 
 
 def place_of_painting(index: int) -> tuple[float, float, float, float]:

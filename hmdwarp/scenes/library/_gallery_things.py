@@ -29,8 +29,14 @@ def build_things(pieces: Pieces) -> None:
 def frame_of(width: float, height: float, bar: float, deep: float) -> Surface:
     """Four bars around a (width, height) opening in the plane z = 0, their front towards +z."""
     return join(
-        [box((0, side * (height + bar) / 2, deep / 2), (width + 2 * bar, bar, deep), without="-z", cell_m=0.5) for side in (-1, 1)]
-        + [box((side * (width + bar) / 2, 0, deep / 2), (bar, height, deep), without="-z+y-y", cell_m=0.5) for side in (-1, 1)]
+        [
+            box((0, side * (height + bar) / 2, deep / 2), (width + 2 * bar, bar, deep), without="-z", cell_m=0.5)
+            for side in (-1, 1)
+        ]
+        + [
+            box((side * (width + bar) / 2, 0, deep / 2), (bar, height, deep), without="-z+y-y", cell_m=0.5)
+            for side in (-1, 1)
+        ]
     )
 
 
@@ -44,7 +50,9 @@ def _pictures(pieces: Pieces) -> None:
     hung += [(k, (x, 1.7, HIGH[2]), 2 * quarter, 1.5) for k, x in ((3, -2.4), (0, 0.1), (6, 2.5))]
     for number, place, turn, high in hung:
         wide = high * 320 / 384
-        canvas = patch((-wide / 2, -high / 2, near), (wide, 0, 0), (0, high, 0), cell_m=0.3, uv=place_of_painting(number))
+        canvas = patch(
+            (-wide / 2, -high / 2, near), (wide, 0, 0), (0, high, 0), cell_m=0.3, uv=place_of_painting(number)
+        )
         pieces.add(canvas.moved(place, turn), "paintings", shades=False)
         frame = frame_of(wide, high, 0.06, 0.045)
         pieces.add(frame.moved(place, turn), "wood", GOLD if number % 2 else BLACK)
@@ -59,7 +67,12 @@ def _pedestals(pieces: Pieces) -> None:
     x, y, z = BALL_CENTRE
     top = y - BALL_RADIUS
     pieces.add(lathe([(0.12, top), (0.10, top + 0.025), (0.001, top + 0.02)], (x, 0, z), sides=24), "speckle", BLACK)
-    for place, wide, high in (((x, z), 0.42, top), ((1.75, -3.3), 0.5, 0.85), ((-2.6, -3.4), 0.6, 0.5), ((2.5, 2.6), 0.5, 0.9)):
+    for place, wide, high in (
+        ((x, z), 0.42, top),
+        ((1.75, -3.3), 0.5, 0.85),
+        ((-2.6, -3.4), 0.6, 0.5),
+        ((2.5, 2.6), 0.5, 0.9),
+    ):
         pieces.add(box((place[0], high / 2, place[1]), (wide, high, wide), without="-y", cell_m=0.14), "plaster", WHITE)
     pieces.add(_knot().moved((1.75, 0.85 + 0.46, -3.3), 0.4), "speckle", BRONZE)
     pieces.add(_figure().moved((-2.6, 0.5, -3.4)), "plaster", STONE)
@@ -83,7 +96,12 @@ def _figure() -> Surface:
 
 
 def _stack() -> Surface:
-    return join([cushion((0.03 * k, 0.16 + 0.3 * k, 0.02 * k), (0.42 - 0.09 * k, 0.32, 0.42 - 0.09 * k), rings=12) for k in range(3)])
+    return join(
+        [
+            cushion((0.03 * k, 0.16 + 0.3 * k, 0.02 * k), (0.42 - 0.09 * k, 0.32, 0.42 - 0.09 * k), rings=12)
+            for k in range(3)
+        ]
+    )
 
 
 def _bench(pieces: Pieces) -> None:
@@ -98,7 +116,9 @@ def _bench(pieces: Pieces) -> None:
 
 def _lamps(pieces: Pieces) -> None:
     for x, _, z in LAMPS:
-        pieces.add(box((x, HIGH[1] - 0.03, z), (1.1, 0.06, 0.5), without="+y", cell_m=0.6), "speckle", WHITE, shades=False)
+        pieces.add(
+            box((x, HIGH[1] - 0.03, z), (1.1, 0.06, 0.5), without="+y", cell_m=0.6), "speckle", WHITE, shades=False
+        )
         glow = patch((x - 0.5, HIGH[1] - 0.062, z - 0.2), (1.0, 0, 0), (0, 0, 0.4), cell_m=1.0)
         pieces.add(glow, "speckle", (2.4, 2.25, 2.0), place=GLOWING, shades=False)
 

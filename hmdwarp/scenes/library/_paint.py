@@ -12,7 +12,9 @@ Field = NDArray[np.float32]
 
 
 @cache
-def fractal(height: int, width: int, seed: int, exponent: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)) -> Field:
+def fractal(
+    height: int, width: int, seed: int, exponent: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)
+) -> Field:
     """Tiling noise with mean 0 and deviation 1; exponent 0 is white, 1 pink, 2 smooth; stretch (down, across) pulls it long."""
     white = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
     fy = np.fft.fftfreq(height)[:, None] * height * stretch[0]
@@ -55,11 +57,16 @@ def planks(size: int = 1024, count: int = 14, seed: int = 11) -> Image:
     return to_image(image * dark[..., None])
 
 
-def wood(size: int = 512, seed: int = 21, dark: ArrayLike = (0.25, 0.14, 0.08), bright: ArrayLike = (0.66, 0.44, 0.27)) -> Image:
+def wood(
+    size: int = 512, seed: int = 21, dark: ArrayLike = (0.25, 0.14, 0.08), bright: ArrayLike = (0.66, 0.44, 0.27)
+) -> Image:
     """Furniture wood, grain along u."""
     rings = fractal(size, size, seed, 1.6, (1.0, 7.0))
     value = (
-        0.5 + 0.22 * np.sin(rings * 7) + 0.12 * fractal(size, size, seed + 1, 0.8, (1.0, 10.0)) + 0.04 * fractal(size, size, seed + 2, 0.2)
+        0.5
+        + 0.22 * np.sin(rings * 7)
+        + 0.12 * fractal(size, size, seed + 1, 0.8, (1.0, 10.0))
+        + 0.04 * fractal(size, size, seed + 2, 0.2)
     )
     return to_image(tinted(value, dark, bright))
 
@@ -77,7 +84,9 @@ def bricks(size: int = 512, rows: int = 12, columns: int = 4, seed: int = 31) ->
     edge_x = np.minimum(x % 1, 1 - x % 1) / columns + wobble * 0.1
     inside = np.clip((np.minimum(edge_x, edge_y) - 0.0055) / 0.005, 0, 1)
     value = tone + 0.11 * fractal(size, size, seed + 2, 0.6) + 0.06 * fractal(size, size, seed + 3, 0.0)
-    brick = tinted(value, (0.40, 0.20, 0.15), (0.80, 0.50, 0.38)) * (0.85 + 0.15 * np.clip((y % 1)[:, None, None] * 4, 0, 1))
+    brick = tinted(value, (0.40, 0.20, 0.15), (0.80, 0.50, 0.38)) * (
+        0.85 + 0.15 * np.clip((y % 1)[:, None, None] * 4, 0, 1)
+    )
     mortar = tinted(0.5 + 0.2 * fractal(size, size, seed + 4, 0.4), (0.55, 0.52, 0.48), (0.76, 0.73, 0.68))
     return to_image(mortar + inside[..., None] * (brick - mortar))
 
@@ -92,8 +101,14 @@ def wallpaper(size: int = 512, seed: int = 41) -> Image:
     veins = np.abs(np.sin(angle * 10)) * np.clip(radius * 5, 0, 1)
     dots = np.hypot(np.abs(u) - 0.40, np.abs(v) - 0.38) < 0.035
     stem = (np.abs(u + 0.07 * np.sin(cell_y * 2 * np.pi)) < 0.012) & ~petals
-    ground = tinted(0.5 + 0.18 * np.sin(x * 2 * np.pi * 32) + 0.1 * fractal(size, size, seed, 0.5), (0.66, 0.71, 0.66), (0.80, 0.83, 0.76))
-    motif = tinted(0.3 + 0.6 * veins + 0.08 * fractal(size, size, seed + 1, 0.3), (0.20, 0.36, 0.36), (0.52, 0.64, 0.56))
+    ground = tinted(
+        0.5 + 0.18 * np.sin(x * 2 * np.pi * 32) + 0.1 * fractal(size, size, seed, 0.5),
+        (0.66, 0.71, 0.66),
+        (0.80, 0.83, 0.76),
+    )
+    motif = tinted(
+        0.3 + 0.6 * veins + 0.08 * fractal(size, size, seed + 1, 0.3), (0.20, 0.36, 0.36), (0.52, 0.64, 0.56)
+    )
     image = np.where(petals[..., None], motif, ground)
     image = np.where(stem[..., None], (0.42, 0.52, 0.46), image)
     return to_image(np.where(dots[..., None], (0.76, 0.58, 0.30), image))
@@ -141,7 +156,9 @@ def roof(size: int = 256, rows: int = 12, seed: int = 101) -> Image:
     y, x = np.meshgrid(np.arange(size) * rows / size, np.arange(size) * rows / size, indexing="ij")
     x = x + 0.5 * (y.astype(int) % 2)
     tone = rng.normal(0.5, 0.16, (rows, rows))[y.astype(int), x.astype(int) % rows]
-    value = tone + 0.1 * fractal(size, size, seed + 1, 0.3) + 0.25 * (y % 1) - 0.3 * (np.minimum(x % 1, 1 - x % 1) < 0.06)
+    value = (
+        tone + 0.1 * fractal(size, size, seed + 1, 0.3) + 0.25 * (y % 1) - 0.3 * (np.minimum(x % 1, 1 - x % 1) < 0.06)
+    )
     return to_image(tinted(value, (0.36, 0.16, 0.12), (0.78, 0.42, 0.30)))
 
 
@@ -151,11 +168,17 @@ def facade(size: int = 512, columns: int = 4, rows: int = 3, seed: int = 111) ->
     y, x = np.meshgrid(np.arange(size) / size * rows, np.arange(size) / size * columns, indexing="ij")
     u, v, cell = x % 1, y % 1, (y.astype(int) * columns + x.astype(int))
     wall = tinted(
-        0.55 + 0.1 * fractal(size, size, seed, 0.4) + 0.1 * fractal(size, size, seed + 1, 1.2), (0.68, 0.66, 0.62), (0.98, 0.96, 0.92)
+        0.55 + 0.1 * fractal(size, size, seed, 0.4) + 0.1 * fractal(size, size, seed + 1, 1.2),
+        (0.68, 0.66, 0.62),
+        (0.98, 0.96, 0.92),
     )
     frame = (np.abs(u - 0.5) < 0.24) & (np.abs(v - 0.52) < 0.31)
-    glass = (np.abs(u - 0.5) < 0.20) & (np.abs(v - 0.52) < 0.27) & (np.abs(u - 0.5) > 0.018) & (np.abs(v - 0.42) > 0.014)
-    pane = tinted(rng.uniform(0.1, 1.0, rows * columns)[cell] * 0.7 + 0.3 * (1 - v), (0.10, 0.13, 0.18), (0.55, 0.64, 0.74))
+    glass = (
+        (np.abs(u - 0.5) < 0.20) & (np.abs(v - 0.52) < 0.27) & (np.abs(u - 0.5) > 0.018) & (np.abs(v - 0.42) > 0.014)
+    )
+    pane = tinted(
+        rng.uniform(0.1, 1.0, rows * columns)[cell] * 0.7 + 0.3 * (1 - v), (0.10, 0.13, 0.18), (0.55, 0.64, 0.74)
+    )
     image = np.where(frame[..., None], (0.95, 0.95, 0.93), wall)
     image = np.where(glass[..., None], pane, image)
     sill = (np.abs(u - 0.5) < 0.27) & (np.abs(v - 0.85) < 0.02)

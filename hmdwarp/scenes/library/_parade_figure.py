@@ -33,7 +33,15 @@ def joints(place: NDArray) -> tuple[Joint, ...]:
         joint("chest", HIPS, (0, CHEST_Y, 0), up, swing_rad=0.16, phase=0.5),
         joint("head", CHEST, (0, NECK_Y, 0), up, swing_rad=0.35, period_s=2 * STEP_S),
         joint("right arm", CHEST, (right * SHOULDER_X, SHOULDER_Y, 0), ahead, middle_rad=-2.3, swing_rad=0.22),
-        joint("right hand", RIGHT_ARM, (right * SHOULDER_X, ELBOW_Y, 0), ahead, middle_rad=-0.45, swing_rad=0.45, phase=0.1),
+        joint(
+            "right hand",
+            RIGHT_ARM,
+            (right * SHOULDER_X, ELBOW_Y, 0),
+            ahead,
+            middle_rad=-0.45,
+            swing_rad=0.45,
+            phase=0.1,
+        ),
         joint("left arm", CHEST, (left * SHOULDER_X, SHOULDER_Y, 0), across, swing_rad=0.5, phase=0.0),
         joint("left hand", LEFT_ARM, (left * SHOULDER_X, ELBOW_Y, 0), across, middle_rad=-0.5, swing_rad=0.2),
         joint("right leg", HIPS, (right * HIP_X, HIP_Y, 0), across, middle_rad=-0.35, swing_rad=0.35, phase=0.0),
@@ -75,7 +83,13 @@ def _limbs() -> list[_Limb]:
         pieces.add(surface, texture, tint)
         chains.append((chain, pivots_y))
 
-    add(cushion((0, 1.18, 0), (0.46, 0.62, 0.26), roundness=0.7, rings=20, sides=28), "fabric", COAT, (CHEST, HIPS), CHEST_Y)
+    add(
+        cushion((0, 1.18, 0), (0.46, 0.62, 0.26), roundness=0.7, rings=20, sides=28),
+        "fabric",
+        COAT,
+        (CHEST, HIPS),
+        CHEST_Y,
+    )
     add(cushion((0, 0.94, 0), (0.36, 0.26, 0.24), roundness=0.7), "fabric", TROUSERS, (HIPS,))
     add(tube([(0, 1.40, 0), (0, 1.47, 0), (0, 1.54, 0.01)], 0.055, sides=14), "speckle", SKIN, (HEAD,))
     add(cushion((0, 1.64, 0.01), (0.19, 0.26, 0.22), roundness=0.9, rings=16, sides=24), "speckle", SKIN, (HEAD,))
@@ -84,7 +98,12 @@ def _limbs() -> list[_Limb]:
     for x in (-0.04, 0.04):
         add(cushion((x, 1.66, 0.115), (0.03, 0.03, 0.02), roundness=1, rings=6, sides=8), "speckle", DARK, (HEAD,))
     for k in range(4):
-        add(cushion((0, 1.02 + 0.1 * k, 0.125), (0.03, 0.03, 0.02), roundness=1, rings=6, sides=8), "speckle", (0.9, 0.7, 0.25), (CHEST,))
+        add(
+            cushion((0, 1.02 + 0.1 * k, 0.125), (0.03, 0.03, 0.02), roundness=1, rings=6, sides=8),
+            "speckle",
+            (0.9, 0.7, 0.25),
+            (CHEST,),
+        )
     for side, arm, hand, leg, shin in (
         (-1, RIGHT_ARM, RIGHT_HAND, RIGHT_LEG, RIGHT_SHIN),
         (1, LEFT_ARM, LEFT_HAND, LEFT_LEG, LEFT_SHIN),
@@ -116,7 +135,10 @@ def figure_meshes(place: tuple[float, float, float], texture_index) -> list[Mesh
 
 def _skinned(name: str, limbs: list[_Limb], place: NDArray, bones: tuple[Joint, ...], texture: int) -> Mesh:
     surfaces = [limb.piece.surface for limb in limbs]
-    lights = [light * np.array(limb.piece.tint) for light, limb in zip(body_lights([limb.piece for limb in limbs]), limbs, strict=True)]
+    lights = [
+        light * np.array(limb.piece.tint)
+        for light, limb in zip(body_lights([limb.piece for limb in limbs]), limbs, strict=True)
+    ]
     starts = np.cumsum([0, *(len(surface.positions) for surface in surfaces)])
     weights = np.concatenate([limb.weights() for limb in limbs])
     which = np.argsort(-weights, axis=1, kind="stable")[:, :2]

@@ -30,7 +30,9 @@ class Piece:
 class Pieces(list):
     """A list of pieces with a short way to add one."""
 
-    def add(self, surface: Surface, texture: str, tint: tuple[float, float, float] = (1.0, 1.0, 1.0), **settings: object) -> None:
+    def add(
+        self, surface: Surface, texture: str, tint: tuple[float, float, float] = (1.0, 1.0, 1.0), **settings: object
+    ) -> None:
         """Append a Piece; see its fields for the settings."""
         self.append(Piece(surface, texture, tint, **settings))
 
@@ -39,7 +41,9 @@ def merged(pieces: Sequence[Piece], lights: Sequence[NDArray], texture_index: Ca
     """Meshes of the pieces, one per (texture, culling, inside or outside, sector of view), with `lights` (n, 3) times tint baked in."""
     groups: dict[tuple, list[tuple[Piece, NDArray]]] = {}
     for piece, light in zip(pieces, lights, strict=True):
-        groups.setdefault((piece.texture, piece.double_sided, piece.place == OUTSIDE, _sector(piece.surface)), []).append((piece, light))
+        groups.setdefault(
+            (piece.texture, piece.double_sided, piece.place == OUTSIDE, _sector(piece.surface)), []
+        ).append((piece, light))
     meshes = []
     for key in sorted(groups):
         members = groups[key]
@@ -51,10 +55,14 @@ def merged(pieces: Sequence[Piece], lights: Sequence[NDArray], texture_index: Ca
                 np.concatenate([_unit(piece.surface.normals) for piece, _ in members]),
                 np.concatenate([piece.surface.uv for piece, _ in members]),
                 np.concatenate([light * np.array(piece.tint) for piece, light in members]),
-                np.concatenate([piece.surface.triangles + np.uint32(s) for (piece, _), s in zip(members, starts, strict=False)]),
+                np.concatenate(
+                    [piece.surface.triangles + np.uint32(s) for (piece, _), s in zip(members, starts, strict=False)]
+                ),
                 texture_index(key[0]),
                 key[1],
-                albedo=np.concatenate([np.broadcast_to(piece.tint, piece.surface.positions.shape) for piece, _ in members]),
+                albedo=np.concatenate(
+                    [np.broadcast_to(piece.tint, piece.surface.positions.shape) for piece, _ in members]
+                ),
             )
         )
     return meshes

@@ -51,7 +51,9 @@ _WORDS = ["LATENCY", "POSE", "EYE", "LENS", "FRAME", "DEPTH", "HOLE", "PARALLAX"
 ]
 
 
-def _paragraph(image: NDArray, rng: np.random.Generator, *, top: int, left: int, width: int, lines: int, colour: Colour) -> None:
+def _paragraph(
+    image: NDArray, rng: np.random.Generator, *, top: int, left: int, width: int, lines: int, colour: Colour
+) -> None:
     for line in range(lines):
         words = ""
         while len(words) * 6 < width - 40:
@@ -78,7 +80,9 @@ def poster(index: int, height: int = 384, width: int = 256) -> Image:
     elif index % 4 == 2:
         tones = rng.uniform(0.15, 0.95, (6, 4, 3))
         cells = tones[np.clip((y * 8 - 0.4).astype(int), 0, 5), np.clip((x * 6).astype(int), 0, 3)]
-        image = np.where(((y * 8 - 0.4) % 1 > 0.1)[..., None] & (y < 0.79)[..., None] & (y > 0.05)[..., None], cells, image)
+        image = np.where(
+            ((y * 8 - 0.4) % 1 > 0.1)[..., None] & (y < 0.79)[..., None] & (y > 0.05)[..., None], cells, image
+        )
     else:
         _paragraph(image, rng, top=92, left=20, width=width - 40, lines=20, colour=ink)
     title = ["PARALLAX", "FAR VIEW", "COLOUR 24", "ON LATENCY"][index % 4]

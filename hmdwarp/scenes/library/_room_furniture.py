@@ -15,7 +15,12 @@ TABLE_TOP_M, TABLE_CENTRE = 0.75, (0.75, -2.75)
 def build_furniture(pieces: Pieces, rng: np.random.Generator) -> None:
     """All furniture."""
     _table(pieces)
-    for (x, z), turn in (((0.30, -2.12), 0.25), ((1.28, -2.18), -0.3), ((0.45, -3.38), np.pi + 0.15), ((1.15, -3.36), np.pi - 0.2)):
+    for (x, z), turn in (
+        ((0.30, -2.12), 0.25),
+        ((1.28, -2.18), -0.3),
+        ((0.45, -3.38), np.pi + 0.15),
+        ((1.15, -3.36), np.pi - 0.2),
+    ):
         _chair(pieces, (x, 0, z), turn)
     _sofa(pieces)
     _shelf(pieces, rng, (-2.05, 0, -4.02), size=(1.7, 2.25), boards=6, turn=0.0)
@@ -31,7 +36,11 @@ def _table(pieces: Pieces) -> None:
     pieces.add(box((x, TABLE_TOP_M - 0.0175, z), (1.6, 0.035, 0.9), cell_m=0.05, tile_m=0.9), "wood", OAK)
     for dx, dz in ((-0.7, -0.36), (0.7, -0.36), (-0.7, 0.36), (0.7, 0.36)):
         leg = tube(
-            [(x + dx * 0.97, TABLE_TOP_M - 0.03, z + dz * 0.97), (x + dx, 0.35, z + dz), (x + dx * 1.03, 0, z + dz * 1.03)],
+            [
+                (x + dx * 0.97, TABLE_TOP_M - 0.03, z + dz * 0.97),
+                (x + dx, 0.35, z + dz),
+                (x + dx * 1.03, 0, z + dz * 1.03),
+            ],
             (0.030, 0.024, 0.016),
         )
         pieces.add(leg, "wood", OAK)
@@ -44,9 +53,15 @@ def _table(pieces: Pieces) -> None:
 def _chair(pieces: Pieces, place: tuple[float, float, float], turn: float) -> None:
     """A spindle-back chair: thin legs, rungs and rods; its sitter looks along -z before `turn`."""
     wood: list[Surface] = [cushion((0, 0.45, 0), (0.44, 0.035, 0.42), roundness=0.3, rings=4, sides=20)]
-    feet = {(sx, sz): (np.array([0.16 * sx, 0.44, 0.15 * sz]), np.array([0.21 * sx, 0, 0.20 * sz])) for sx in (-1, 1) for sz in (-1, 1)}
+    feet = {
+        (sx, sz): (np.array([0.16 * sx, 0.44, 0.15 * sz]), np.array([0.21 * sx, 0, 0.20 * sz]))
+        for sx in (-1, 1)
+        for sz in (-1, 1)
+    }
     for top, bottom in feet.values():
-        wood.append(tube([top, (top * 2 + bottom) / 3, (top + 2 * bottom) / 3, bottom], (0.013, 0.016, 0.015, 0.010), sides=7))
+        wood.append(
+            tube([top, (top * 2 + bottom) / 3, (top + 2 * bottom) / 3, bottom], (0.013, 0.016, 0.015, 0.010), sides=7)
+        )
     for (ax, az), (bx, bz), share in (((-1, -1), (-1, 1), 0.55), ((1, -1), (1, 1), 0.55), ((-1, 0), (1, 0), 0.55)):
         ends = [_along(feet, sx, sz, share) for sx, sz in ((ax, az), (bx, bz))]
         wood.append(tube([ends[0], (ends[0] + ends[1]) / 2, ends[1]], (0.008, 0.011, 0.008), sides=6))
@@ -68,7 +83,11 @@ def _along(feet: dict, sx: int, sz: int, share: float) -> np.ndarray:
 
 def _sofa(pieces: Pieces) -> None:
     """Along the brick wall; the sitter looks along +x."""
-    body, soft, pillow = (0.10, 0.20, 0.24), (0.13, 0.25, 0.29), [(0.75, 0.30, 0.14), (0.82, 0.72, 0.55), (0.30, 0.42, 0.24)]
+    body, soft, pillow = (
+        (0.10, 0.20, 0.24),
+        (0.13, 0.25, 0.29),
+        [(0.75, 0.30, 0.14), (0.82, 0.72, 0.55), (0.30, 0.42, 0.24)],
+    )
     z0, z1 = -2.85, -0.95
     middle, long = (z0 + z1) / 2, z1 - z0
     pieces.add(box((-2.5, 0.24, middle), (0.86, 0.2, long), tile_m=0.3, cell_m=0.2), "fabric", body)
@@ -77,16 +96,26 @@ def _sofa(pieces: Pieces) -> None:
         pieces.add(cushion((-2.5, 0.42, z), (0.88, 0.52, 0.2), roundness=0.25, rings=10, sides=20), "fabric", body)
     for i in range(2):
         z = z0 + long * (i + 0.5) / 2
-        pieces.add(cushion((-2.42, 0.42, z), (0.76, 0.2, long / 2 - 0.01), roundness=0.22, rings=10, sides=24), "fabric", soft)
-        pieces.add(cushion((-2.62, 0.66, z), (0.22, 0.46, long / 2 - 0.03), roundness=0.3, rings=10, sides=20), "fabric", soft)
+        pieces.add(
+            cushion((-2.42, 0.42, z), (0.76, 0.2, long / 2 - 0.01), roundness=0.22, rings=10, sides=24), "fabric", soft
+        )
+        pieces.add(
+            cushion((-2.62, 0.66, z), (0.22, 0.46, long / 2 - 0.03), roundness=0.3, rings=10, sides=20), "fabric", soft
+        )
     for (x, z, turn), tint in zip(((-2.45, -2.55, 0.5), (-2.42, -1.2, -0.35), (-2.47, -1.5, 0.1)), pillow, strict=True):
-        pieces.add(cushion((0, 0, 0), (0.16, 0.42, 0.42), roundness=0.55, rings=10, sides=20).moved((x, 0.70, z), turn), "fabric", tint)
+        pieces.add(
+            cushion((0, 0, 0), (0.16, 0.42, 0.42), roundness=0.55, rings=10, sides=20).moved((x, 0.70, z), turn),
+            "fabric",
+            tint,
+        )
     for x in (-2.85, -2.15):
         for z in (z0 + 0.08, z1 - 0.08):
             pieces.add(tube([(x, 0.15, z), (x, 0.07, z), (x, 0, z)], (0.022, 0.018, 0.013)), "wood", WALNUT)
 
 
-def _shelf(pieces: Pieces, rng: np.random.Generator, place: tuple, *, size: tuple[float, float], boards: int, turn: float) -> None:
+def _shelf(
+    pieces: Pieces, rng: np.random.Generator, place: tuple, *, size: tuple[float, float], boards: int, turn: float
+) -> None:
     """Boards between two sides, filled with books standing, leaning and lying, and a few pots; open towards +z before `turn`."""
     (width, height), deep = size, 0.3
     frame = [box((sx * width / 2, height / 2, 0), (0.025, height, deep), cell_m=0.16, tile_m=0.9) for sx in (-1, 1)]
@@ -103,13 +132,19 @@ def _shelf(pieces: Pieces, rng: np.random.Generator, place: tuple, *, size: tupl
             pieces.add(pot.moved(place, turn), "speckle", tuple(rng.uniform(0.15, 0.8, 3)), double_sided=True)
 
 
-def _row_of_books(rng: np.random.Generator, width: float, room_m: float, y: float) -> tuple[list[Surface], list[Surface], list[Surface]]:
+def _row_of_books(
+    rng: np.random.Generator, width: float, room_m: float, y: float
+) -> tuple[list[Surface], list[Surface], list[Surface]]:
     """Spines with their covers, page blocks seen from above, and pots between them, from left to right on a board at height y."""
     x, end = -width / 2 + 0.03, width / 2 - 0.03
     spines, pages, pots = [], [], []
     while x < end - 0.06:
         if rng.random() < 0.07:
-            pots.append(lathe([(0.03, 0), (0.055, 0.02), (0.06, 0.09), (0.035, 0.14), (0.03, 0.17)], (x + 0.07, y, 0.03), sides=14))
+            pots.append(
+                lathe(
+                    [(0.03, 0), (0.055, 0.02), (0.06, 0.09), (0.035, 0.14), (0.03, 0.17)], (x + 0.07, y, 0.03), sides=14
+                )
+            )
             x += 0.15
             continue
         thick, high, deep = rng.uniform(0.018, 0.05), rng.uniform(0.6, 0.93) * (room_m - 0.03), rng.uniform(0.16, 0.23)
@@ -119,7 +154,9 @@ def _row_of_books(rng: np.random.Generator, width: float, room_m: float, y: floa
         spines.append(patch((x, y, front), (thick, 0, 0), (0, high, 0), cell_m=0.16, uv=(u, 0, u + 1 / SPINES, 1)))
         spines.append(patch((x, y, front - deep), (0, 0, deep), (0, high, 0), cell_m=0.3, uv=cover))
         spines.append(patch((x + thick, y, front), (0, 0, -deep), (0, high, 0), cell_m=0.3, uv=cover))
-        pages.append(patch((x + 0.002, y + high - 0.003, front - 0.003), (thick - 0.004, 0, 0), (0, 0, -deep), cell_m=0.3))
+        pages.append(
+            patch((x + 0.002, y + high - 0.003, front - 0.003), (thick - 0.004, 0, 0), (0, 0, -deep), cell_m=0.3)
+        )
         x += thick + (rng.uniform(0.0, 0.004) if rng.random() < 0.93 else rng.uniform(0.03, 0.09))
     return spines, pages, pots
 
@@ -137,11 +174,20 @@ def _sideboard(pieces: Pieces) -> None:
                 "wood",
                 (1.3, 1.1, 0.9),
             )
-            pieces.add(cushion((front - 0.03, y, part), (0.03, 0.03, 0.03), roundness=1.0, rings=5, sides=8), "speckle", (0.6, 0.48, 0.2))
+            pieces.add(
+                cushion((front - 0.03, y, part), (0.03, 0.03, 0.03), roundness=1.0, rings=5, sides=8),
+                "speckle",
+                (0.6, 0.48, 0.2),
+            )
     for dz in (-0.85, 0.85):
         for dx in (-0.2, 0.2):
             pieces.add(
-                tube([(x + dx, 0.18, z + dz), (x + dx * 1.03, 0.09, z + dz), (x + dx * 1.06, 0, z + dz)], (0.02, 0.017, 0.012)), "wood", OAK
+                tube(
+                    [(x + dx, 0.18, z + dz), (x + dx * 1.03, 0.09, z + dz), (x + dx * 1.06, 0, z + dz)],
+                    (0.02, 0.017, 0.012),
+                ),
+                "wood",
+                OAK,
             )
 
 
@@ -177,7 +223,10 @@ def _framed(pieces: Pieces, centre: np.ndarray, across: np.ndarray, width: float
 
 
 def _radiator(pieces: Pieces) -> None:
-    ribs = [cushion((x, 0.40, -4.10), (0.05, 0.56, 0.10), roundness=0.5, rings=6, sides=8) for x in np.arange(-0.05, 1.96, 0.072)]
+    ribs = [
+        cushion((x, 0.40, -4.10), (0.05, 0.56, 0.10), roundness=0.5, rings=6, sides=8)
+        for x in np.arange(-0.05, 1.96, 0.072)
+    ]
     ribs.append(tube([(-0.1, 0.16, -4.1), (1.0, 0.16, -4.1), (2.0, 0.16, -4.1)], 0.014))
     pieces.add(join(ribs), "speckle", (0.80, 0.79, 0.75))
 

@@ -49,7 +49,9 @@ def _ground(pieces: Pieces) -> None:
 def _house(pieces: Pieces, index: int, where: tuple[float, float, float, float, float]) -> None:
     x, z, wide, high, turn = where
     place, deep, wall = (x, GROUND_M, z), wide * 0.8, high * 0.72
-    tint = ((0.95, 0.88, 0.72), (0.80, 0.52, 0.42), (0.92, 0.92, 0.90), (0.70, 0.78, 0.74), (0.95, 0.80, 0.56))[index % 5]
+    tint = ((0.95, 0.88, 0.72), (0.80, 0.52, 0.42), (0.92, 0.92, 0.90), (0.70, 0.78, 0.74), (0.95, 0.80, 0.56))[
+        index % 5
+    ]
     pieces.add(
         box((0, wall / 2, 0), (wide, wall, deep), cell_m=3, uv=(0, 0, 1, 0.667), without="-y+y").moved(place, turn),
         "facade",
@@ -61,13 +63,22 @@ def _house(pieces: Pieces, index: int, where: tuple[float, float, float, float, 
     for side in (1, -1):
         corner = (-(wide / 2 + over) * side, wall - 0.25, (deep / 2 + over) * side)
         slopes.append(
-            patch(corner, ((wide + 2 * over) * side, 0, 0), (0, ridge - wall + 0.25, -(deep / 2 + over) * side), cell_m=2.5, tile_m=3)
+            patch(
+                corner,
+                ((wide + 2 * over) * side, 0, 0),
+                (0, ridge - wall + 0.25, -(deep / 2 + over) * side),
+                cell_m=2.5,
+                tile_m=3,
+            )
         )
     pieces.add(join(slopes).moved(place, turn), "roof", (1.0, 0.95, 0.9), place=OUTSIDE, double_sided=True)
     gables = []
     for side in (1, -1):
         points = np.array(
-            [[(side * wide / 2, ridge - 0.25, 0)] * 3, [(side * wide / 2, wall - 0.12, z * side) for z in (deep / 2, 0, -deep / 2)]]
+            [
+                [(side * wide / 2, ridge - 0.25, 0)] * 3,
+                [(side * wide / 2, wall - 0.12, z * side) for z in (deep / 2, 0, -deep / 2)],
+            ]
         )
         gables.append(sheet(points, np.array([[(0.02, 0.98)] * 3, [(0.0, 0.92), (0.05, 0.92), (0.1, 0.92)]])))
     gable = join(gables)
@@ -75,7 +86,9 @@ def _house(pieces: Pieces, index: int, where: tuple[float, float, float, float, 
     gable = Surface(gable.positions, outwards, gable.uv, gable.triangles)
     pieces.add(gable.moved(place, turn), "facade", tint, place=OUTSIDE, double_sided=True)
     pieces.add(
-        box((wide * 0.22, high * 0.98, 0), (0.7, high * 0.3, 0.7), tile_m=1.2, without="-y").moved(place, turn), "bricks", place=OUTSIDE
+        box((wide * 0.22, high * 0.98, 0), (0.7, high * 0.3, 0.7), tile_m=1.2, without="-y").moved(place, turn),
+        "bricks",
+        place=OUTSIDE,
     )
 
 
@@ -94,7 +107,14 @@ def _tree(pieces: Pieces, rng: np.random.Generator, x: float, z: float, height: 
     crown, cards = [], []
     for i in range(3):
         offset = np.array([rng.normal(0, 0.15), 0.48 + 0.17 * i, rng.normal(0, 0.16)]) * height
-        blob = cushion((0, 0, 0), np.array([0.52, 0.40, 0.52]) * height * (1.08 - 0.17 * i), roundness=1, rings=8, sides=12, tile_m=0.9)
+        blob = cushion(
+            (0, 0, 0),
+            np.array([0.52, 0.40, 0.52]) * height * (1.08 - 0.17 * i),
+            roundness=1,
+            rings=8,
+            sides=12,
+            tile_m=0.9,
+        )
         rough = (
             1
             + 0.22 * np.sin(blob.positions @ rng.normal(0, 7 / height, 3) * 3)
@@ -105,7 +125,9 @@ def _tree(pieces: Pieces, rng: np.random.Generator, x: float, z: float, height: 
             way = rng.normal(0, 1, 3)
             way /= np.linalg.norm(way)
             at = base + offset + way * np.array([0.26, 0.20, 0.26]) * height * (1.08 - 0.17 * i)
-            cards.append(leaf(at, way + rng.normal(0, 0.4, 3), length=0.10 * height, width=0.07 * height, droop=0.3, cells=2))
+            cards.append(
+                leaf(at, way + rng.normal(0, 0.4, 3), length=0.10 * height, width=0.07 * height, droop=0.3, cells=2)
+            )
     tint = np.array((0.42, 0.55, 0.28)) * rng.uniform(0.8, 1.15)
     pieces.add(join(crown), "foliage", tuple(tint), place=OUTSIDE)
     pieces.add(join(cards), "foliage", tuple(tint * 1.15), place=OUTSIDE, double_sided=True)
@@ -122,7 +144,15 @@ def _hills(pieces: Pieces) -> None:
     for distance, high, seed, tint in ((150, 13, 700, (0.50, 0.62, 0.42)), (205, 24, 701, (0.52, 0.62, 0.66))):
         ridge = high * (0.6 + 0.25 * fractal(1, 128, seed, 1.2)[0, :81])
         top = np.stack([distance * np.sin(angle), ridge, -distance * np.cos(angle)], axis=-1)
-        low = np.stack([distance * 0.93 * np.sin(angle), np.full(81, GROUND_M - 1), -distance * 0.93 * np.cos(angle)], axis=-1)
+        low = np.stack(
+            [distance * 0.93 * np.sin(angle), np.full(81, GROUND_M - 1), -distance * 0.93 * np.cos(angle)], axis=-1
+        )
         points = np.stack([top, (top + low) / 2, low])
-        uv = np.stack([np.broadcast_to(angle * distance / 14, (3, 81)), np.broadcast_to(np.array([[2.0], [1.0], [0.0]]), (3, 81))], axis=-1)
+        uv = np.stack(
+            [
+                np.broadcast_to(angle * distance / 14, (3, 81)),
+                np.broadcast_to(np.array([[2.0], [1.0], [0.0]]), (3, 81)),
+            ],
+            axis=-1,
+        )
         pieces.add(sheet(points, uv), "grass", tint, place=OUTSIDE, shades=False)

@@ -33,13 +33,21 @@ def _floor(pieces: Pieces) -> None:
     strips = [(-3.0, -4.2, 3.0, z0), (-3.0, z0, x0, z1), (x1, z0, 3.0, z1), (-3.0, z1, 3.0, 3.0)]
     for left, back, right, front in strips:
         uv = np.array([left, -front, right, -back]) / 2  # 2 m of boards per picture, in step over all strips
-        pieces.add(patch((left, 0, front), (right - left, 0, 0), (0, 0, back - front), cell_m=0.2, uv=uv), "planks", shades=False)
-    pieces.add(patch((x0, 0, z1), (x1 - x0, 0, 0), (0, 0, z0 - z1), cell_m=0.13, uv=(0, 0, 1, 1)), "sun-floor", shades=False)
+        pieces.add(
+            patch((left, 0, front), (right - left, 0, 0), (0, 0, back - front), cell_m=0.2, uv=uv),
+            "planks",
+            shades=False,
+        )
+    pieces.add(
+        patch((x0, 0, z1), (x1 - x0, 0, 0), (0, 0, z0 - z1), cell_m=0.13, uv=(0, 0, 1, 1)), "sun-floor", shades=False
+    )
 
 
 def _walls(pieces: Pieces) -> None:
     width, depth, height = 6.0, 7.2, 2.8
-    pieces.add(patch((-3, height, -4.2), (width, 0, 0), (0, 0, depth), cell_m=0.25, tile_m=1.6), "plaster", PAINT, shades=False)
+    pieces.add(
+        patch((-3, height, -4.2), (width, 0, 0), (0, 0, depth), cell_m=0.25, tile_m=1.6), "plaster", PAINT, shades=False
+    )
     pieces.add(patch((-3, 0, 3), (0, 0, -depth), (0, height, 0), cell_m=0.2), "bricks", shades=False)
     pieces.add(patch((3, 0, -4.2), (0, 0, depth), (0, height, 0), cell_m=0.2, tile_m=0.8), "wallpaper", shades=False)
     pieces.add(patch((3, 0, 3), (-width, 0, 0), (0, height, 0), cell_m=0.24, tile_m=0.8), "wallpaper", shades=False)
@@ -70,12 +78,18 @@ def _window(pieces: Pieces) -> None:
         ((w.left_m, w.top_m, outer), (width, 0, 0), (0, 0, deep)),
     ):
         side = patch(corner, along, across, cell_m=0.12, tile_m=1.6)
-        turned = side if side.normals[0] @ _to_middle(corner) > 0 else patch(corner, across, along, cell_m=0.12, tile_m=1.6)
+        turned = (
+            side if side.normals[0] @ _to_middle(corner) > 0 else patch(corner, across, along, cell_m=0.12, tile_m=1.6)
+        )
         pieces.add(turned, "plaster", PAINT, shades=False)
     pieces.add(
-        box((w.left_m + width / 2, w.bottom_m - 0.02, w.z_m + 0.02), (width + 0.2, 0.04, 0.56), cell_m=0.12), "wood", (1.1, 1.05, 1.0)
+        box((w.left_m + width / 2, w.bottom_m - 0.02, w.z_m + 0.02), (width + 0.2, 0.04, 0.56), cell_m=0.12),
+        "wood",
+        (1.1, 1.05, 1.0),
     )
-    bars = [(x, w.bottom_m + height / 2, 0.055, height) for x in (w.left_m + 0.03, w.right_m - 0.03, w.left_m + width / 2)]
+    bars = [
+        (x, w.bottom_m + height / 2, 0.055, height) for x in (w.left_m + 0.03, w.right_m - 0.03, w.left_m + width / 2)
+    ]
     bars += [(w.left_m + width / 2, y, width, 0.055) for y in (w.bottom_m + 0.03, w.top_m - 0.03)]
     bars += [(w.left_m + width * share, w.bottom_m + height / 2, 0.026, height) for share in (0.25, 0.75)]
     bars += [(w.left_m + width / 2, w.bottom_m + height * share, width, 0.026) for share in (0.36, 0.70)]
@@ -112,7 +126,11 @@ def _blind(pieces: Pieces) -> None:
     pieces.add(box(((left + right) / 2, 1.595, -4.155), (right - left, 0.025, 0.035)), "speckle", (0.8, 0.75, 0.65))
     for x in (left + 0.15, right - 0.15, right - 0.03):
         low = 1.05 if x > right - 0.1 else 1.6
-        pieces.add(tube([(x, 2.3, -4.13), (x, (2.3 + low) / 2, -4.13), (x, low, -4.13)], 0.0035, sides=5), "speckle", (0.9, 0.88, 0.8))
+        pieces.add(
+            tube([(x, 2.3, -4.13), (x, (2.3 + low) / 2, -4.13), (x, low, -4.13)], 0.0035, sides=5),
+            "speckle",
+            (0.9, 0.88, 0.8),
+        )
 
 
 def _door(pieces: Pieces) -> None:
@@ -123,4 +141,8 @@ def _door(pieces: Pieces) -> None:
     for x in (-1.70, -0.70):
         pieces.add(box((x, 1.05, 2.97), (0.08, 2.1, 0.07), without="+z-y"), "speckle", PAINT)
     pieces.add(box((-1.2, 2.13, 2.97), (1.08, 0.08, 0.07), without="+z"), "speckle", PAINT)
-    pieces.add(tube([(-0.82, 1.0, 2.97), (-0.82, 1.0, 2.90), (-0.86, 1.0, 2.89), (-0.95, 1.0, 2.89)], 0.011), "speckle", (0.8, 0.68, 0.4))
+    pieces.add(
+        tube([(-0.82, 1.0, 2.97), (-0.82, 1.0, 2.90), (-0.86, 1.0, 2.89), (-0.95, 1.0, 2.89)], 0.011),
+        "speckle",
+        (0.8, 0.68, 0.4),
+    )

@@ -26,7 +26,9 @@ def sun_floor(boards: Image, pieces: Sequence[Piece], towards_sun: NDArray, rng:
     left, right = (round((e - x0) / TEXEL_M) for e in (RUG[0], RUG[2]))
     top, bottom = (round((e - z0) / TEXEL_M) for e in (RUG[1], RUG[3]))
     down, across = np.meshgrid(
-        np.linspace(0, 1, bottom - top, dtype=np.float32), np.linspace(0, 1, right - left, dtype=np.float32), indexing="ij"
+        np.linspace(0, 1, bottom - top, dtype=np.float32),
+        np.linspace(0, 1, right - left, dtype=np.float32),
+        indexing="ij",
     )
     image[top:bottom, left:right] = (np.clip(rug(down, across), 0, 1) * 255).astype(np.uint8)
     sun = _window_light(x, z, towards_sun) * (1 - _shadow(pieces, (height, width), towards_sun, rng))
@@ -43,7 +45,9 @@ def _boards_at(boards: Image, x: NDArray, z: NDArray) -> Image:
 def _window_light(x: NDArray, z: NDArray, towards: NDArray) -> NDArray:
     t = (WINDOW.z_m - z) / towards[2]
     at_x, at_y = x + t * towards[0], t * towards[1] + 0 * x
-    return ((at_x > WINDOW.left_m) & (at_x < WINDOW.right_m) & (at_y > WINDOW.bottom_m) & (at_y < WINDOW.top_m)).astype(np.float32)
+    return ((at_x > WINDOW.left_m) & (at_x < WINDOW.right_m) & (at_y > WINDOW.bottom_m) & (at_y < WINDOW.top_m)).astype(
+        np.float32
+    )
 
 
 def _shadow(pieces: Sequence[Piece], shape: tuple[int, int], towards: NDArray, rng: np.random.Generator) -> NDArray:

@@ -48,7 +48,11 @@ def _plant(pieces: Pieces, rng: np.random.Generator, place: tuple) -> None:
         foot = np.array([x + 0.17 * np.sin(angle), 0, z + 0.17 * np.cos(angle)])
         pieces.add(
             tube(
-                [foot, (x + 0.09 * np.sin(angle), 0.4, z + 0.09 * np.cos(angle)), (x + 0.1 * np.sin(angle), 0.8, z + 0.1 * np.cos(angle))],
+                [
+                    foot,
+                    (x + 0.09 * np.sin(angle), 0.4, z + 0.09 * np.cos(angle)),
+                    (x + 0.1 * np.sin(angle), 0.8, z + 0.1 * np.cos(angle)),
+                ],
                 0.009,
                 sides=6,
             ),
@@ -65,10 +69,19 @@ def _plant(pieces: Pieces, rng: np.random.Generator, place: tuple) -> None:
         tip = root + away * lean * (0.5 + height) + np.array([0, height, 0])
         bend = (root + tip) / 2 + np.array([0, 0.10, 0]) - away * 0.05
         t = np.linspace(0, 1, 7)[:, None]
-        stems.append(tube((1 - t) ** 2 * root + 2 * t * (1 - t) * bend + t**2 * tip, np.linspace(0.006, 0.003, 7), sides=5))
+        stems.append(
+            tube((1 - t) ** 2 * root + 2 * t * (1 - t) * bend + t**2 * tip, np.linspace(0.006, 0.003, 7), sides=5)
+        )
         direction = away + np.array([0, rng.uniform(-0.1, 0.5), 0]) + rng.normal(0, 0.15, 3)
         blades.append(
-            leaf(tip, direction, length=rng.uniform(0.17, 0.27), width=rng.uniform(0.09, 0.14), droop=rng.uniform(0.2, 0.6), cells=8)
+            leaf(
+                tip,
+                direction,
+                length=rng.uniform(0.17, 0.27),
+                width=rng.uniform(0.09, 0.14),
+                droop=rng.uniform(0.2, 0.6),
+                cells=8,
+            )
         )
     pieces.add(join(stems), "speckle", (0.16, 0.26, 0.09))
     for i, blade in enumerate(blades):
@@ -88,26 +101,50 @@ def _microphone(pieces: Pieces) -> None:
     body = lathe([(0.014, -0.13), (0.021, -0.12), (0.022, -0.02), (0.027, -0.01), (0.027, 0.0)], (0, 0, 0), sides=18)
     pieces.add(body.moved(head), "speckle", (0.13, 0.13, 0.14))
     angle = np.linspace(0, np.pi / 2, 9)
-    grille = lathe(np.stack([0.027 * np.cos(angle) ** 0.6, 0.055 * np.sin(angle)], axis=1), (0, 0, 0), sides=22, repeats=1, tile_m=0.05)
+    grille = lathe(
+        np.stack([0.027 * np.cos(angle) ** 0.6, 0.055 * np.sin(angle)], axis=1),
+        (0, 0, 0),
+        sides=22,
+        repeats=1,
+        tile_m=0.05,
+    )
     pieces.add(grille.moved(head), "mesh", (0.75, 0.76, 0.78))
     pieces.add(lathe([(0.029, -0.006), (0.029, 0.006)], head, sides=22), "speckle", BRASS)
     ring = np.linspace(0, 2 * np.pi, 17)
     hoop = np.stack([0.046 * np.cos(ring), np.zeros(17), 0.046 * np.sin(ring)], axis=1)
     for y in (-0.045, -0.09):
         pieces.add(tube(hoop + head + (0, y, 0), 0.0035, sides=6), "speckle", BLACK)
-    pieces.add(tube([head + (0.046, -0.09, 0), head + (0.052, -0.02, -0.01), head + (0.05, 0.07, -0.02)], 0.005, sides=6), "speckle", BLACK)
+    pieces.add(
+        tube([head + (0.046, -0.09, 0), head + (0.052, -0.02, -0.01), head + (0.05, 0.07, -0.02)], 0.005, sides=6),
+        "speckle",
+        BLACK,
+    )
     cable = np.concatenate(
-        [catenary(head + (0, -0.13, 0), top - (0.1, 0.02, -0.04), 0.24, 30), [top - (0.02, 0.5, 0), base + (0.02, 0.05, 0)]]
+        [
+            catenary(head + (0, -0.13, 0), top - (0.1, 0.02, -0.04), 0.24, 30),
+            [top - (0.02, 0.5, 0), base + (0.02, 0.05, 0)],
+        ]
     )
     pieces.add(tube(cable, 0.0042, sides=6), "speckle", (0.35, 0.05, 0.05))
 
 
 def _cup(place: tuple, scale: float = 1.0) -> Surface:
     profile = np.array(
-        [(0.02, 0), (0.026, 0.004), (0.038, 0.035), (0.041, 0.075), (0.038, 0.075), (0.034, 0.035), (0.018, 0.012), (0.001, 0.011)]
+        [
+            (0.02, 0),
+            (0.026, 0.004),
+            (0.038, 0.035),
+            (0.041, 0.075),
+            (0.038, 0.075),
+            (0.034, 0.035),
+            (0.018, 0.012),
+            (0.001, 0.011),
+        ]
     )
     angle = np.linspace(-1.2, 1.2, 8)
-    handle = tube(np.stack([0.030 + 0.026 * np.cos(angle), 0.04 + 0.026 * np.sin(angle), np.zeros(8)], axis=1), 0.0042, sides=6)
+    handle = tube(
+        np.stack([0.030 + 0.026 * np.cos(angle), 0.04 + 0.026 * np.sin(angle), np.zeros(8)], axis=1), 0.0042, sides=6
+    )
     saucer = lathe([(0.03, 0), (0.068, 0.009), (0.070, 0.012), (0.03, 0.004), (0.001, 0.004)], sides=18)
     cup = join([lathe(profile * scale, (0, 0.006, 0), sides=16), handle.moved((0, 0.006, 0)), saucer])
     return cup.moved(place, place[0] * 7)
@@ -170,7 +207,11 @@ def _vase(pieces: Pieces, place: tuple) -> None:
     rng = np.random.default_rng(7)
     x, y, z = place
     pieces.add(
-        lathe([(0.035, 0), (0.06, 0.05), (0.055, 0.11), (0.025, 0.17), (0.035, 0.2), (0.030, 0.2), (0.02, 0.17)], place, sides=24),
+        lathe(
+            [(0.035, 0), (0.06, 0.05), (0.055, 0.11), (0.025, 0.17), (0.035, 0.2), (0.030, 0.2), (0.02, 0.17)],
+            place,
+            sides=24,
+        ),
         "speckle",
         (0.75, 0.74, 0.68),
         double_sided=True,
@@ -179,46 +220,84 @@ def _vase(pieces: Pieces, place: tuple) -> None:
         away = np.array([np.sin(i * 2.4), 0, np.cos(i * 2.4)]) * rng.uniform(0.04, 0.16)
         tip = np.array([x, y + rng.uniform(0.33, 0.52), z]) + away
         pieces.add(
-            tube([(x, y + 0.17, z), (x + away[0] * 0.4, y + 0.28, z + away[2] * 0.4), tip], 0.0032, sides=5), "speckle", (0.16, 0.3, 0.1)
+            tube([(x, y + 0.17, z), (x + away[0] * 0.4, y + 0.28, z + away[2] * 0.4), tip], 0.0032, sides=5),
+            "speckle",
+            (0.16, 0.3, 0.1),
         )
         tint = ((1.3, 0.45, 0.45), (1.4, 1.1, 0.4), (1.2, 1.1, 1.25))[i % 3]
-        petals = [leaf(tip, (np.sin(a), 0.45, np.cos(a)), length=0.042, width=0.026, droop=0.25, cells=2) for a in np.arange(6) * 1.047]
+        petals = [
+            leaf(tip, (np.sin(a), 0.45, np.cos(a)), length=0.042, width=0.026, droop=0.25, cells=2)
+            for a in np.arange(6) * 1.047
+        ]
         pieces.add(join(petals), "fabric", tint, double_sided=True, shades=False)
         pieces.add(
-            cushion(tip + (0, 0.005, 0), (0.016, 0.014, 0.016), roundness=1, rings=4, sides=8), "speckle", (0.5, 0.3, 0.05), shades=False
+            cushion(tip + (0, 0.005, 0), (0.016, 0.014, 0.016), roundness=1, rings=4, sides=8),
+            "speckle",
+            (0.5, 0.3, 0.05),
+            shades=False,
         )
 
 
 def _on_the_sideboard(pieces: Pieces, rng: np.random.Generator) -> None:
     x, y, z = 2.66, 0.78, -1.75
-    pieces.add(lathe([(0.09, 0), (0.09, 0.012), (0.015, 0.03), (0.012, 0.08)], (x, y, z - 0.55), sides=20), "speckle", BRASS)
+    pieces.add(
+        lathe([(0.09, 0), (0.09, 0.012), (0.015, 0.03), (0.012, 0.08)], (x, y, z - 0.55), sides=20), "speckle", BRASS
+    )
     angle = np.linspace(-np.pi / 2 + 0.02, np.pi / 2, 17)
-    globe = lathe(np.stack([0.15 * np.cos(angle), 0.24 + 0.15 * np.sin(angle)], axis=1), (x, y, z - 0.55), sides=32, repeats=2, tile_m=0.24)
+    globe = lathe(
+        np.stack([0.15 * np.cos(angle), 0.24 + 0.15 * np.sin(angle)], axis=1),
+        (x, y, z - 0.55),
+        sides=32,
+        repeats=2,
+        tile_m=0.24,
+    )
     pieces.add(globe, "map")
     pieces.add(box((x, y + 0.1, z - 0.08), (0.2, 0.2, 0.38), cell_m=0.1), "wood", (0.75, 0.55, 0.42))
-    pieces.add(patch((x - 0.101, y + 0.02, z - 0.25), (0, 0, 0.2), (0, 0.16, 0), cell_m=0.1, tile_m=0.06), "mesh", (0.7, 0.62, 0.45))
+    pieces.add(
+        patch((x - 0.101, y + 0.02, z - 0.25), (0, 0, 0.2), (0, 0.16, 0), cell_m=0.1, tile_m=0.06),
+        "mesh",
+        (0.7, 0.62, 0.45),
+    )
     for i in range(2):
         knob = lathe([(0.022, 0), (0.02, 0.02), (0.001, 0.02)], sides=14)
-        turned = Surface(knob.positions[:, [1, 0, 2]] * (-1, 1, 1), knob.normals[:, [1, 0, 2]] * (-1, 1, 1), knob.uv, knob.triangles)
+        turned = Surface(
+            knob.positions[:, [1, 0, 2]] * (-1, 1, 1), knob.normals[:, [1, 0, 2]] * (-1, 1, 1), knob.uv, knob.triangles
+        )
         pieces.add(turned.moved((x - 0.1, y + 0.06 + 0.08 * i, z + 0.05)), "speckle", BRASS)
     pieces.add(
-        tube([(x, y + 0.2, z - 0.2), (x + 0.02, y + 0.45, z - 0.26), (x + 0.03, y + 0.62, z - 0.31)], 0.003, sides=5), "speckle", STEEL
+        tube([(x, y + 0.2, z - 0.2), (x + 0.02, y + 0.45, z - 0.26), (x + 0.03, y + 0.62, z - 0.31)], 0.003, sides=5),
+        "speckle",
+        STEEL,
     )
     for i in range(7):
         thick, high = rng.uniform(0.02, 0.04), rng.uniform(0.18, 0.26)
-        pieces.add(box((x, y + high / 2, z + 0.62 + 0.042 * i), (0.17, high, thick)), "fabric", tuple(rng.uniform(0.08, 0.6, 3)))
+        pieces.add(
+            box((x, y + high / 2, z + 0.62 + 0.042 * i), (0.17, high, thick)),
+            "fabric",
+            tuple(rng.uniform(0.08, 0.6, 3)),
+        )
 
 
 def _lamps(pieces: Pieces) -> None:
     x, y, z = PENDANT
     shade = [(0.23, 0.0), (0.21, 0.06), (0.12, 0.15), (0.04, 0.19), (0.035, 0.22), (0.001, 0.225)]
-    pieces.add(lathe(shade, PENDANT - (0, 0.04, 0), sides=36), "speckle", (0.05, 0.10, 0.09), double_sided=True, shades=False)
-    pieces.add(tube([(x, y + 0.18, z), (x, 2.3, z), (x, 2.8, z)], 0.0045, sides=6), "speckle", BLACK, shades=False)
-    pieces.add(cushion(PENDANT, (0.07, 0.09, 0.07), roundness=1), "speckle", (1.0, 0.82, 0.52), place=GLOWING, shades=False)
     pieces.add(
-        cushion(CEILING_LAMP, (0.26, 0.24, 0.26), roundness=1, rings=12, sides=20), "speckle", (1.0, 0.9, 0.74), place=GLOWING, shades=False
+        lathe(shade, PENDANT - (0, 0.04, 0), sides=36), "speckle", (0.05, 0.10, 0.09), double_sided=True, shades=False
     )
-    pieces.add(tube([CEILING_LAMP + (0, 0.1, 0), CEILING_LAMP + (0, 0.28, 0)], 0.008, sides=6), "speckle", BRASS, shades=False)
+    pieces.add(tube([(x, y + 0.18, z), (x, 2.3, z), (x, 2.8, z)], 0.0045, sides=6), "speckle", BLACK, shades=False)
+    pieces.add(
+        cushion(PENDANT, (0.07, 0.09, 0.07), roundness=1), "speckle", (1.0, 0.82, 0.52), place=GLOWING, shades=False
+    )
+    pieces.add(
+        cushion(CEILING_LAMP, (0.26, 0.24, 0.26), roundness=1, rings=12, sides=20),
+        "speckle",
+        (1.0, 0.9, 0.74),
+        place=GLOWING,
+        shades=False,
+    )
+    pieces.add(
+        tube([CEILING_LAMP + (0, 0.1, 0), CEILING_LAMP + (0, 0.28, 0)], 0.008, sides=6), "speckle", BRASS, shades=False
+    )
     fx, fy, fz = FLOOR_LAMP
     pieces.add(lathe([(0.15, 0), (0.15, 0.02), (0.02, 0.035)], (fx, 0, fz), sides=24), "speckle", BLACK)
     pieces.add(tube([(fx, 0.03, fz), (fx, 0.8, fz), (fx, fy + 0.1, fz)], 0.010, sides=8), "speckle", BRASS)
@@ -236,7 +315,11 @@ def _lamps(pieces: Pieces) -> None:
     pieces.add(lathe([(0.08, 0), (0.08, 0.018), (0.012, 0.03)], base, sides=20), "speckle", (0.5, 0.07, 0.05))
     for a, b in ((base, elbow), (elbow, np.array([dx, dy + 0.06, dz]))):
         for side in (-0.012, 0.012):
-            pieces.add(tube([a + (0, 0, side), (a + b) / 2 + (0, 0, side), b + (0, 0, side)], 0.0045, sides=6), "speckle", STEEL)
+            pieces.add(
+                tube([a + (0, 0, side), (a + b) / 2 + (0, 0, side), b + (0, 0, side)], 0.0045, sides=6),
+                "speckle",
+                STEEL,
+            )
     pieces.add(
         lathe([(0.085, -0.03), (0.05, 0.06), (0.02, 0.09), (0.001, 0.095)], DESK_LAMP, sides=24),
         "speckle",
@@ -244,7 +327,9 @@ def _lamps(pieces: Pieces) -> None:
         double_sided=True,
         shades=False,
     )
-    pieces.add(cushion(DESK_LAMP, (0.05, 0.06, 0.05), roundness=1), "speckle", (1.0, 0.9, 0.7), place=GLOWING, shades=False)
+    pieces.add(
+        cushion(DESK_LAMP, (0.05, 0.06, 0.05), roundness=1), "speckle", (1.0, 0.9, 0.7), place=GLOWING, shades=False
+    )
 
 
 def _fairy_lights(pieces: Pieces) -> None:
@@ -278,7 +363,9 @@ def _fern(pieces: Pieces, rng: np.random.Generator, place: tuple, fronds: int, s
         direction = np.array([np.sin(angle), rng.uniform(0.5, 2.4), np.cos(angle)])
         length = size * rng.uniform(0.6, 1.1)
         root = np.array([x, y + height * 0.85, z]) + 0.05 * size * np.array([np.sin(angle), 0, np.cos(angle)])
-        blades.append(leaf(root, direction, length=length, width=0.07 * size + 0.01, droop=rng.uniform(0.15, 0.5), cells=7))
+        blades.append(
+            leaf(root, direction, length=length, width=0.07 * size + 0.01, droop=rng.uniform(0.15, 0.5), cells=7)
+        )
     for third in range(3):
         tint = ((0.34, 0.52, 0.26), (0.46, 0.62, 0.30), (0.28, 0.44, 0.26))[third]
         pieces.add(join(blades[third::3]), "foliage", tint, double_sided=True, shades=size > 0.5)

@@ -66,7 +66,9 @@ class Ball:
         light = np.array(self.colour) * (0.55 + 0.45 * normals[:, 1:2])
         positions = np.array(self.centre) + self.radius * normals
         albedo = np.tile(self.colour, (len(positions), 1))
-        return Mesh(name, positions, normals, uv, light, grid_triangles(rings + 1, 2 * rings + 1), self.texture, albedo=albedo)
+        return Mesh(
+            name, positions, normals, uv, light, grid_triangles(rings + 1, 2 * rings + 1), self.texture, albedo=albedo
+        )
 
     def sagitta(self, rings: int = 48) -> float:
         """How far the flat cells lie inside the sphere at most: half a cell's diagonal angle a gives r (1 - cos a)."""
@@ -82,7 +84,9 @@ def grid_triangles(rows: int, columns: int) -> NDArray[np.uint32]:
     return pairs.reshape(-1, 3).astype(np.uint32)
 
 
-def checker(cells: int, cell_px: int, dark: tuple[int, int, int], bright: tuple[int, int, int], seed: int) -> NDArray[np.uint8]:
+def checker(
+    cells: int, cell_px: int, dark: tuple[int, int, int], bright: tuple[int, int, int], seed: int
+) -> NDArray[np.uint8]:
     """A (n, n, 3) checkerboard with a little seeded noise per pixel, so that no two places look alike."""
     index = np.arange(cells * cell_px) // cell_px
     board = ((index[:, None] + index) % 2)[..., None]

@@ -80,17 +80,30 @@ def head_up(size: int = 768) -> Image:
     for step in (-3, -2, -1, 1, 2, 3):
         bar = (np.abs(y - 0.17 * step) < line) & (np.abs(x) > 0.2) & (np.abs(x) < 0.42 - 0.03 * abs(step))
         lit |= bar & ((step > 0) | ((x * 24).astype(int) % 2 == 0))
-    lit |= (np.abs(_to_line(x * 10)) < line * 8) & (np.abs(x) < 0.72) & (y > 0.78) & (y < np.where(_to_line(x * 5) < 0.05, 0.86, 0.82))
+    lit |= (
+        (np.abs(_to_line(x * 10)) < line * 8)
+        & (np.abs(x) < 0.72)
+        & (y > 0.78)
+        & (y < np.where(_to_line(x * 5) < 0.05, 0.86, 0.82))
+    )
     lit |= (np.abs(y - 0.78) < line) & (np.abs(x) < 0.72)
     for side in (-1, 1):
         lit |= (np.abs(x - side * 0.66) < line) & (np.abs(y) < 0.5)
         lit |= (np.abs(_to_line(y * 12)) < line * 10) & (side * x > 0.66) & (side * x < 0.71) & (np.abs(y) < 0.5)
     lit = lit.astype(np.float32)
-    places = {"080": (0.055, 0.455), "LATENCY": (0.90, 0.08), "1240": (0.45, 0.86), "148": (0.45, 0.05), "HOLD": (0.9, 0.8)}
+    places = {
+        "080": (0.055, 0.455),
+        "LATENCY": (0.90, 0.08),
+        "1240": (0.45, 0.86),
+        "148": (0.45, 0.05),
+        "HOLD": (0.9, 0.8),
+    }
     for text, (down, across) in places.items():
         mask = lettering(text, 3)
         top, left = round(down * size), round(across * size)
         area = lit[top : top + mask.shape[0], left : left + mask.shape[1]]
         area[mask[: area.shape[0], : area.shape[1]]] = 1
-    glow = np.clip(0.06 - 0.05 * np.maximum(np.abs(x), np.abs(y)) ** 4, 0, 1)  # the glass itself, so that its border shows
+    glow = np.clip(
+        0.06 - 0.05 * np.maximum(np.abs(x), np.abs(y)) ** 4, 0, 1
+    )  # the glass itself, so that its border shows
     return with_alpha((0.42, 1.0, 0.55), np.maximum(0.95 * lit, glow * (np.maximum(np.abs(x), np.abs(y)) < 0.97)))

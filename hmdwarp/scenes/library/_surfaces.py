@@ -65,7 +65,13 @@ def _outward(surface: Surface) -> Surface:
 
 
 def patch(
-    corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike, *, cell_m: float = 0.25, tile_m: float = 1.0, uv: ArrayLike | None = None
+    corner: ArrayLike,
+    edge_u: ArrayLike,
+    edge_v: ArrayLike,
+    *,
+    cell_m: float = 0.25,
+    tile_m: float = 1.0,
+    uv: ArrayLike | None = None,
 ) -> Surface:
     """A parallelogram with vertices every `cell_m`, its front where edge_u x edge_v points.
 
@@ -81,7 +87,13 @@ def patch(
 
 
 def box(
-    centre: ArrayLike, size: ArrayLike, *, cell_m: float = 0.3, tile_m: float = 1.0, without: str = "", uv: ArrayLike | None = None
+    centre: ArrayLike,
+    size: ArrayLike,
+    *,
+    cell_m: float = 0.3,
+    tile_m: float = 1.0,
+    without: str = "",
+    uv: ArrayLike | None = None,
 ) -> Surface:
     """A box of full `size`; `without` names faces to leave out (of -x +x -y +y -z +z, as in "-y+z"), such as those on a wall."""
     c, (sx, sy, sz) = np.asarray(centre, dtype=np.float64), size
@@ -95,7 +107,9 @@ def box(
         "+y": (low + y + z, x, -z),
         "-y": (low, x, z),
     }
-    return join([patch(*face, cell_m=cell_m, tile_m=tile_m, uv=uv) for name, face in faces.items() if name not in without])
+    return join(
+        [patch(*face, cell_m=cell_m, tile_m=tile_m, uv=uv) for name, face in faces.items() if name not in without]
+    )
 
 
 def tube(points: ArrayLike, radius: ArrayLike, *, sides: int = 8, tile_m: float = 0.2) -> Surface:
@@ -113,26 +127,43 @@ def tube(points: ArrayLike, radius: ArrayLike, *, sides: int = 8, tile_m: float 
     ring = side[:, None] * np.cos(angle)[:, None] + other[:, None] * np.sin(angle)[:, None]
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]) / tile_m
     around = np.broadcast_to(np.linspace(0, 1, sides + 1), (len(points), sides + 1))
-    made = sheet(points[:, None] + radius * ring, np.stack([around, np.broadcast_to(along[:, None], around.shape)], axis=-1), wraps=True)
+    made = sheet(
+        points[:, None] + radius * ring,
+        np.stack([around, np.broadcast_to(along[:, None], around.shape)], axis=-1),
+        wraps=True,
+    )
     inward = np.einsum("ij,ij->", made.normals, ring.reshape(-1, 3)) < 0
     return attrs.evolve(made, normals=-made.normals, triangles=made.triangles[:, ::-1]) if inward else made
 
 
-def lathe(profile: ArrayLike, centre: ArrayLike = (0, 0, 0), *, sides: int = 24, repeats: float = 2.0, tile_m: float = 0.2) -> Surface:
+def lathe(
+    profile: ArrayLike, centre: ArrayLike = (0, 0, 0), *, sides: int = 24, repeats: float = 2.0, tile_m: float = 0.2
+) -> Surface:
     """A (k, 2) profile of (radius, height) turned about the vertical through `centre`; listed from the bottom, outside in."""
     profile = np.asarray(profile, dtype=np.float64)
     angle = np.linspace(0, 2 * np.pi, sides + 1)
     radius, height = np.maximum(profile[:, :1], 1e-4), np.broadcast_to(profile[:, 1:], (len(profile), sides + 1))
     points = np.stack([radius * np.sin(angle), height, radius * np.cos(angle)], axis=-1)
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))]) / tile_m
-    uv = np.stack([np.broadcast_to(angle / (2 * np.pi) * repeats, height.shape), np.broadcast_to(along[:, None], height.shape)], axis=-1)
+    uv = np.stack(
+        [np.broadcast_to(angle / (2 * np.pi) * repeats, height.shape), np.broadcast_to(along[:, None], height.shape)],
+        axis=-1,
+    )
     made = sheet(points, uv, wraps=True)
     # Listed from the bottom upwards on the outside, next row x next column points inwards.
-    return attrs.evolve(made, normals=-made.normals, triangles=made.triangles[:, ::-1], positions=made.positions + np.asarray(centre))
+    return attrs.evolve(
+        made, normals=-made.normals, triangles=made.triangles[:, ::-1], positions=made.positions + np.asarray(centre)
+    )
 
 
 def cushion(
-    centre: ArrayLike, size: ArrayLike, *, roundness: float = 0.35, rings: int = 10, sides: int = 20, tile_m: float = 0.3
+    centre: ArrayLike,
+    size: ArrayLike,
+    *,
+    roundness: float = 0.35,
+    rings: int = 10,
+    sides: int = 20,
+    tile_m: float = 0.3,
 ) -> Surface:
     """A superellipsoid of full `size`: a box with soft edges; roundness 1 is an ellipsoid, towards 0 a box. Source: Barr 1981."""
 
@@ -142,16 +173,27 @@ def cushion(
     lat = np.linspace(-1, 1, rings + 1) * (np.pi / 2 - 1e-3)  # the very poles have no normal
     lon = np.linspace(-np.pi, np.pi, sides + 1)
     aa, oo = np.meshgrid(lat, lon, indexing="ij")
-    unit = np.stack([power(np.cos(aa)) * power(np.cos(oo)), power(np.sin(aa)), power(np.cos(aa)) * power(np.sin(oo))], axis=-1)
+    unit = np.stack(
+        [power(np.cos(aa)) * power(np.cos(oo)), power(np.sin(aa)), power(np.cos(aa)) * power(np.sin(oo))], axis=-1
+    )
     half = np.asarray(size, dtype=np.float64) / 2
     points = unit * half
-    uv = np.stack([(points[..., 0] + points[..., 2] * 0.7) / tile_m, (points[..., 1] + points[..., 2] * 0.7) / tile_m], axis=-1)
+    uv = np.stack(
+        [(points[..., 0] + points[..., 2] * 0.7) / tile_m, (points[..., 1] + points[..., 2] * 0.7) / tile_m], axis=-1
+    )
     made = _outward(sheet(points, uv, wraps=True))
     return attrs.evolve(made, positions=made.positions + np.asarray(centre))
 
 
 def leaf(
-    base: ArrayLike, direction: ArrayLike, *, length: float, width: float, droop: float, cells: int = 6, uv: ArrayLike = (0, 0, 1, 1)
+    base: ArrayLike,
+    direction: ArrayLike,
+    *,
+    length: float,
+    width: float,
+    droop: float,
+    cells: int = 6,
+    uv: ArrayLike = (0, 0, 1, 1),
 ) -> Surface:
     """A pointed leaf with a folded midrib that starts at `base` along `direction` and droops; two-sided."""
     base, direction = np.asarray(base, dtype=np.float64), np.asarray(direction, dtype=np.float64)

@@ -35,7 +35,9 @@ def fan() -> Pieces:
     hub = lathe([(1e-3, -0.06), (0.075, -0.06), (0.08, 0.03), (0.05, 0.07), (1e-3, 0.08)], sides=24)
     upright = hub.moved((0, 0, 0))
     forward = Rotation.from_euler("x", np.pi / 2).as_matrix()
-    pieces.add(type(hub)(upright.positions @ forward.T, upright.normals @ forward.T, hub.uv, hub.triangles), "speckle", STEEL)
+    pieces.add(
+        type(hub)(upright.positions @ forward.T, upright.normals @ forward.T, hub.uv, hub.triangles), "speckle", STEEL
+    )
     return pieces
 
 
@@ -47,14 +49,23 @@ def cart() -> Pieces:
         for z in (-0.22, 0.22):
             wheel = lathe([(0.02, -0.03), (0.12, -0.03), (0.12, 0.03), (0.02, 0.03)], sides=20)
             stand = Rotation.from_euler("x", np.pi / 2).as_matrix()
-            turned = type(wheel)(wheel.positions @ stand.T + (x, 0.12, z), wheel.normals @ stand.T, wheel.uv, wheel.triangles)
+            turned = type(wheel)(
+                wheel.positions @ stand.T + (x, 0.12, z), wheel.normals @ stand.T, wheel.uv, wheel.triangles
+            )
             pieces.add(turned, "speckle", DARK)
             pieces.add(box((x, 0.2, z * 0.8), (0.06, 0.14, 0.05)), "speckle", STEEL)
     pieces.add(box((-0.2, 0.46, 0.02), (0.36, 0.34, 0.34), cell_m=0.1, uv=(0, 0, 1, 1)), "wood", (1.15, 1.05, 0.9))
     pieces.add(patch((-0.36, 0.32, 0.192), (0.32, 0, 0), (0, 0.28, 0), uv=(0.002, 0.3, 0.248, 0.7)), "posters")
     pieces.add(box((0.22, 0.37, -0.05), (0.3, 0.16, 0.3), cell_m=0.1), "bricks")
     pieces.add(cushion((0.22, 0.61, -0.05), (0.32, 0.32, 0.32), roundness=1, rings=16, sides=32, tile_m=0.4), "map")
-    handle = [(-0.44, 0.28, 0.2), (-0.58, 0.85, 0.2), (-0.6, 0.92, 0.1), (-0.6, 0.92, -0.1), (-0.58, 0.85, -0.2), (-0.44, 0.28, -0.2)]
+    handle = [
+        (-0.44, 0.28, 0.2),
+        (-0.58, 0.85, 0.2),
+        (-0.6, 0.92, 0.1),
+        (-0.6, 0.92, -0.1),
+        (-0.58, 0.85, -0.2),
+        (-0.44, 0.28, -0.2),
+    ]
     pieces.add(tube(handle, 0.016), "speckle", (0.75, 0.2, 0.14))
     return pieces
 
@@ -62,7 +73,9 @@ def cart() -> Pieces:
 def ball() -> Pieces:
     """Striped, 22 cm across."""
     pieces = Pieces()
-    pieces.add(cushion((0, 0, 0), (0.22, 0.22, 0.22), roundness=1, rings=24, sides=40, tile_m=0.15), "map", (1.5, 1.0, 0.7))
+    pieces.add(
+        cushion((0, 0, 0), (0.22, 0.22, 0.22), roundness=1, rings=24, sides=40, tile_m=0.15), "map", (1.5, 1.0, 0.7)
+    )
     return pieces
 
 

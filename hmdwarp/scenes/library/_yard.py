@@ -24,12 +24,21 @@ def build_yard(pieces: Pieces, rng: np.random.Generator) -> None:
     deck = patch((x0, 0, z1), (x1 - x0, 0, 0), (0, 0, z0 - z1), cell_m=0.16, tile_m=2.0)
     pieces.add(deck, "planks", (0.80, 0.78, 0.76), shades=False)
     pieces.add(patch((x0, 0, z1), (0, 0, z0 - z1), (0, high, 0), cell_m=0.3), "bricks", shades=False)
-    pieces.add(patch((x1, 0, z0), (0, 0, z1 - z0), (0, high, 0), cell_m=0.3, tile_m=1.6), "plaster", (0.86, 0.80, 0.68), shades=False)
+    pieces.add(
+        patch((x1, 0, z0), (0, 0, z1 - z0), (0, high, 0), cell_m=0.3, tile_m=1.6),
+        "plaster",
+        (0.86, 0.80, 0.68),
+        shades=False,
+    )
     pieces.add(patch((x1, 0, z1), (x0 - x1, 0, 0), (0, high, 0), cell_m=0.4), "bricks", shades=False)
     pieces.add(box((0, 0.36, z0), (x1 - x0, 0.72, 0.2), cell_m=0.3, without="-y-x+x"), "bricks", shades=False)
-    pieces.add(box((0, 0.75, z0), (x1 - x0, 0.06, 0.3), cell_m=0.5, without="-x+x"), "plaster", (0.8, 0.8, 0.78), shades=False)
+    pieces.add(
+        box((0, 0.75, z0), (x1 - x0, 0.06, 0.3), cell_m=0.5, without="-x+x"), "plaster", (0.8, 0.8, 0.78), shades=False
+    )
     for x in (-3.94, 3.94):
-        pieces.add(box((x, high + 0.03, -1.7), (0.3, 0.06, z1 - z0), cell_m=0.6), "plaster", (0.8, 0.8, 0.78), shades=False)
+        pieces.add(
+            box((x, high + 0.03, -1.7), (0.3, 0.06, z1 - z0), cell_m=0.6), "plaster", (0.8, 0.8, 0.78), shades=False
+        )
 
 
 def barrel(centre: tuple[float, float, float], radius: float, height: float) -> Surface:
@@ -46,7 +55,12 @@ def lean(start: tuple, end: tuple, radius: float) -> Surface:
 
 def build_store(pieces: Pieces, rng: np.random.Generator) -> None:
     """Barrels, crates, sacks and bars along the walls: fine texture behind and beside what moves."""
-    for x, z, radius, high in ((-3.5, -5.3, 0.36, 0.95), (-2.7, -5.45, 0.33, 0.85), (-3.45, -4.4, 0.3, 0.8), (3.5, -5.4, 0.36, 0.95)):
+    for x, z, radius, high in (
+        (-3.5, -5.3, 0.36, 0.95),
+        (-2.7, -5.45, 0.33, 0.85),
+        (-3.45, -4.4, 0.3, 0.8),
+        (3.5, -5.4, 0.36, 0.95),
+    ):
         pieces.add(barrel((x, 0, z), radius, high), "wood", (0.75, 0.66, 0.55))
     for x, y, z, side, turn in (
         (3.3, 0.3, -4.3, 0.6, 0.2),
@@ -56,12 +70,18 @@ def build_store(pieces: Pieces, rng: np.random.Generator) -> None:
         (-3.55, 0.25, -2.8, 0.5, 0.1),
         (3.45, 0.35, -1.6, 0.7, 0.1),
     ):
-        pieces.add(box((0, 0, 0), (side, side, side), cell_m=0.15, uv=(0, 0, 1, 1)).moved((x, y, z), turn), "wood", (1.1, 1.0, 0.85))
+        pieces.add(
+            box((0, 0, 0), (side, side, side), cell_m=0.15, uv=(0, 0, 1, 1)).moved((x, y, z), turn),
+            "wood",
+            (1.1, 1.0, 0.85),
+        )
     for x, z in ((0.9, -5.5), (1.45, -5.55), (1.15, -5.2)):
         pieces.add(cushion((x, 0.2, z), (0.62, 0.42, 0.42), roundness=0.5), "fabric", (0.70, 0.60, 0.42))
     for k in range(6):
         foot, top = rng.uniform(-0.15, 0.15), rng.uniform(-0.1, 0.1)
-        pieces.add(lean((-3.75, 0.0, -1.7 + 0.3 * k + foot), (-3.97, 2.3, -1.6 + 0.28 * k + top), 0.02), "speckle", STEEL)
+        pieces.add(
+            lean((-3.75, 0.0, -1.7 + 0.3 * k + foot), (-3.97, 2.3, -1.6 + 0.28 * k + top), 0.02), "speckle", STEEL
+        )
     for k in range(4):
         uv = (k / 4 + 0.002, 0.004, (k + 1) / 4 - 0.002, 0.996)
         at = (-3.985, 1.25, -2.4 - 0.72 * k)

@@ -34,7 +34,9 @@ def build() -> Scene:
     index = {texture.name: i for i, texture in enumerate(textures)}
     meshes = [*merged(pieces, yard_lights(pieces, SEED + 1), index.__getitem__), _hud(index["hud"])]
     walk = ((-0.35, 0.9, -0.3), (0.35, 1.8, 0.5))
-    return Scene("cockpit", SUMMARY, meshes, textures, SKY_BACKGROUND, viewpoint=Pose((0.0, 1.4, 0.0)), walk_bounds_m=walk)
+    return Scene(
+        "cockpit", SUMMARY, meshes, textures, SKY_BACKGROUND, viewpoint=Pose((0.0, 1.4, 0.0)), walk_bounds_m=walk
+    )
 
 
 def _hud(texture: int) -> Mesh:
@@ -59,7 +61,12 @@ def _shell(pieces: Pieces) -> None:
     for side in (-1, 1):
         wall = box((side * 0.66, 0.72, -0.1), (0.06, 0.6, 1.5), cell_m=0.15, tile_m=0.6)
         pieces.add(wall, "speckle", (0.72, 0.24, 0.16))
-        post = [(side * 0.63, 1.0, -0.82), (side * 0.56, 1.45, -0.62), (side * 0.42, 1.85, -0.25), (side * 0.36, 1.95, 0.3)]
+        post = [
+            (side * 0.63, 1.0, -0.82),
+            (side * 0.56, 1.45, -0.62),
+            (side * 0.42, 1.85, -0.25),
+            (side * 0.36, 1.95, 0.3),
+        ]
         pieces.add(tube(np.array(post), 0.022), "speckle", GREY)
     pieces.add(tube([(-0.42, 1.85, -0.25), (0, 1.9, -0.3), (0.42, 1.85, -0.25)], 0.018), "speckle", GREY)
     hull = cushion((0, 0.72, -1.35), (1.0, 0.62, 1.3), roundness=0.6, tile_m=0.5)
@@ -84,11 +91,15 @@ def dials(width: int = 1024, height: int = 320, seed: int = 860) -> Image:
         hand = rng.uniform(-2.4, 2.4)
         along, off = dx * np.sin(hand) + dy * np.cos(hand), dx * np.cos(hand) - dy * np.sin(hand)
         image[(along > -8) & (along < 0.72 * radius) & (np.abs(off) < 2.6)] = (0.95, 0.45, 0.15)
-        stamp(image, lettering(("ALT", "KNOT", "FUEL", "TURN", "VOLT", "HEAD")[k], 2), cy + 22, cx - 22, (0.85, 0.85, 0.8))
+        stamp(
+            image, lettering(("ALT", "KNOT", "FUEL", "TURN", "VOLT", "HEAD")[k], 2), cy + 22, cx - 22, (0.85, 0.85, 0.8)
+        )
     for k in range(14):
         left = 60 + 66 * k
         image[245:285, left : left + 22] = (0.5, 0.5, 0.52)
-        image[250 + 14 * (k % 2) : 266 + 14 * (k % 2), left + 3 : left + 19] = (0.85, 0.2, 0.15) if k % 5 == 0 else (0.9, 0.9, 0.9)
+        image[250 + 14 * (k % 2) : 266 + 14 * (k % 2), left + 3 : left + 19] = (
+            (0.85, 0.2, 0.15) if k % 5 == 0 else (0.9, 0.9, 0.9)
+        )
     return to_image(image)
 
 

@@ -37,7 +37,9 @@ def build() -> Scene:
     lights = _lights(lit)
     normals = index["floor-normals"]
     mirrors = [
-        _mirror_mesh("floor", floor, lights[-1], index["marble"], attrs.evolve(FLOOR, normal_map=normals, normal_scale=RIPPLES)),
+        _mirror_mesh(
+            "floor", floor, lights[-1], index["marble"], attrs.evolve(FLOOR, normal_map=normals, normal_scale=RIPPLES)
+        ),
         _wall_mirror(index["speckle"]),
         _ball(index["speckle"]),
     ]
@@ -61,7 +63,12 @@ def _walls(pieces: Pieces) -> None:
         pieces.add(patch(corner, along, (0, y1, 0), cell_m=0.3, tile_m=1.6), "plaster", tint, shades=False)
     pieces.add(patch((x0, y1, z0), (wide, 0, 0), (0, 0, deep), cell_m=0.5, tile_m=1.6), "plaster", WHITE, shades=False)
     for z in np.arange(z0 + 1.0, z1, 2.0):
-        pieces.add(box((0, y1 - 0.09, z), (wide, 0.18, 0.16), without="+y-x+x", cell_m=0.5), "wood", (0.5, 0.42, 0.34), shades=False)
+        pieces.add(
+            box((0, y1 - 0.09, z), (wide, 0.18, 0.16), without="+y-x+x", cell_m=0.5),
+            "wood",
+            (0.5, 0.42, 0.34),
+            shades=False,
+        )
     skirting = [((x, 0.07, 0.5 * (z0 + z1)), (0.024, 0.14, deep)) for x in (x0 + 0.012, x1 - 0.012)]
     skirting += [((0, 0.07, z), (wide, 0.14, 0.024)) for z in (z0 + 0.012, z1 - 0.012)]
     for centre, size in skirting:
@@ -93,7 +100,9 @@ def _lights(pieces: list[Piece]) -> list[NDArray]:
     normals = np.concatenate([p.surface.normals for p in pieces]).astype(np.float32)
     two_sided = np.repeat([p.double_sided for p in pieces], [len(p.surface.positions) for p in pieces])
     upwards = normals[:, 1:2] * 0.5 + 0.5
-    light = np.array((0.27, 0.25, 0.23), np.float32) * (1 - upwards) + np.array((0.30, 0.30, 0.30), np.float32) * upwards
+    light = (
+        np.array((0.27, 0.25, 0.23), np.float32) * (1 - upwards) + np.array((0.30, 0.30, 0.30), np.float32) * upwards
+    )
     for lamp in LAMPS:
         light = light + lamp_light(room, points, normals, two_sided, lamp=lamp, colour=(1.15, 1.06, 0.94))
     light *= room.ambient(points, normals)[:, None]
@@ -102,13 +111,19 @@ def _lights(pieces: list[Piece]) -> list[NDArray]:
 
 
 def _mirror_mesh(name: str, surface: Surface, light: NDArray, texture: int, material: Material) -> Mesh:
-    return Mesh(name, surface.positions, surface.normals, surface.uv, light, surface.triangles, texture, material=material)
+    return Mesh(
+        name, surface.positions, surface.normals, surface.uv, light, surface.triangles, texture, material=material
+    )
 
 
 def _wall_mirror(texture: int) -> Mesh:
     x, y, half_wide, half_high = MIRROR
-    glass = patch((x - half_wide, y - half_high, LOW[2] + 0.01), (2 * half_wide, 0, 0), (0, 2 * half_high, 0), cell_m=5.0)
-    return _mirror_mesh("wall-mirror", glass, np.full((len(glass.positions), 3), 0.05), texture, Material(reflectivity=0.9))
+    glass = patch(
+        (x - half_wide, y - half_high, LOW[2] + 0.01), (2 * half_wide, 0, 0), (0, 2 * half_high, 0), cell_m=5.0
+    )
+    return _mirror_mesh(
+        "wall-mirror", glass, np.full((len(glass.positions), 3), 0.05), texture, Material(reflectivity=0.9)
+    )
 
 
 def _ball(texture: int) -> Mesh:

@@ -38,7 +38,9 @@ def build() -> Scene:
     index = {texture.name: i for i, texture in enumerate(textures)}
     meshes = [*merged(pieces, yard_lights(pieces, SEED + 1), index.__getitem__), *_panes(index), _fence(index)]
     walk = ((-0.8, 0.8, -0.8), (0.8, 2.0, 0.9))
-    return Scene("greenhouse", SUMMARY, meshes, textures, SKY_BACKGROUND, viewpoint=Pose((0.0, 1.5, 0.0)), walk_bounds_m=walk)
+    return Scene(
+        "greenhouse", SUMMARY, meshes, textures, SKY_BACKGROUND, viewpoint=Pose((0.0, 1.5, 0.0)), walk_bounds_m=walk
+    )
 
 
 def _sheet_textures() -> list[Texture]:
@@ -64,11 +66,17 @@ def _frame(pieces: Pieces) -> None:
         pieces.add(box((0, y, FRONT), (wide, 0.04, 0.05), cell_m=0.3), "speckle", PAINT)
     for x in np.linspace(-HALF_WIDE, HALF_WIDE, BAYS + 1):
         pieces.add(box((x, (SILL + HEAD) / 2, FRONT), (0.045, HEAD - SILL, 0.05), cell_m=0.3), "speckle", PAINT)
-        pieces.add(tube([(x, HEAD, FRONT), (x, (HEAD + RIDGE) / 2, middle / 2 + FRONT / 2), (x, RIDGE, middle)], 0.022), "speckle", PAINT)
+        pieces.add(
+            tube([(x, HEAD, FRONT), (x, (HEAD + RIDGE) / 2, middle / 2 + FRONT / 2), (x, RIDGE, middle)], 0.022),
+            "speckle",
+            PAINT,
+        )
     for z in np.linspace(FRONT, BACK, 4)[1:]:
         for x in (-HALF_WIDE, HALF_WIDE):
             pieces.add(box((x, (SILL + HEAD) / 2, z), (0.045, HEAD - SILL, 0.045), cell_m=0.3), "speckle", PAINT)
-    pieces.add(tube([(-HALF_WIDE, RIDGE, middle), (0, RIDGE, middle), (HALF_WIDE, RIDGE, middle)], 0.03), "speckle", PAINT)
+    pieces.add(
+        tube([(-HALF_WIDE, RIDGE, middle), (0, RIDGE, middle), (HALF_WIDE, RIDGE, middle)], 0.03), "speckle", PAINT
+    )
 
 
 def _plants(pieces: Pieces, rng: np.random.Generator) -> None:
@@ -101,13 +109,27 @@ def _panes(index: dict[str, int]) -> list[Mesh]:
         add(f"front-{bay}", (left, SILL, FRONT), (wide, 0, 0), (0, 1.72 - SILL, 0), texture)
         tint = (AMBER, GREEN, BLUE)[bay]
         add(f"light-{bay}", (left, 1.72, FRONT), (wide, 0, 0), (0, HEAD - 1.72, 0), "pane-plain", tint=tint)
-        add(f"roof-{bay}", (left, HEAD, FRONT), (wide, 0, 0), (0, RIDGE - HEAD, middle - FRONT), "pane-plain", opacity=0.8)
+        add(
+            f"roof-{bay}",
+            (left, HEAD, FRONT),
+            (wide, 0, 0),
+            (0, RIDGE - HEAD, middle - FRONT),
+            "pane-plain",
+            opacity=0.8,
+        )
     for side in (-1, 1):
         for k, z in enumerate(np.linspace(FRONT, BACK, 4)[:-1]):
             deep = (BACK - FRONT) / 3
             start, along = (z, deep) if side > 0 else (z + deep, -deep)
             corner = (side * HALF_WIDE, SILL, start)
-            add(f"side-{side}-{k}", corner, (0, 0, along), (0, HEAD - SILL, 0), "leaded", tint=GREEN if k == 0 else (1.0, 1.0, 1.0))
+            add(
+                f"side-{side}-{k}",
+                corner,
+                (0, 0, along),
+                (0, HEAD - SILL, 0),
+                "leaded",
+                tint=GREEN if k == 0 else (1.0, 1.0, 1.0),
+            )
     return meshes
 
 

@@ -18,7 +18,9 @@ SUMMARY = "a walled deck with a waving flag and a marching figure that waves: so
 SEED = 60
 POLE = (-1.25, -2.5)  # x, z
 FLAG_TOP_M, FLAG_SIZE_M = 2.5, (1.3, 0.85)
-DOWNWIND = np.array([np.cos(0.9), 0.0, -np.sin(0.9)])  # away from the viewer at an angle, so that its swing is seen from the side
+DOWNWIND = np.array(
+    [np.cos(0.9), 0.0, -np.sin(0.9)]
+)  # away from the viewer at an angle, so that its swing is seen from the side
 FIGURE = (0.55, 0.0, -2.3)
 
 
@@ -37,7 +39,9 @@ def build() -> Scene:
     still = merged(pieces, yard_lights(pieces, SEED + 1), index.__getitem__)
     meshes = [*still, _flag(index["flag"]), *figure_meshes(FIGURE, index.__getitem__)]
     walk = ((-1.0, 0.8, -1.0), (1.2, 2.2, 1.6))
-    return Scene("parade", SUMMARY, meshes, textures, SKY_BACKGROUND, viewpoint=Pose((0.0, 1.6, 0.0)), walk_bounds_m=walk)
+    return Scene(
+        "parade", SUMMARY, meshes, textures, SKY_BACKGROUND, viewpoint=Pose((0.0, 1.6, 0.0)), walk_bounds_m=walk
+    )
 
 
 def _flag(texture: int) -> Mesh:
@@ -54,7 +58,17 @@ def _flag(texture: int) -> Mesh:
     swings = np.cross(DOWNWIND, (0, 1, 0)) + (0, 0.2, 0)
     motion = Waving(cloth.positions, away.reshape(-1), swings, height_m=0.2, length_m=1.1, period_s=2.2, lag=lag)
     light = body_lights([piece])[0]
-    return Mesh("flag", cloth.positions, cloth.normals, cloth.uv, light, cloth.triangles, texture, double_sided=True, deformation=motion)
+    return Mesh(
+        "flag",
+        cloth.positions,
+        cloth.normals,
+        cloth.uv,
+        light,
+        cloth.triangles,
+        texture,
+        double_sided=True,
+        deformation=motion,
+    )
 
 
 def _flag_picture(height: int = 256, width: int = 384) -> Image:

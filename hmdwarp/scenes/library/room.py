@@ -15,7 +15,9 @@ from ._room_shell import HIGH, LOW, WINDOW, build_shell
 from ._room_sun import GAIN, sun_floor
 from ._room_things import CEILING_LAMP, DESK_LAMP, FLOOR_LAMP, PENDANT, build_things
 
-SUMMARY = "a furnished room with a window view: fine texture, thin, near (0.4 m) and far (beyond 20 m) things, baked light"
+SUMMARY = (
+    "a furnished room with a window view: fine texture, thin, near (0.4 m) and far (beyond 20 m) things, baked light"
+)
 SEED = 20
 ELEVATION, AZIMUTH = np.radians(36), np.radians(38)  # of the sun, azimuth from -z towards +x
 TOWARDS_SUN = np.array([np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION), -np.cos(ELEVATION) * np.cos(AZIMUTH)])
@@ -57,7 +59,9 @@ def _textures(pieces: list[Piece]) -> list[Texture]:
         "books": _print.book_spines(),
         "posters": _print.posters(),
     }
-    clamped = Texture("sun-floor", sun_floor(boards, pieces, TOWARDS_SUN, np.random.default_rng(SEED + 1)), repeat=False)
+    clamped = Texture(
+        "sun-floor", sun_floor(boards, pieces, TOWARDS_SUN, np.random.default_rng(SEED + 1)), repeat=False
+    )
     return [*(Texture(name, image) for name, image in pictures.items()), clamped]
 
 
@@ -88,7 +92,9 @@ def _indoor_light(inside: list[Piece]) -> list[np.ndarray]:
     painted = np.repeat([p.texture == "sun-floor" for p in inside], counts)
     day = Daylight(WINDOW, (2.2, 2.45, 2.8), SUN, TOWARDS_SUN)
     upwards = normals[:, 1:2] * 0.5 + 0.5
-    light = np.array((0.36, 0.32, 0.27), np.float32) * (1 - upwards) + np.array((0.33, 0.34, 0.36), np.float32) * upwards
+    light = (
+        np.array((0.36, 0.32, 0.27), np.float32) * (1 - upwards) + np.array((0.33, 0.34, 0.36), np.float32) * upwards
+    )
     light = light + day.sky_light(room, points, normals, two_sided)
     for lamp, colour in (
         (PENDANT - (0, 0.06, 0), (0.36, 0.25, 0.14)),

@@ -48,7 +48,9 @@ def build() -> Scene:
 
 def _body_meshes(index: dict[str, int]) -> list[Mesh]:
     meshes = []
-    for number, (name, pieces) in enumerate((("fan", moving.fan()), ("cart", moving.cart()), ("ball", moving.ball())), start=1):
+    for number, (name, pieces) in enumerate(
+        (("fan", moving.fan()), ("cart", moving.cart()), ("ball", moving.ball())), start=1
+    ):
         made = merged(pieces, body_lights(pieces), index.__getitem__)
         meshes += [attrs.evolve(mesh, name=f"{name}-{mesh.name}", body=number) for mesh in made]
     return meshes
@@ -61,7 +63,11 @@ def _bench(pieces: Pieces) -> None:
         for z in (-3.35, -2.05):
             pieces.add(box((x, 0.41, z), (0.09, 0.82, 0.09)), "wood", (0.6, 0.52, 0.45))
     pieces.add(box((3.1, 0.98, -2.4), (0.3, 0.18, 0.16)), "speckle", (0.2, 0.36, 0.5))
-    pieces.add(lathe([(0.07, 0), (0.075, 0.2), (0.06, 0.2), (0.055, 0.02)], (2.9, 0.895, -2.95), sides=20), "speckle", (0.7, 0.25, 0.16))
+    pieces.add(
+        lathe([(0.07, 0), (0.075, 0.2), (0.06, 0.2), (0.055, 0.02)], (2.9, 0.895, -2.95), sides=20),
+        "speckle",
+        (0.7, 0.25, 0.16),
+    )
     for k in range(4):
         top = (2.87 + 0.03 * k, 1.22 - 0.03 * k, -2.98 + 0.02 * k)
         pieces.add(tube([(2.9, 0.93, -2.95), (2.9, 1.05, -2.96), top], 0.008, sides=6), "wood", (1.0, 0.8, 0.5))

@@ -72,7 +72,9 @@ class Sheets:
         runs, eye_from = self._ordered(view, time_ns)
         gl, clip = self._easel.gpu.gl, clip_from_eye(view.fov)
         vertices = self._array(program)
-        flags = (moderngl.BLEND if blending else 0) | (moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0)
+        flags = (moderngl.BLEND if blending else 0) | (
+            moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0
+        )
         framebuffer.depth_mask = blending is None
         with drawing_into(framebuffer, flags):
             if blending is not None:
@@ -82,9 +84,13 @@ class Sheets:
                 (gl.disable if mesh.double_sided else gl.enable)(moderngl.CULL_FACE)
                 self._easel.textures[mesh.texture].use(0)
                 told = {"tint": mesh.material.tint} if program.uniforms.declares("tint") else {}
-                program.uniforms.set(clip_from_scene=clip @ eye_from[run.mesh], surface=0, opacity=mesh.material.opacity, **told)
+                program.uniforms.set(
+                    clip_from_scene=clip @ eye_from[run.mesh], surface=0, opacity=mesh.material.opacity, **told
+                )
                 vertices.render(moderngl.TRIANGLES, vertices=run.count, first=run.first)
-            gl.blend_func = moderngl.DEFAULT_BLENDING  # Mesa refuses to draw into two textures while a second source is set, blended or not
+            gl.blend_func = (
+                moderngl.DEFAULT_BLENDING
+            )  # Mesa refuses to draw into two textures while a second source is set, blended or not
         framebuffer.depth_mask = True
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
@@ -92,7 +98,9 @@ class Sheets:
             lit = "in_light" in program.program  # where depth alone is drawn, the compiler leaves it out
             layout, names = ("3f4 2f4 3f4", ("in_light",)) if lit else ("3f4 2f4 12x", ())
             inputs = [(self._vertices, layout, "in_position", "in_uv", *names)]
-            self._arrays[program.program] = self._easel.gpu.gl.vertex_array(program.program, inputs, self._indices, index_element_size=4)
+            self._arrays[program.program] = self._easel.gpu.gl.vertex_array(
+                program.program, inputs, self._indices, index_element_size=4
+            )
         return self._arrays[program.program]
 
     def _ordered(self, view: View, time_ns: int) -> tuple[list[_Run], list[NDArray]]:
@@ -109,7 +117,9 @@ class Sheets:
             return
         for index, mesh in enumerate(self._meshes):
             if mesh.deformation is not None:
-                self._positions[index] = np.asarray(mesh.deformation.positions(time_ns), np.float64).reshape(mesh.positions.shape)
+                self._positions[index] = np.asarray(mesh.deformation.positions(time_ns), np.float64).reshape(
+                    mesh.positions.shape
+                )
         rows = _rows(self._meshes)
         rows[:, :3] = np.concatenate(self._positions)
         self._vertices.write(rows.tobytes())

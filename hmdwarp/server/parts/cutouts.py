@@ -48,7 +48,9 @@ class Cutouts(Part):
             program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
             program.uniforms.set(covers=1.0)
             framebuffer = self.easel.framebuffers.over(eye.colour)
-            self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
+            self._sheets.draw(
+                program, eye.view, eye.drawn_ns, framebuffer, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True
+            )
         self.add_depth(eye.view, eye.drawn_ns, eye.inverse_depth)
         return eye
 

@@ -134,7 +134,9 @@ class _Velocities:
             thing.release()
 
 
-def _draw_where_shown(gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage) -> None:
+def _draw_where_shown(
+    gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage
+) -> None:
     """Into the framebuffer in use, at the pixels where the picture shows it. In any order: of two surfaces one alone has its depth."""
     one.set_time(eye.drawn_ns)
     place = one.place(eye.view)

@@ -52,7 +52,11 @@ class Reflections(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needs = drawing.needs
-        layered = [one for one in self._surfaces if (needs.curved_reflections if one.mirror.shape.is_curved else needs.reflections)]
+        layered = [
+            one
+            for one in self._surfaces
+            if (needs.curved_reflections if one.mirror.shape.is_curved else needs.reflections)
+        ]
         baked = [one for one in self._surfaces if one not in layered]
         if baked:
             seen, surface = self._own("seen", eye.size), self._own("surface", eye.size, depth=False)
@@ -65,7 +69,9 @@ class Reflections(Part):
         shapes = tuple(one.mirror.shape for one in layered)
         return attrs.evolve(eye, reflection=Reflection(Layer(seen.colour, seen.inverse_depth), surface.colour, shapes))
 
-    def _draw(self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool) -> None:
+    def _draw(
+        self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
+    ) -> None:
         """What the chosen mirrors show, and what they are."""
         over = self.easel.framebuffers.over
         over(seen.colour).clear()
@@ -88,7 +94,9 @@ class Reflections(Part):
                 else:
                     self._draw_behind(eye, one, number, planes, bounds, seen)
 
-    def _draw_behind(self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
+    def _draw_behind(
+        self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: dict, bounds: Bounds, seen: Target
+    ) -> None:
         if self._mirrored is None:
             self._mirrored = MirroredPasses(self.easel)
         behind = self._own("behind", eye.size)
@@ -101,7 +109,9 @@ class Reflections(Part):
             self._march = self.easel.gpu.shaders.compute("server/mirror_march.comp")
         self._store(self._march, Target(eye.colour, eye.inverse_depth), number, mirrors, bounds, seen)
 
-    def _store(self, program: Compute, behind: Target, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
+    def _store(
+        self, program: Compute, behind: Target, number: int, mirrors: dict, bounds: Bounds, seen: Target
+    ) -> None:
         """What mirror `number` shows, made by `program` from `behind`, into `seen`."""
         for unit, texture in enumerate((seen.colour, seen.inverse_depth)):
             texture.bind_to_image(unit, read=False, write=True)

@@ -38,7 +38,9 @@ class Transparency(Part):
         super().__init__(easel)
         self._unhidden: dict[tuple[int, int], moderngl.Texture] = {}
         scene = easel.scene
-        self._sheets = Sheets(easel, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)])
+        self._sheets = Sheets(
+            easel, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)]
+        )
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -52,7 +54,9 @@ class Transparency(Part):
         if drawing.needs.transparency:
             return attrs.evolve(eye, transparent=self._layer(eye))
         eye.inverse_depth.use(1)
-        self._sheets.draw(self._colour(1), eye.view, eye.drawn_ns, self.easel.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
+        self._sheets.draw(
+            self._colour(1), eye.view, eye.drawn_ns, self.easel.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE
+        )
         return eye
 
     def _layer(self, eye: EyeImage) -> Transparent:
@@ -66,7 +70,9 @@ class Transparency(Part):
     def _draw_depth(self, eye: EyeImage, into: moderngl.Texture, tests: int) -> None:
         self._draw(self._program(tests, COLOUR=0), eye, into, (-1.0, 0.0, 0.0, 0.0), None)
 
-    def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None) -> None:
+    def _draw(
+        self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None
+    ) -> None:
         framebuffer = self.easel.framebuffers.over(into)
         with drawing_into(framebuffer):
             framebuffer.clear(*empty)

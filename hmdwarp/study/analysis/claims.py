@@ -88,12 +88,23 @@ def checked(claims: Claims, rows: Sequence[Mapping[str, Any]], ratings: Ratings,
 
 
 def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, scale: str) -> dict[str, Any]:
-    found: dict[str, Any] = {name: getattr(claim, name) for name in ("part", "latency_ms", "difference", "step", "where")}
+    found: dict[str, Any] = {
+        name: getattr(claim, name) for name in ("part", "latency_ms", "difference", "step", "where")
+    }
     if claim.part not in ratings.parts():
-        return found | {"follows": None, "why_not": f"there is no part '{claim.part}' among {', '.join(ratings.parts())}"}
+        return found | {
+            "follows": None,
+            "why_not": f"there is no part '{claim.part}' among {', '.join(ratings.parts())}",
+        }
     about = [row for row in rows if row["part"] == claim.part and _is_about(claim, row, ratings)]
     if not about:
-        known = sorted({s["latency_ms"] for c in ratings.conditions(claim.part) if "latency_ms" in (s := ratings.settings(claim.part, c))})
+        known = sorted(
+            {
+                s["latency_ms"]
+                for c in ratings.conditions(claim.part)
+                if "latency_ms" in (s := ratings.settings(claim.part, c))
+            }
+        )
         shown = ", ".join(f"{one:g}" for one in known)
         return found | {"follows": False, "why_not": f"nobody rated {claim.latency_ms:g} ms: the latencies are {shown} ms"
                         if claim.latency_ms is not None else f"'{claim.a}' and '{claim.b}' are not compared"}  # fmt: skip
@@ -104,7 +115,11 @@ def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, 
     if _near(claim, row["mean"]):
         return found | {"follows": True}
     others = _others(row, ratings, scale)
-    return found | {"follows": False, "others": others, "explained_by": [name for name, value in others.items() if _near(claim, value)]}
+    return found | {
+        "follows": False,
+        "others": others,
+        "explained_by": [name for name, value in others.items() if _near(claim, value)],
+    }
 
 
 def _is_about(claim: Claim, row: Mapping[str, Any], ratings: Ratings) -> bool:

@@ -9,7 +9,18 @@ from ...errors import InputError
 
 # What is looked for, and the names it goes by; the first that is there is taken.
 ROLES: Mapping[str, tuple[str, ...]] = {
-    "participant": ("participant", "participant_id", "sub", "subject", "subject_id", "person", "observer", "user", "vp", "id"),
+    "participant": (
+        "participant",
+        "participant_id",
+        "sub",
+        "subject",
+        "subject_id",
+        "person",
+        "observer",
+        "user",
+        "vp",
+        "id",
+    ),
     "rating": ("rating", "value", "score", "grade", "response", "answer", "vote", "mos"),
     "condition": ("condition", "cond", "treatment", "stimulus"),
     "part": ("part", "run", "group", "experiment"),

@@ -37,7 +37,11 @@ class Resampling:
 
 
 def compared(
-    ratings: Ratings, scale: str, families: Sequence[Family], resampling: Resampling, without: Mapping[str, set[str]] | None = None
+    ratings: Ratings,
+    scale: str,
+    families: Sequence[Family],
+    resampling: Resampling,
+    without: Mapping[str, set[str]] | None = None,
 ) -> list[dict[str, Any]]:
     """All comparisons on a scale as plain data, Holm's correction within each family ("holm") and over all of them ("holm_all").
 
@@ -57,10 +61,14 @@ def differences(table: Table, comparison: Comparison, sign: int) -> dict[str, fl
     """Of each participant who rated both; positive where b was rated better."""
     first, second = table.column(comparison.a), table.column(comparison.b)
     both = np.isfinite(first) & np.isfinite(second)
-    return {name: round(float(sign * (first[k] - second[k])), 9) for k, name in enumerate(table.participants) if both[k]}
+    return {
+        name: round(float(sign * (first[k] - second[k])), 9) for k, name in enumerate(table.participants) if both[k]
+    }
 
 
-def _compared(table: Table, measure: Measure, family: str, comparison: Comparison, resampling: Resampling) -> dict[str, Any]:
+def _compared(
+    table: Table, measure: Measure, family: str, comparison: Comparison, resampling: Resampling
+) -> dict[str, Any]:
     found = differences(table, comparison, measure.sign)
     values = np.array(list(found.values()))
     row: dict[str, Any] = {
@@ -87,7 +95,9 @@ _STATISTICS = (
 
 def _statistics(values: np.ndarray, resampling: Resampling) -> dict[str, Any]:
     if len(values) > MOST_PAIRS:
-        raise InputError(f"{len(values)} participants rated both of two conditions: the exact test is for {MOST_PAIRS} at most")
+        raise InputError(
+            f"{len(values)} participants rated both of two conditions: the exact test is for {MOST_PAIRS} at most"
+        )
     test = wilcoxon_exact(values)
     # One difference, or equal ones, have no spread to resample: a point is no interval.
     low, high = (None, None) if is_degenerate(values) else bca(values, resampling.seed, resampling.resamples)

@@ -26,7 +26,9 @@ def _described(table: Table, name: str, ratings: Ratings, part: str, is_referenc
         "reference": is_reference,
         "n": len(given),
         "missing": int(len(column) - len(given)),
-        "ratings": {who: round(float(v), 9) for who, v in zip(table.participants, column, strict=True) if np.isfinite(v)},
+        "ratings": {
+            who: round(float(v), 9) for who, v in zip(table.participants, column, strict=True) if np.isfinite(v)
+        },
     }
     quartiles = np.quantile(given, (0.25, 0.5, 0.75)).tolist() if len(given) else [None] * 3
     row |= dict(zip(("q1", "median", "q3"), quartiles, strict=True))
@@ -41,7 +43,14 @@ def all_at_once(table: Table) -> dict[str, Any] | None:
     found = friedman(table.values)
     if found is None:
         return None
-    return {"chi2": found.chi2, "df": found.df, "p": found.p, "n": found.n, "conditions": len(table.conditions), "w": kendalls_w(found)}
+    return {
+        "chi2": found.chi2,
+        "df": found.df,
+        "p": found.p,
+        "n": found.n,
+        "conditions": len(table.conditions),
+        "w": kendalls_w(found),
+    }
 
 
 def reference_missed(table: Table, references: tuple[str, ...], measure: Measure) -> dict[str, Any] | None:

@@ -25,7 +25,9 @@ def copied(ratings: Ratings, scale: str, seed: int) -> list[dict[str, Any]]:
         shared = _shared(ratings, first, second)
         if len(shared) < _LEAST_CONDITIONS:
             continue
-        tables = [_columns(ratings.table(part, scale), [pair[k] for pair in shared]) for k, part in enumerate((first, second))]
+        tables = [
+            _columns(ratings.table(part, scale), [pair[k] for pair in shared]) for k, part in enumerate((first, second))
+        ]
         pairs = _equal(*tables)
         if not pairs:
             continue
@@ -35,7 +37,9 @@ def copied(ratings: Ratings, scale: str, seed: int) -> list[dict[str, Any]]:
             {
                 "parts": [first, second],
                 "conditions": [a for a, _ in shared],
-                "rows": [{"first": names[0][a], "second": names[1][b], "ratings": _plain(tables[0][a])} for a, b in pairs],
+                "rows": [
+                    {"first": names[0][a], "second": names[1][b], "ratings": _plain(tables[0][a])} for a, b in pairs
+                ],
                 "people": people,
                 "of": len(names[1]),
                 "by_chance": _by_chance(tables[0], tables[1], people, seed),

@@ -37,8 +37,15 @@ def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[s
             if not any(field.strip() for field in fields):
                 continue
             if len(fields) != len(header):
-                raise InputError(f"{path}:{reader.line_num}: {len(fields)} fields, wanted {len(header)} as in the first line")
-            lines.append(Line(reader.line_num, {role: fields[place].strip() for role, place in roles.items()} | _rest(header, fields)))
+                raise InputError(
+                    f"{path}:{reader.line_num}: {len(fields)} fields, wanted {len(header)} as in the first line"
+                )
+            lines.append(
+                Line(
+                    reader.line_num,
+                    {role: fields[place].strip() for role, place in roles.items()} | _rest(header, fields),
+                )
+            )
     except csv.Error as error:
         raise InputError(f"{path}:{reader.line_num}: {error}: wanted a table with one rating in a row") from error
     if not lines:
@@ -54,7 +61,9 @@ def _rest(header: Sequence[str], fields: Sequence[str]) -> dict[str, str]:
 def _text(path: Path) -> str:
     try:
         if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path}: {path.stat().st_size} bytes: wanted a table of ratings, of at most {_MOST_BYTES}")
+            raise InputError(
+                f"{path}: {path.stat().st_size} bytes: wanted a table of ratings, of at most {_MOST_BYTES}"
+            )
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: byte {error.start} is no UTF-8: save the table as UTF-8") from error
@@ -70,8 +79,12 @@ def _delimiter(text: str) -> str:
 def numbers_of(lines: Sequence[Line], path: Path) -> tuple[list[float | None], bool]:
     """The rating of each line, None where missing, and whether they have decimal commas."""
     texts = [line.fields["rating"] for line in lines]
-    comma = any(re.fullmatch(r"[+-]?\d+,\d+", text) for text in texts) and not any("." in text for text in texts if text not in MISSING)
-    return [_number(text.replace(",", ".") if comma else text, line, path) for text, line in zip(texts, lines, strict=True)], comma
+    comma = any(re.fullmatch(r"[+-]?\d+,\d+", text) for text in texts) and not any(
+        "." in text for text in texts if text not in MISSING
+    )
+    return [
+        _number(text.replace(",", ".") if comma else text, line, path) for text, line in zip(texts, lines, strict=True)
+    ], comma
 
 
 def _number(text: str, line: Line, path: Path) -> float | None:

@@ -26,16 +26,24 @@ def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
     """
     rated = [row for row in rows if row.value is not None]
     if not any(row.place for row in rated):
-        return {name: {"why_not": "the order in which the conditions were shown is not recorded"} for name in ("place", "previous")}
+        return {
+            name: {"why_not": "the order in which the conditions were shown is not recorded"}
+            for name in ("place", "previous")
+        }
     if not all(row.place for row in rated):
         return {name: {"why_not": "the place of some trials is not recorded"} for name in ("place", "previous")}
     blocks = {
-        "base": np.hstack([_dummies([row.participant for row in rated]), _dummies([row.condition for row in rated])[:, 1:]]),
+        "base": np.hstack(
+            [_dummies([row.participant for row in rated]), _dummies([row.condition for row in rated])[:, 1:]]
+        ),
         "place": np.array([[row.place] for row in rated], float),
         "previous": _dummies([row.previous or _FIRST for row in rated])[:, 1:],
     }
     values = np.array([row.value for row in rated], float)
-    return {"place": _effect(values, blocks, "place", "previous"), "previous": _effect(values, blocks, "previous", "place")}
+    return {
+        "place": _effect(values, blocks, "place", "previous"),
+        "previous": _effect(values, blocks, "previous", "place"),
+    }
 
 
 def _dummies(names: Sequence[str]) -> NDArray[np.float64]:

@@ -28,7 +28,9 @@ def families_for(ratings: Ratings, asked: Sequence[str] = ()) -> tuple[tuple[Fam
     for part in ratings.parts():
         pairs, sentence = _natural(ratings, part)
         if pairs:
-            found.append(Family(f"{part}: {sentence}" if part else sentence, tuple(Comparison(part, a, b) for a, b in pairs)))
+            found.append(
+                Family(f"{part}: {sentence}" if part else sentence, tuple(Comparison(part, a, b) for a, b in pairs))
+            )
             why.append(sentence)
     told = "; ".join(dict.fromkeys(why)) or "nothing, as there is one condition only"
     return tuple(found), f"Compared: {told}. No comparison was planned there; --family says another."
@@ -37,9 +39,14 @@ def families_for(ratings: Ratings, asked: Sequence[str] = ()) -> tuple[tuple[Fam
 def _asked(text: str, ratings: Ratings) -> list[Family]:
     part, slash, rest = text.partition("/")
     parts = [part] if slash and part in ratings.parts() else list(ratings.parts())
-    pairs = [tuple(name.strip() for name in pair.split(":")) for pair in (rest if slash and part in ratings.parts() else text).split(";")]
+    pairs = [
+        tuple(name.strip() for name in pair.split(":"))
+        for pair in (rest if slash and part in ratings.parts() else text).split(";")
+    ]
     if any(len(pair) != 2 or not all(pair) for pair in pairs):
-        raise InputError(f"--family '{text}': wanted pairs of conditions, like 'late-200:warped-200;late-400:warped-400'")
+        raise InputError(
+            f"--family '{text}': wanted pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
+        )
     found = []
     for one in parts:
         known = ratings.conditions(one)
@@ -50,7 +57,9 @@ def _asked(text: str, ratings: Ratings) -> list[Family]:
     for pair in pairs:
         if pair not in named:
             known = "; ".join(dict.fromkeys(name for one in parts for name in ratings.conditions(one)))
-            raise InputError(f"--family '{text}': no part has both '{pair[0]}' and '{pair[1]}': the conditions are {known}")
+            raise InputError(
+                f"--family '{text}': no part has both '{pair[0]}' and '{pair[1]}': the conditions are {known}"
+            )
     return found
 
 
@@ -67,8 +76,12 @@ def _natural(ratings: Ratings, part: str) -> tuple[list[tuple[str, str]], str]:
         return pairs, "at each latency no warp against each warp"
     references = ratings.references(part)
     if references:
-        return [(name, references[0]) for name in names if name not in references], "each condition against the hidden reference"
+        return [
+            (name, references[0]) for name in names if name not in references
+        ], "each condition against the hidden reference"
     pairs = list(itertools.combinations(names, 2))
     if len(pairs) > _MOST_PAIRS:
-        raise InputError(f"{len(names)} conditions and no plan: say with --family which of the {len(pairs)} pairs to compare")
+        raise InputError(
+            f"{len(names)} conditions and no plan: say with --family which of the {len(pairs)} pairs to compare"
+        )
     return pairs, "each condition against each"

@@ -60,7 +60,11 @@ def _of_one_origin(lines: list[Line], path: Path, wanted: str) -> tuple[list[Lin
     origin = wanted or next((one for one in _ORIGINS if there[one]), next(iter(there)))
     if not there[origin]:
         raise InputError(f"{path}: no ratings of origin '{origin}': there are {', '.join(sorted(there))}")
-    notes = [f"These ratings are of origin '{origin}', not of people taking part in the study."] if origin != "person" else []
+    notes = (
+        [f"These ratings are of origin '{origin}', not of people taking part in the study."]
+        if origin != "person"
+        else []
+    )
     left = ", ".join(f"{count} of {name}" for name, count in sorted(there.items()) if name != origin)
     notes += [f"Left out, as they never count together: {left} rows."] if left else []
     return [line for line in lines if (line.fields.get("origin") or "person") == origin], origin, notes
@@ -73,7 +77,9 @@ def _measures(
     names = dict.fromkeys(line.fields.get("scale", "") for line in lines)
     found, unnamed = {}, ""
     for name in names:
-        own = [(line, value) for line, value in zip(lines, numbers, strict=True) if line.fields.get("scale", "") == name]
+        own = [
+            (line, value) for line, value in zip(lines, numbers, strict=True) if line.fields.get("scale", "") == name
+        ]
         measure = _measure(name, own, path, given, notes)
         if measure is not None:
             found[name or measure.name] = measure
@@ -81,7 +87,9 @@ def _measures(
     return found, unnamed
 
 
-def _measure(name: str, own: list[tuple[Line, float | None]], path: Path, given: Given, notes: list[str]) -> Measure | None:
+def _measure(
+    name: str, own: list[tuple[Line, float | None]], path: Path, given: Given, notes: list[str]
+) -> Measure | None:
     known = given.scale or (name if name in scale_names() else "")
     if known:
         scale = load_scale(known)
@@ -92,7 +100,11 @@ def _measure(name: str, own: list[tuple[Line, float | None]], path: Path, given:
         return measure
     values = [value for _, value in own if value is not None]
     said = own[0][0].fields.get("low_is_good", "").lower()
-    low = given.low_is_good if given.low_is_good is not None else {"true": True, "1": True, "false": False, "0": False}.get(said)
+    low = (
+        given.low_is_good
+        if given.low_is_good is not None
+        else {"true": True, "1": True, "false": False, "0": False}.get(said)
+    )
     if low is not None:
         return Measure(name or "rating", name or "Rating", low)
     grade = load_scale("grade")
@@ -168,7 +180,9 @@ def _why(line: Line) -> str:
     if told.lower() not in MISSING:
         return told
     status = line.fields.get("status", "")
-    return f"empty in line {line.number}" + (f"; the session's status is '{status}'" if status not in ("", "complete") else "")
+    return f"empty in line {line.number}" + (
+        f"; the session's status is '{status}'" if status not in ("", "complete") else ""
+    )
 
 
 def _part(text: str, column: str) -> str:
@@ -178,12 +192,16 @@ def _part(text: str, column: str) -> str:
 
 def _condition(line: Line, path: Path) -> tuple[str, dict[str, Any]]:
     fields = line.fields
-    settings: dict[str, Any] = {name: fields[name] for name in SETTINGS if fields.get(name, "").lower() not in MISSING - {"none"}}
+    settings: dict[str, Any] = {
+        name: fields[name] for name in SETTINGS if fields.get(name, "").lower() not in MISSING - {"none"}
+    }
     if "latency_ms" in settings:
         try:
             settings["latency_ms"] = float(settings["latency_ms"])
         except ValueError:
-            raise InputError(f"{path}:{line.number}: latency '{settings['latency_ms']}': wanted milliseconds, like 200") from None
+            raise InputError(
+                f"{path}:{line.number}: latency '{settings['latency_ms']}': wanted milliseconds, like 200"
+            ) from None
     if fields.get("condition", "").lower() not in MISSING - {"none"}:
         return fields["condition"], settings
     return ("" if "condition" in fields else name_of(settings)), settings

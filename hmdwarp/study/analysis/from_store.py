@@ -70,14 +70,25 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
 
 
 def _others(design: Design) -> dict[str, Scale]:
-    asked = (*design.scales, *design.before, *design.after, *(() if design.sickness is None else (design.sickness.scale,)))
+    asked = (
+        *design.scales,
+        *design.before,
+        *design.after,
+        *(() if design.sickness is None else (design.sickness.scale,)),
+    )
     return {scale.name: scale for scale in asked}
 
 
 def _without_part(ratings: Ratings) -> Ratings:
     """The same under no name of a part: the plan has none, so nothing said of it needs one."""
-    families = (attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons)) for one in ratings.families)
-    lists = {name: tuple(attrs.evolve(one, part="") for one in getattr(ratings, name)) for name in ("rows", "sittings", "felt")}
+    families = (
+        attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons))
+        for one in ratings.families
+    )
+    lists = {
+        name: tuple(attrs.evolve(one, part="") for one in getattr(ratings, name))
+        for name in ("rows", "sittings", "felt")
+    }
     return attrs.evolve(ratings, families=tuple(families), planned={"": ratings.planned[ONLY_PART]}, **lists)
 
 
@@ -99,7 +110,13 @@ def _ratings(session: Session, plan: Design, known: Mapping[str, Answer]) -> lis
     for step in steps_of(plan, session.order, session.part):
         if isinstance(step, Show) and step.trial:
             before, show = (show.condition.name if show else ""), step
-        elif isinstance(step, Ask) and step.trial and show is not None and step.scale.name in names and step.phase == "trial":
+        elif (
+            isinstance(step, Ask)
+            and step.trial
+            and show is not None
+            and step.scale.name in names
+            and step.phase == "trial"
+        ):
             answer = known.get(step.key)
             rows.append(
                 Rating(
@@ -108,7 +125,9 @@ def _ratings(session: Session, plan: Design, known: Mapping[str, Answer]) -> lis
                     condition=show.condition.name,
                     scale=step.scale.name,
                     value=None if answer is None else answer.value,
-                    why_missing=_WHY[session.status] if answer is None else ("" if answer.value is not None else _CANNOT_SAY),
+                    why_missing=_WHY[session.status]
+                    if answer is None
+                    else ("" if answer.value is not None else _CANNOT_SAY),
                     reference=show.condition.reference,
                     repeat=show.repeat,
                     place=step.trial,

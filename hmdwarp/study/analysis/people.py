@@ -18,7 +18,13 @@ from .ratings import Felt, Ratings
 def missing(ratings: Ratings, scale: str) -> list[dict[str, Any]]:
     """Every rating that is not there, with the reason."""
     return [
-        {"participant": row.participant, "part": row.part, "condition": row.condition, "session": row.session, "why": row.why_missing}
+        {
+            "participant": row.participant,
+            "part": row.part,
+            "condition": row.condition,
+            "session": row.session,
+            "why": row.why_missing,
+        }
         for row in ratings.rows
         if row.scale == scale and row.value is None
     ]
@@ -70,7 +76,9 @@ def questionnaires(ratings: Ratings, known: Callable[[str], Scale | None]) -> li
             row: dict[str, Any] = {"scale": name, "title": scale.title, "score": score, "n": len(changes)}
             row |= {"before": _median(before, score), "after": _median(after, score)}
             if len(changes):
-                row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True)) | {"p": wilcoxon_exact(changes).p}
+                row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True)) | {
+                    "p": wilcoxon_exact(changes).p
+                }
             out.append(row)
     return out
 

@@ -30,10 +30,18 @@ def predicted(rows: Sequence[Mapping[str, Any]], scale: str) -> dict[str, Any] |
 
 
 def _points(rows: Sequence[Mapping[str, Any]], scale: str, name: str) -> list[dict[str, Any]]:
-    there = (row for row in rows if row["scale"] == scale and row.get("value") is not None and row.get(name) is not None)
+    there = (
+        row for row in rows if row["scale"] == scale and row.get("value") is not None and row.get(name) is not None
+    )
     return [{"participant": row["participant"], "x": row[name], "y": row["value"]} for row in there]
 
 
 def _plain(value: Any) -> Any:
     """JSON has no NaN."""
-    return None if isinstance(value, float) and not math.isfinite(value) else list(value) if isinstance(value, tuple) else value
+    return (
+        None
+        if isinstance(value, float) and not math.isfinite(value)
+        else list(value)
+        if isinstance(value, tuple)
+        else value
+    )

@@ -50,7 +50,14 @@ class Measure:
     @classmethod
     def of(cls, scale: Scale) -> Measure:
         """That of a scale."""
-        return cls(scale.name, scale.title, scale.low_is_good, scale.least, scale.most, "grades" if scale.name == "grade" else "points")
+        return cls(
+            scale.name,
+            scale.title,
+            scale.low_is_good,
+            scale.least,
+            scale.most,
+            "grades" if scale.name == "grade" else "points",
+        )
 
     @property
     def sign(self) -> int:
@@ -150,7 +157,12 @@ def _in_order(names: Iterable[str], planned: Sequence[str]) -> tuple[str, ...]:
 def _place_of(settings: Mapping[str, Any]) -> tuple[Any, ...]:
     warp = str(settings.get("warp", ""))
     latency = settings.get("latency_ms", settings.get("latency"))
-    return (latency is None, warp not in ("", "none"), warp if latency is not None else "", latency if latency is not None else 0.0)
+    return (
+        latency is None,
+        warp not in ("", "none"),
+        warp if latency is not None else "",
+        latency if latency is not None else 0.0,
+    )
 
 
 @attrs.frozen(eq=False)

@@ -64,7 +64,11 @@ def _verdict(row: Row, measure: Measure) -> str:
 
 
 def _way(shift: float, measure: Measure) -> str:
-    return "no difference" if shift == 0 else f"{'a gain' if shift > 0 else 'a loss'} of {plain(abs(shift))} {measure.unit}"
+    return (
+        "no difference"
+        if shift == 0
+        else f"{'a gain' if shift > 0 else 'a loss'} of {plain(abs(shift))} {measure.unit}"
+    )
 
 
 def _pairs(row: Row) -> str:
@@ -76,7 +80,11 @@ def of_friedman(row: Row | None, part: str) -> str:
     where = f"{part}: " if part else ""
     if row is None:
         return f"{where}Friedman's test needs three conditions and two participants who rated all of them."
-    verdict = "the conditions were not all rated alike" if row["p"] <= ALPHA else "no difference among the conditions is shown"
+    verdict = (
+        "the conditions were not all rated alike"
+        if row["p"] <= ALPHA
+        else "no difference among the conditions is shown"
+    )
     return (
         f"{where}Friedman over {row['conditions']} conditions, {counted(row['n'], 'participant')} who rated all: chi2({row['df']}) = "
         f"{row['chi2']:.1f}, {p_is(row['p'])}, Kendall's W = {row['w']:.2f}: {verdict}."
@@ -132,13 +140,21 @@ def of_claim(row: Row, title: str, measure: Measure) -> str:
     if "why_not" in row:
         said = f"{row['latency_ms']:g} ms" if row["difference"] is None else signed(row["difference"], 3)
         return f"{row['part']}: {told} says {said}; {row['why_not']}."
-    at = f"{row['part']}, {row['latency_ms']:g} ms" if row["latency_ms"] is not None else f"{row['part']}, {row['a']} against {row['b']}"
+    at = (
+        f"{row['part']}, {row['latency_ms']:g} ms"
+        if row["latency_ms"] is not None
+        else f"{row['part']}, {row['a']} against {row['b']}"
+    )
     if row["difference"] is None:
         return f"{at}: {told} names it, and it was rated."
     says = f"{at}: {told} says {_figure(row['difference'])}, its data give {signed(row['data'], 3)}"
     if row["follows"]:
         return f"{says}: follows."
-    rest = f"; near it is only the {listed(row['explained_by'], 'or the')}, which is another thing" if row["explained_by"] else ""
+    rest = (
+        f"; near it is only the {listed(row['explained_by'], 'or the')}, which is another thing"
+        if row["explained_by"]
+        else ""
+    )
     return f"{says}: does not follow{rest}."
 
 

@@ -24,7 +24,9 @@ def ratings_from(name: str, store: Path | None, given: Given) -> Ratings:
     if not name.endswith(".toml") and Path(name).is_file():
         return from_csv(Path(name), given)
     if name.endswith((".csv", ".tsv", ".txt")):
-        raise InputError(f"{name}: there is no such file: wanted a table of ratings, a study's .toml file, or a shipped study's name")
+        raise InputError(
+            f"{name}: there is no such file: wanted a table of ratings, a study's .toml file, or a shipped study's name"
+        )
     design = load_design(name, checked=False)
     folder = store_folder(design, store)
     published = READY / f"{name}_ratings.csv"
@@ -32,7 +34,9 @@ def ratings_from(name: str, store: Path | None, given: Given) -> Ratings:
         if store is None and published.is_file():
             known = attrs.evolve(given, scale=given.scale or design.scales[0].name)
             return attrs.evolve(from_csv(published, known), title=design.title)
-        raise InputError(f"{folder}: there is no data of '{design.name}' yet: run sessions first, or say --store where they are")
+        raise InputError(
+            f"{folder}: there is no data of '{design.name}' yet: run sessions first, or say --store where they are"
+        )
     with Store(folder, study=design.name) as data:
         contents = data.contents(pilot=given.origin == PILOT)
     return from_contents(contents, design, given.origin or PERSON)
@@ -44,7 +48,9 @@ def claims_for(path: Path | None, ratings: Ratings, given: Given) -> tuple[Claim
         return load_claims(path), ""
     for table in sorted(READY.glob("*_ratings.csv")):
         claims = table.with_name(table.name.replace("_ratings.csv", "_claims.toml"))
-        if claims.is_file() and _values(from_csv(table, attrs.evolve(given, columns={}, origin="", scale="grade"))) == _values(ratings):
+        if claims.is_file() and _values(
+            from_csv(table, attrs.evolve(given, columns={}, origin="", scale="grade"))
+        ) == _values(ratings):
             return load_claims(claims), _PUBLISHED
     return None, ""
 

@@ -25,7 +25,10 @@ SCHEMA = 1
 
 
 def analyse(
-    ratings: Ratings, resampling: Resampling = Resampling(), asked: Sequence[str] = (), claims: Claims | None = None  # noqa: B008  (frozen)
+    ratings: Ratings,
+    resampling: Resampling = Resampling(),
+    asked: Sequence[str] = (),
+    claims: Claims | None = None,  # noqa: B008  (frozen)
 ) -> dict[str, Any]:
     """Everything that is known of these ratings. The same ratings and seed give the same result, whatever the order of the rows.
 
@@ -65,7 +68,9 @@ def _key(row: Any) -> tuple[Any, ...]:
     return (row.part, number, row.participant, row.session, row.place, row.repeat, row.scale)
 
 
-def _on_scale(ratings: Ratings, scale: str, families: Sequence[Family], resampling: Resampling, claims: Claims | None) -> dict[str, Any]:
+def _on_scale(
+    ratings: Ratings, scale: str, families: Sequence[Family], resampling: Resampling, claims: Claims | None
+) -> dict[str, Any]:
     measure = ratings.measures[scale]
     rows = compared(ratings, scale, families, resampling)
     for row in rows:
@@ -89,7 +94,9 @@ def _on_scale(ratings: Ratings, scale: str, families: Sequence[Family], resampli
     }
 
 
-def _part(ratings: Ratings, part: str, scale: str, families: Sequence[Family], resampling: Resampling) -> dict[str, Any]:
+def _part(
+    ratings: Ratings, part: str, scale: str, families: Sequence[Family], resampling: Resampling
+) -> dict[str, Any]:
     measure, table = ratings.measures[scale], ratings.table(part, scale)
     test = all_at_once(table)
     effects = order_effects(ratings.of(part, scale))
@@ -108,7 +115,9 @@ def _part(ratings: Ratings, part: str, scale: str, families: Sequence[Family], r
     }
     if reference and reference["missed"]:
         rows = compared(ratings, scale, families, resampling, without={part: set(reference["missed"])})
-        found["without"] = [{key: row[key] for key in ("a", "b", "n", "mean", "p", "holm")} for row in rows if row["part"] == part]
+        found["without"] = [
+            {key: row[key] for key in ("a", "b", "n", "mean", "p", "holm")} for row in rows if row["part"] == part
+        ]
     return found
 
 
@@ -126,4 +135,7 @@ def _places(ratings: Ratings, part: str, scale: str) -> list[dict[str, Any]]:
         return {key: sum(values) / len(values) for key, values in groups.items()}
 
     people, conditions = means("participant"), means("condition")
-    return [{"place": row.place, "rest": row.value - people[row.participant] - conditions[row.condition] + overall} for row in rows]
+    return [
+        {"place": row.place, "rest": row.value - people[row.participant] - conditions[row.condition] + overall}
+        for row in rows
+    ]

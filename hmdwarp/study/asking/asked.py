@@ -38,7 +38,9 @@ class Asked:
     def label(self) -> QuestionPlate:
         """For over the picture."""
         value = None if self._skipping else self.value
-        return QuestionPlate(self._heading, self.ask.item.text, self._form, value, self._typed, self._skipping, self.note, self._hints)
+        return QuestionPlate(
+            self._heading, self.ask.item.text, self._form, value, self._typed, self._skipping, self.note, self._hints
+        )
 
     def question(self) -> Question:
         """For the desk."""
@@ -137,7 +139,9 @@ class Asked:
         if value is None:
             self._leave()
             return
-        number = on_scale(self._scale, value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+        number = (
+            on_scale(self._scale, value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+        )
         if number is None:
             shown = written(value) if isinstance(value, float) else value
             self._say(f"{shown} is no answer here: wanted {range_in_words(self._scale)}")
@@ -159,7 +163,12 @@ class Asked:
 def form_of(ask: Ask) -> Form:
     """What of its scale is drawn."""
     scale = ask.scale
-    return Form(scale.least, scale.most, scale.step, tuple(sorted((float(value), words) for value, words in scale.anchors.items())))
+    return Form(
+        scale.least,
+        scale.most,
+        scale.step,
+        tuple(sorted((float(value), words) for value, words in scale.anchors.items())),
+    )
 
 
 def heading_of(ask: Ask, again: bool = False) -> str:

@@ -14,7 +14,9 @@ def on_scale(scale: Scale, number: float) -> float | None:
     """The scale's own value that this is, None if it is none."""
     steps = (number - scale.least) / scale.step
     last = round((scale.most - scale.least) / scale.step)
-    if not -CLOSE <= steps <= last + CLOSE or abs(steps - round(steps)) > CLOSE:  # what is not a number is within no bounds
+    if (
+        not -CLOSE <= steps <= last + CLOSE or abs(steps - round(steps)) > CLOSE
+    ):  # what is not a number is within no bounds
         return None
     return round(scale.least + round(steps) * scale.step, 9)
 
@@ -42,7 +44,7 @@ def written(number: float) -> str:
 
 
 def range_in_words(scale: Scale) -> str:
-    """"1 to 6 in steps of 0.25"."""
+    """ "1 to 6 in steps of 0.25"."""
     steps = f" in steps of {written(scale.step)}" if scale.step != 1 else ""
     return f"{written(scale.least)} to {written(scale.most)}{steps}"
 

@@ -72,7 +72,10 @@ def _px(text: str, width: float) -> int:
 def row_of(choices: tuple[tuple[str, str], ...], top: float) -> tuple[Button, ...]:
     """Buttons (name, text) side by side, over the whole width."""
     each = (WIDTH - 2 * PAD - GAP * (len(choices) - 1)) / max(len(choices), 1)
-    return tuple(Button(name, text, PAD + k * (each + GAP), top, PAD + k * (each + GAP) + each) for k, (name, text) in enumerate(choices))
+    return tuple(
+        Button(name, text, PAD + k * (each + GAP), top, PAD + k * (each + GAP) + each)
+        for k, (name, text) in enumerate(choices)
+    )
 
 
 def column_of(choices: tuple[tuple[str, str], ...], top: float) -> tuple[Button, ...]:

@@ -80,7 +80,9 @@ class Paper:
         """One line. anchor: as Pillow has them; its first letter says where x is: l(eft), m(iddle), r(ight)."""
         self._draw.text((x, y), text, ink, font(px), anchor)
 
-    def rows(self, y: float, rows: tuple[str, ...], px: int, ink: int = FULL, x: float = PAD, anchor: str = "la") -> float:
+    def rows(
+        self, y: float, rows: tuple[str, ...], px: int, ink: int = FULL, x: float = PAD, anchor: str = "la"
+    ) -> float:
         """Line under line; where the next thing may begin."""
         for number, row in enumerate(rows):
             self.text(x, y + height_of(number, px), row, px, ink, anchor)
@@ -89,7 +91,9 @@ class Paper:
     def box(self, left: float, top: float, right: float, bottom: float, *, marked: bool) -> None:
         """With round corners."""
         at = (left, top, right, bottom)
-        self._draw.rounded_rectangle(at, 8, fill=GROUND if marked else None, outline=FULL if marked else DIM, width=4 if marked else 2)
+        self._draw.rounded_rectangle(
+            at, 8, fill=GROUND if marked else None, outline=FULL if marked else DIM, width=4 if marked else 2
+        )
 
     def line(self, x: float, y: float, to_x: float, to_y: float, ink: int = FULL, width: int = 2) -> None:
         """Straight."""

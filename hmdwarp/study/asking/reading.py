@@ -21,7 +21,9 @@ LAST_OF_SEVERAL: Choices = ((BACK, "page before"), *LAST)
 class Reading:
     """agreed, refused: whether it is over, and how. On the last page nothing is chosen beforehand. now_s: seconds, going on."""
 
-    def __init__(self, text: str, now_s: Callable[[], float] = lambda: 0.0, hints: Hints = KEYS, title: str = "Before we begin") -> None:
+    def __init__(
+        self, text: str, now_s: Callable[[], float] = lambda: 0.0, hints: Hints = KEYS, title: str = "Before we begin"
+    ) -> None:
         rows = wrapped(text.strip(), TEXT, WIDTH - 2 * PAD)
         self._pages = [rows[k : k + ROWS] for k in range(0, len(rows), ROWS)] or [()]
         self._hints, self._title, self._note = hints, title, ""
@@ -41,7 +43,15 @@ class Reading:
         pages, hint = len(self._pages), picking_hint(self._hints)
         title = f"{self._title} ({self._page + 1} of {pages})" if pages > 1 else self._title
         least = ROWS if pages > 1 else 0
-        return Card(title, self._pages[self._page], self._picking.choices, self._picking.marked, hint, self._note, least_lines=least)
+        return Card(
+            title,
+            self._pages[self._page],
+            self._picking.choices,
+            self._picking.marked,
+            hint,
+            self._note,
+            least_lines=least,
+        )
 
     def obey(self, commands: Sequence[Command]) -> None:
         """From hands, desk and respondents; "agree" by the desk counts as the participant's word."""

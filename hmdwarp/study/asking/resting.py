@@ -30,7 +30,9 @@ class Resting:
         left = math.ceil(self.left_s)
         if left:
             minutes = f"{left // 60}:{left % 60:02d}"
-            return card(self._title, f"Rest your eyes. It goes on in {minutes} at the earliest.", f"{self._hints.menu}: menu")
+            return card(
+                self._title, f"Rest your eyes. It goes on in {minutes} at the earliest.", f"{self._hints.menu}: menu"
+            )
         return card(self._title, f"Go on whenever you like: {self._hints.confirm}.", f"{self._hints.menu}: menu")
 
     def obey(self, commands: Sequence[Command]) -> None:

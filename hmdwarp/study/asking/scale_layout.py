@@ -152,9 +152,13 @@ def _ticks(form: Form) -> tuple[list[float], frozenset[float]]:
     """Values with a tick, and those of them with their number: round ones that divide the scale, as many as find room."""
     strides = [k for k in range(1, form.last + 1) if form.last % k == 0 and _is_round(k * form.step)] or [form.last]
     apart = (RIGHT - LEFT) / form.last
-    widest = max(width_of(written(value), SMALL) for value in (form.least, form.most, form.least + form.step)) + LABEL_APART
+    widest = (
+        max(width_of(written(value), SMALL) for value in (form.least, form.most, form.least + form.step)) + LABEL_APART
+    )
     stride = next((k for k in strides if k * apart >= widest), form.last)
-    whole = next((k for k in strides if k * form.step >= 1 - 1e-9 and k * apart >= widest), stride)  # 1, 2, 3 rather than 1, 1.5, 2
+    whole = next(
+        (k for k in strides if k * form.step >= 1 - 1e-9 and k * apart >= widest), stride
+    )  # 1, 2, 3 rather than 1, 1.5, 2
     fine = next((k for k in strides if k * apart >= TICK_APART), stride)
     values = form.values()
     return values[::fine], frozenset(values[::whole])

@@ -40,12 +40,20 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
     table = data.table("sickness")
     scale = scale_at(table, "scale", table.text("scale"), folder)
     if scale.kind == QUESTIONNAIRE:
-        raise table.fault("scale", f"has '{scale.name}', a questionnaire of {len(scale.items)} items: wanted what is asked in a moment")
+        raise table.fault(
+            "scale",
+            f"has '{scale.name}', a questionnaire of {len(scale.items)} items: wanted what is asked in a moment",
+        )
     if scale.kind == RATING:
-        raise table.fault("scale", f"has '{scale.name}', a rating, and would stand among those of the trials: wanted fms, misc or the like")
+        raise table.fault(
+            "scale",
+            f"has '{scale.name}', a rating, and would stand among those of the trials: wanted fms, misc or the like",
+        )
     stop_at = table.within("stop_at", scale.least, scale.most, None)
     if stop_at is not None and scale.badness(stop_at) <= 0:
-        raise table.fault("stop_at", f"is {stop_at:g}, the best answer of '{scale.name}': wanted a worse one, or everybody is stopped")
+        raise table.fault(
+            "stop_at", f"is {stop_at:g}, the best answer of '{scale.name}': wanted a worse one, or everybody is stopped"
+        )
     rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
     return Sickness(scale, table.whole("every", 1, 10_000, 1), stop_at, rise)
 

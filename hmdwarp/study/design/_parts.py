@@ -28,7 +28,13 @@ class Checker:
         self._scenes: dict[str, Scene] = {}
 
     def settings(
-        self, table: Table, own: Mapping[str, object], who: str, *, beneath: Mapping[str, object] | None = None, only: Sequence[str] = ()
+        self,
+        table: Table,
+        own: Mapping[str, object],
+        who: str,
+        *,
+        beneath: Mapping[str, object] | None = None,
+        only: Sequence[str] = (),
     ) -> dict[str, object]:
         """What holds for a condition: [common] (of which `only` these, where said), then what is `beneath`, then its own.
 
@@ -39,8 +45,12 @@ class Checker:
         for name in DISPLAY:
             if name in mine:
                 key = next(key for key in own if key.replace("-", "_") == name)
-                raise table.fault(key, "is the same for all conditions, as the display is opened once: say it in [common]")
-        settings = {name: value for name, value in common.items() if not only or name in only} | dict(beneath or {}) | mine
+                raise table.fault(
+                    key, "is the same for all conditions, as the display is opened once: say it in [common]"
+                )
+        settings = (
+            {name: value for name, value in common.items() if not only or name in only} | dict(beneath or {}) | mine
+        )
         try:
             check_settings(settings, self._scenes) if self._checked else live_options(settings)
         except InputError as error:
@@ -57,13 +67,20 @@ class Checker:
         """At the key that the message speaks of first, or whose value it quotes; else at the condition."""
         keys = [(table, key, value) for key, value in own.items()]
         keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
-        spoken = [named.replace("-", "_")] if named else [word.replace("-", "_") for word in re.findall(r"[\w-]+", says)]
-        found = [(spoken.index(name), inside, key) for inside, key, _ in keys if (name := key.replace("-", "_")) in spoken]
+        spoken = (
+            [named.replace("-", "_")] if named else [word.replace("-", "_") for word in re.findall(r"[\w-]+", says)]
+        )
+        found = [
+            (spoken.index(name), inside, key) for inside, key, _ in keys if (name := key.replace("-", "_")) in spoken
+        ]
         if found:
             _, inside, key = min(found, key=lambda one: one[0])
         else:
             quoted = re.findall(r"'([^']+)'", says)
-            inside, key = next(((inside, key) for inside, key, value in keys if any(one in str(value) for one in quoted)), (table, None))
+            inside, key = next(
+                ((inside, key) for inside, key, value in keys if any(one in str(value) for one in quoted)),
+                (table, None),
+            )
         return KeyFault(f"{who}: {says}", inside.path if key is None else (*inside.path, key))
 
 
@@ -103,7 +120,9 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
     if "condition" not in within:
         raise within.missing("condition")
     if not 1 <= len(tables) <= _MOST_CONDITIONS:
-        raise within.fault("condition", f"comes {len(tables)} times: wanted 1 to {_MOST_CONDITIONS}, each beginning with {heading}")
+        raise within.fault(
+            "condition", f"comes {len(tables)} times: wanted 1 to {_MOST_CONDITIONS}, each beginning with {heading}"
+        )
     made: list[Condition] = []
     for table in tables:
         name = name_of(table, [condition.name for condition in made])
@@ -114,9 +133,14 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
         made.append(Condition(name, checker.settings(table, own, f"condition '{name}'"), reference))
     trial = data.table("trial")
     if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
-        raise trial.fault("order", f"is {WILLIAMS} (also where nothing is said): one condition has no order; wanted two, or order fixed")
+        raise trial.fault(
+            "order",
+            f"is {WILLIAMS} (also where nothing is said): one condition has no order; wanted two, or order fixed",
+        )
     if len(made) * trial.whole("repeats", 1, _MOST_TRIALS, 1) > _MOST_TRIALS:
-        raise trial.fault("repeats", f"makes {len(made)} x {trial.raw('repeats')} trials: wanted {_MOST_TRIALS} at most in a session")
+        raise trial.fault(
+            "repeats", f"makes {len(made)} x {trial.raw('repeats')} trials: wanted {_MOST_TRIALS} at most in a session"
+        )
     return tuple(made)
 
 
@@ -144,10 +168,12 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
     made: list[Comparison] = []
     for number, pair in enumerate(pairs):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
-            raise table.fault("pairs", f"has {told(pair)}: wanted pairs of names, like [[\"late\", \"warped\"]]", number)
+            raise table.fault("pairs", f'has {told(pair)}: wanted pairs of names, like [["late", "warped"]]', number)
         for name in pair:
             if name not in known:
-                raise table.fault("pairs", f"has an {unknown_name('condition', name, known)} in part '{part.name}'", number)
+                raise table.fault(
+                    "pairs", f"has an {unknown_name('condition', name, known)} in part '{part.name}'", number
+                )
         a, b = pair
         if a == b or {a, b} in [{one.a, one.b} for one in made]:
             why = "a condition beside itself" if a == b else "the same pair a second time"

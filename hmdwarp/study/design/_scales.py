@@ -24,7 +24,11 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
     for number, name in enumerate(names):
         scale = scale_at(table, key, name, folder, number)
         if not questionnaires and scale.kind == QUESTIONNAIRE:
-            raise table.fault(key, f"has '{name}', a questionnaire of {len(scale.items)} items: wanted what is asked in a moment", number)
+            raise table.fault(
+                key,
+                f"has '{name}', a questionnaire of {len(scale.items)} items: wanted what is asked in a moment",
+                number,
+            )
         if scale.name in [one.name for one in made]:
             raise table.fault(key, f"has '{scale.name}' twice: wanted each scale once", number)
         made.append(scale)
@@ -32,5 +36,8 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
         raise table.fault(key, "is empty: wanted one scale at least; 'hmdwarp list scales' shows those there are")
     if not questionnaires and all(scale.kind != RATING for scale in made):
         # Tables of ratings and the analysis are of that kind alone.
-        raise table.fault(key, f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; [sickness] asks the others")
+        raise table.fault(
+            key,
+            f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; [sickness] asks the others",
+        )
     return tuple(made)

@@ -23,7 +23,9 @@ def design_as_json(design: Design) -> dict[str, object]:
         "order": design.order,
         "repeats": design.repeats,
         "trial_seconds": design.seconds,
-        "practice": None if design.practice is None else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},
+        "practice": None
+        if design.practice is None
+        else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},
         "breaks": attrs.asdict(design.breaks),
         "sickness": _sickness_json(design),
         "consent_version": None if design.consent is None else design.consent.version,
@@ -37,7 +39,11 @@ def design_as_json(design: Design) -> dict[str, object]:
 
 def _sickness_json(design: Design) -> dict[str, object] | None:
     asked = design.sickness
-    return None if asked is None else {"scale": asked.scale.name, "every": asked.every, "stop_at": asked.stop_at, "rise": asked.rise}
+    return (
+        None
+        if asked is None
+        else {"scale": asked.scale.name, "every": asked.every, "stop_at": asked.stop_at, "rise": asked.rise}
+    )
 
 
 def _scale_json(scale: Scale) -> dict[str, object]:

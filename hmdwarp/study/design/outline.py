@@ -47,7 +47,11 @@ def stretches(design: Design, part: str) -> tuple[Stretch, ...]:
     trials = len(names) * design.repeats
     asked = [scale.name for scale in design.scales]
     every = design.sickness.every if design.sickness is not None else 0
-    sick = [] if design.sickness is None else [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {every}'}"]
+    sick = (
+        []
+        if design.sickness is None
+        else [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {every}'}"]
+    )
     told = {
         "consent": "a text to read and to agree to",
         "before": ", ".join(f"{scale.name} ({len(scale.items)} items)" for scale in design.before),
@@ -120,19 +124,29 @@ def least_participants(comparisons: int) -> int:
 
 def notes(design: Design) -> tuple[str, ...]:
     """What to think of before the study begins. None of it is an error."""
-    return (*_of_order(design), *(note for part in design.parts for note in _of_part(design, part)), *_of_people(design))
+    return (
+        *_of_order(design),
+        *(note for part in design.parts for note in _of_part(design, part)),
+        *_of_people(design),
+    )
 
 
 def _of_order(design: Design) -> list[str]:
     out = []
     if design.order == FIXED:
-        out.append("the order is the same for everybody: what comes late may be rated by habit or fatigue; order williams balances that")
+        out.append(
+            "the order is the same for everybody: what comes late may be rated by habit or fatigue; order williams balances that"
+        )
     elif design.order == RANDOM:
-        out.append("random orders are balanced only on average; order williams is balanced exactly, with few participants")
+        out.append(
+            "random orders are balanced only on average; order williams is balanced exactly, with few participants"
+        )
     for part in design.parts:
         count = len(part.conditions)
         if design.order == WILLIAMS and count % 2:
-            out.append(f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would need {count + 1}")
+            out.append(
+                f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would need {count + 1}"
+            )
     return out
 
 
@@ -140,30 +154,46 @@ def _of_part(design: Design, part: Part) -> list[str]:
     out = []
     reference = next((one for one in part.conditions if one.reference), None)
     if reference is None:
-        out.append(f"part {part.name}: no condition is a hidden reference (reference = true): nothing tells how each person uses a scale")
+        out.append(
+            f"part {part.name}: no condition is a hidden reference (reference = true): nothing tells how each person uses a scale"
+        )
     elif reference.settings.get("latency", 200.0):
-        out.append(f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has latency = 0")
+        out.append(
+            f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has latency = 0"
+        )
     if reference is not None and reference.settings.get("warp", "forward") != "none":
-        out.append(f"part {part.name}: the reference '{reference.name}' is warped; a reference usually has warp = \"none\"")
+        out.append(
+            f"part {part.name}: the reference '{reference.name}' is warped; a reference usually has warp = \"none\""
+        )
     for number, one in enumerate(part.conditions):
         same = [other.name for other in part.conditions[:number] if other.settings == one.settings]
         if same:
-            out.append(f"part {part.name}: '{one.name}' has the settings of '{same[0]}'; repeats in [trial] show the same again")
+            out.append(
+                f"part {part.name}: '{one.name}' has the settings of '{same[0]}'; repeats in [trial] show the same again"
+            )
         latency_s = float(one.settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
         if latency_s * 3 > design.seconds:
-            out.append(f"part {part.name}: '{one.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: little time to see that")
+            out.append(
+                f"part {part.name}: '{one.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: little time to see that"
+            )
         if one.settings.get("fused") or one.settings.get("lens", "auto") not in ("auto", "none"):
-            out.append(f"part {part.name}: '{one.name}' applies a lens, which a headset's runtime does by itself: it runs in a window only")
+            out.append(
+                f"part {part.name}: '{one.name}' applies a lens, which a headset's runtime does by itself: it runs in a window only"
+            )
     compared = {c.part for family in design.families for c in family.comparisons}
     if part.name not in compared:
-        out.append(f"part {part.name}: no [[family]] says what will be compared; comparisons chosen afterwards prove nothing")
+        out.append(
+            f"part {part.name}: no [[family]] says what will be compared; comparisons chosen afterwards prove nothing"
+        )
     return out
 
 
 def _of_people(design: Design) -> list[str]:
     out = []
     if design.sickness is None:
-        out.append("nobody is asked about sickness; [sickness] with scale and stop_at asks between trials and stops in time")
+        out.append(
+            "nobody is asked about sickness; [sickness] with scale and stop_at asks between trials and stops in time"
+        )
     elif design.sickness.stop_at is None and design.sickness.rise is None:
         out.append("sickness has no stop rule: stop_at ends the session at an answer that bad")
     if design.practice is None:
@@ -176,7 +206,9 @@ def _of_people(design: Design) -> list[str]:
     for part in design.parts:
         minutes = sum(one.seconds for one in stretches(design, part.name)) / 60
         if minutes > 45:
-            out.append(f"part {part.name}: about {minutes:.0f} minutes are long in a headset; fewer repeats, or several sessions")
+            out.append(
+                f"part {part.name}: about {minutes:.0f} minutes are long in a headset; fewer repeats, or several sessions"
+            )
     return out
 
 

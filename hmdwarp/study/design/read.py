@@ -27,7 +27,9 @@ def load_design(name_or_path: str, *, checked: bool = True) -> Design:
     """A shipped study by name, or a .toml file by path. checked: every condition's settings are tried as far as they can be without a
     display, which takes a second for a large scene. Errors: InputError that names file and line, what was found and what was wanted."""
     path = _path_of(name_or_path)
-    return design_from_text(text_of(path, f"a .toml file, or one of {', '.join(ready_names())}"), str(path), checked=checked)
+    return design_from_text(
+        text_of(path, f"a .toml file, or one of {', '.join(ready_names())}"), str(path), checked=checked
+    )
 
 
 def _path_of(name: str) -> Path:
@@ -69,7 +71,9 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         seed=data.whole("seed", 0, 2**63 - 1, 0),
         blind=data.word("blind", BLIND, BOTH),
         practice=practice_of(data, checker),
-        practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True) if "practice" in data else 60.0,
+        practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True)
+        if "practice" in data
+        else 60.0,
         breaks=breaks_of(data),
         sickness=sickness,
         before=before,
@@ -90,4 +94,6 @@ def _name(data: Table) -> str:
 def _refuse_twice(trial: Table, scales: tuple[Scale, ...], sickness: Sickness | None) -> None:
     """An answer is known by the trial, the scale and the item it belongs to."""
     if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
-        raise trial.fault("scales", f"has '{sickness.scale.name}', which [sickness] asks as well: leave it out of one of them")
+        raise trial.fault(
+            "scales", f"has '{sickness.scale.name}', which [sickness] asks as well: leave it out of one of them"
+        )

@@ -134,7 +134,9 @@ def _rungs(options: LiveOptions, headset: Headset) -> tuple[Rung, ...]:
     """What warp auto chooses from."""
     if options.warp != AUTO:
         return ()
-    return ladder_from_file(options.bench, attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px), None).rungs
+    return ladder_from_file(
+        options.bench, attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px), None
+    ).rungs
 
 
 def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
@@ -144,7 +146,9 @@ def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
 
 
 def _placed(folder: Path, name: str, value: object) -> object:
-    is_file = name in FILES or (isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value)))
+    is_file = name in FILES or (
+        isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value))
+    )
     return str(folder.absolute() / value) if is_file and isinstance(value, str) else value
 
 
@@ -180,6 +184,11 @@ def _value(key: str, name: str, value: object) -> object:
             return Path(value) if name in FILES else value
     elif isinstance(value, int) and kind == _WHOLE:
         return value
-    elif isinstance(value, int | float) and kind in (_NUMBER, _TEXT_OR_NUMBER) and abs(value) < 2**63 and math.isfinite(value):
+    elif (
+        isinstance(value, int | float)
+        and kind in (_NUMBER, _TEXT_OR_NUMBER)
+        and abs(value) < 2**63
+        and math.isfinite(value)
+    ):
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
     raise SettingFault(key, f"{key} is {told(value)}: wanted {kind}")

@@ -8,7 +8,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import suppress
 
-PIPE_BYTES = 1 << 20  # what may be printed while the screen is busy; the kernel's own 64 KiB is little for a talkative runtime
+PIPE_BYTES = (
+    1 << 20
+)  # what may be printed while the screen is busy; the kernel's own 64 KiB is little for a talkative runtime
 
 
 class Capture:

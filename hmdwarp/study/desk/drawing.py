@@ -96,7 +96,11 @@ def _top(scene: Scene, width: int, height: int) -> list[Row]:
         progress(plain(state.step), state.done, width, glyphs),
         times,
         *gap,
-        [("", " "), (f"class:phase.{state.phase or 'none'}", f" {_phase_text(state)} "), ("", "  " + HINTS.get(state.phase, ""))],
+        [
+            ("", " "),
+            (f"class:phase.{state.phase or 'none'}", f" {_phase_text(state)} "),
+            ("", "  " + HINTS.get(state.phase, "")),
+        ],
         _notice(scene),
         *(() if scene.entry.mode == "help" else _numbers(state, width, height, glyphs)),
     ]
@@ -124,7 +128,10 @@ def _phase_text(state: DeskState) -> str:
 
 def _notice(scene: Scene) -> Row:
     if scene.heard_s >= STALE_S and scene.state.phase not in ("", "over"):
-        return [("", " "), ("class:loud", f" NO NEWS FOR {clock(scene.heard_s)}: the pictures stand still, or the program is busy ")]
+        return [
+            ("", " "),
+            ("class:loud", f" NO NEWS FOR {clock(scene.heard_s)}: the pictures stand still, or the program is busy "),
+        ]
     notice = plain(scene.state.notice)
     return [("", " "), ("class:loud", f" {notice.upper()} ")] if notice else []
 
@@ -153,7 +160,9 @@ def _journal(scene: Scene, width: int) -> list[Row]:
     for line in scene.journal:
         time, text = _TIMED.match(plain(line)).groups()  # type: ignore[union-attr]
         rows = wrapped(text, max(1, width - 2 - len(time)), 2, more)
-        out += [[("", f" {cut(time if k == 0 else ' ' * len(time), width - 2, more)}{row}")] for k, row in enumerate(rows)]
+        out += [
+            [("", f" {cut(time if k == 0 else ' ' * len(time), width - 2, more)}{row}")] for k, row in enumerate(rows)
+        ]
     return out
 
 

@@ -70,7 +70,10 @@ class Entry:
         if bound_to_it and self._was != about(state):
             was = self.mode
             self._back("")
-            self._say("that question is over: what was typed is dropped" if was in ("answer", "sure") else "that is over", loud=True)
+            self._say(
+                "that question is over: what was typed is dropped" if was in ("answer", "sure") else "that is over",
+                loud=True,
+            )
         elif self.mode == "stop" and state.phase == "over":
             self._back("")
         self._fade(state)

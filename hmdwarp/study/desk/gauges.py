@@ -13,11 +13,14 @@ _CELLS_A_TICK = 5  # a number of three digits, and room
 
 
 def progress(step: str, done: float, width: int, glyphs: Glyphs) -> Row:
-    """ trial 3 of 12  ████░░░░  25 %"""
+    """trial 3 of 12  ████░░░░  25 %"""
     share = min(1.0, max(0.0, done)) if math.isfinite(done) else 0.0
     room = max(4, width - len(step) - 12)
     full = math.floor(room * share)
-    bar: Row = [("class:bar", glyphs.full * full), ("class:rest", glyphs.empty * (room - full))]  # a rest in the same green looks done
+    bar: Row = [
+        ("class:bar", glyphs.full * full),
+        ("class:rest", glyphs.empty * (room - full)),
+    ]  # a rest in the same green looks done
     return [("bold", f" {step}  "), *bar, ("", f"  {math.floor(100 * share):3d} %")]
 
 
@@ -49,7 +52,9 @@ def question_rows(question: Question | None, width: int, rows: int, glyphs: Glyp
     entered = f"entered {number(question.entered)}" if question.entered is not None else "nothing entered"
     anchors = "; ".join(f"{number(value)} {plain(text)}" for value, text in question.anchors) or span(question)
     out: list[Row] = [[("bold", f" {line}")] for line in words]
-    out.append(spread([("", " "), *scale(question, width - 20, glyphs)], [("bold", f" {entered} ")], width, glyphs.more))
+    out.append(
+        spread([("", " "), *scale(question, width - 20, glyphs)], [("bold", f" {entered} ")], width, glyphs.more)
+    )
     out += [[("", f" {line}")] for line in wrapped(anchors, width - 2, rows - len(out), glyphs.more)]
     return [*out[:rows], *([] for _ in range(rows - len(out)))]
 

@@ -195,5 +195,8 @@ def main(post_fd: str, printed_fd: str, parent: str) -> None:
         with contextlib.suppress(OSError):
             print(line, file=sys.stderr)
     if not status and not screen.left_well:
-        print("hmdwarp: the session's program ended suddenly; every confirmed answer is in the store: go on with --resume", file=sys.stderr)
+        print(
+            "hmdwarp: the session's program ended suddenly; every confirmed answer is in the store: go on with --resume",
+            file=sys.stderr,
+        )
     sys.exit(status)

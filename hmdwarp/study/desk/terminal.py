@@ -26,7 +26,11 @@ from .post import LONGEST_LINE, Gone, Post
 from .words import about, bound
 
 LEAVING_S = 3.0  # for the screen to give the terminal back
-NOT_FOR_THE_SCREEN = {signal.SIGINT, signal.SIGTERM, signal.SIGTTOU}  # they are this program's; its end is the screen's end
+NOT_FOR_THE_SCREEN = {
+    signal.SIGINT,
+    signal.SIGTERM,
+    signal.SIGTTOU,
+}  # they are this program's; its end is the screen's end
 CODE = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.study.desk.screen import main; main(*sys.argv[2:])"
 LEFT = b"\x1b[0m\x1b[?2004l\x1b[?1049l\x1b[?25h\x1b[?7h"  # of a screen that died: colours, pasting, the other page, cursor, wrapping
 
@@ -38,7 +42,9 @@ class TerminalDesk:
         self._title = title
         self._state = DeskState(heading=title)
         self._asked: deque[Command] = deque()
-        self._bound: deque[tuple[str, object, object]] = deque()  # commands that are about what was on when they were typed
+        self._bound: deque[tuple[str, object, object]] = (
+            deque()
+        )  # commands that are about what was on when they were typed
         self._told = True  # since a bound one was handed over: only then is it known what the next one would be about
         self._lines: LinesDesk | None = None
         self._failed = ""
@@ -47,7 +53,9 @@ class TerminalDesk:
         self._modes = termios.tcgetattr(0)
         here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._capture = Capture()
-        masked = signal.pthread_sigmask(signal.SIG_BLOCK, NOT_FOR_THE_SCREEN)  # the new program starts with these blocked
+        masked = signal.pthread_sigmask(
+            signal.SIG_BLOCK, NOT_FOR_THE_SCREEN
+        )  # the new program starts with these blocked
         try:
             self._screen = subprocess.Popen(
                 [sys.executable, "-c", CODE, json.dumps(sys.path), str(there.fileno()), str(self._capture.read), str(os.getpid())],

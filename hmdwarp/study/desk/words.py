@@ -45,7 +45,9 @@ def checked_answer(text: str, question: Question) -> float:
     try:
         value = float(text.strip().replace(",", "."))
     except ValueError:
-        raise ValueError(f"{text.strip()!r} is no number: {wanted}" if text.strip() else f"nothing was typed: {wanted}") from None
+        raise ValueError(
+            f"{text.strip()!r} is no number: {wanted}" if text.strip() else f"nothing was typed: {wanted}"
+        ) from None
     if not question.least <= value <= question.most:  # NaN is not either
         raise ValueError(f"{text.strip()} is not on the scale: {wanted}")
     steps = (value - question.least) / question.step
@@ -62,7 +64,10 @@ def refusal(name: str, state: DeskState) -> str:
         "skip": (state.question is None, "nothing is being asked now"),
         "answer": (state.question is None, "nothing is being asked now"),
         "agree": (state.phase != "reading", "there is no text to agree to now"),
-        "continue": (state.phase not in ("paused", "break", "waiting"), "it is going on already: there is no pause and no break"),
+        "continue": (
+            state.phase not in ("paused", "break", "waiting"),
+            "it is going on already: there is no pause and no break",
+        ),
         "pause": (state.phase == "paused", "it is paused already"),
         "break": (state.phase == "break", "it is a break already"),
     }

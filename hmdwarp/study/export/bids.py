@@ -33,7 +33,9 @@ PARTICIPANTS = (
     Column("participant_id", "text", "sub- and the participant's random word"),
     Column("part", "text", "Parts of the study, in the order of the sessions"),
     Column("sessions", "whole", "How many sittings there were"),
-    Column("status", "text", "How the last sitting ended", levels=next(c for c in COLUMNS if c.name == "status").levels),
+    Column(
+        "status", "text", "How the last sitting ended", levels=next(c for c in COLUMNS if c.name == "status").levels
+    ),
 )
 SCANS = (
     Column("filename", "text", "File that the row is about"),
@@ -52,13 +54,17 @@ class Left:
     why_not: tuple[str, ...]
 
 
-def write_bids(out: OutputFolder, contents: Contents, design: Design, rows: Sequence[Row], readme: str, progress: Progress) -> Left:
+def write_bids(
+    out: OutputFolder, contents: Contents, design: Design, rows: Sequence[Row], readme: str, progress: Progress
+) -> Left:
     """contents: of one origin. rows: all answers (rows.answer_rows and the scores), which are distributed over the sessions."""
     tree = _Tree(out, contents, design, label_of(design.name), scales_asked(contents, design))
     tree.head(readme)
     count, motions, why_not = sum(_has_motion(one) for one in contents.showings), 0, []
     for session in contents.sessions:
-        files = tree.behaviour(session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)])
+        files = tree.behaviour(
+            session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
+        )
         for showing in (one for one in contents.showings if one.session == session.id and _has_motion(one)):
             try:
                 files.append(tree.motion(session, showing, len(files)))
@@ -185,7 +191,11 @@ def _about(scale: Scale) -> str:
     good = "low is good" if scale.low_is_good else "high is good"
     anchors = ", ".join(f"{value:g} {word}" for value, word in scale.anchors.items())
     source = f"; source: {scale.source}" if scale.source else ""
-    return f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {good}" + (f" ({anchors})" if anchors else "") + source
+    return (
+        f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {good}"
+        + (f" ({anchors})" if anchors else "")
+        + source
+    )
 
 
 def _shifted(start_utc: str, at_utc: str) -> str | None:

@@ -103,7 +103,13 @@ _ACTUAL_TOLD = {
     "tracking_lost_share": ("Pictures for a head that was held where it was last known, of all", ""),
 }
 _OF = {"_median": "median", "_p95": "95th percentile", "_sd": "standard deviation", "_mean": "mean"}
-_TEXT_TOLD = {"gpu": "GPU", "gl": "Version of OpenGL", "hmdwarp": "Version of hmdwarp", "size": "Pixels of one eye", "source": "Display"}
+_TEXT_TOLD = {
+    "gpu": "GPU",
+    "gl": "Version of OpenGL",
+    "hmdwarp": "Version of hmdwarp",
+    "size": "Pixels of one eye",
+    "source": "Display",
+}
 _MEASURED_TOLD = {
     "psnr_db": "Peak signal-to-noise ratio against a picture without latency",
     "ssim": "Structural similarity to a picture without latency, 1 is the same",
@@ -118,9 +124,15 @@ MEASURED = QUALITY
 def _actual(name: str) -> Column:
     if name in TEXTS:
         return Column(f"actual_{name}", TEXT, f"As it was shown: {_TEXT_TOLD.get(name, name)}")
-    stem, how = next(((name.removesuffix(end), f", {word}") for end, word in _OF.items() if name.endswith(end)), (name, ""))
-    told, unit = _ACTUAL_TOLD.get(stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), "")))
-    return Column(f"actual_{name}", WHOLE if name in ("pictures", "missed") else NUMBER, f"As it was shown: {told}{how}", unit)
+    stem, how = next(
+        ((name.removesuffix(end), f", {word}") for end, word in _OF.items() if name.endswith(end)), (name, "")
+    )
+    told, unit = _ACTUAL_TOLD.get(
+        stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
+    )
+    return Column(
+        f"actual_{name}", WHOLE if name in ("pictures", "missed") else NUMBER, f"As it was shown: {told}{how}", unit
+    )
 
 
 ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *TEXTS))
@@ -132,7 +144,8 @@ MEASURED_COLUMNS = (
     Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; figures of different sizes are not to be compared"),
 )  # fmt: skip
 _SETTING_COLUMNS = tuple(
-    Column(name, NUMBER if name == "latency_ms" else TEXT, _SETTING_TOLD[name], "ms" if name == "latency_ms" else "") for name in SETTINGS
+    Column(name, NUMBER if name == "latency_ms" else TEXT, _SETTING_TOLD[name], "ms" if name == "latency_ms" else "")
+    for name in SETTINGS
 )
 COLUMNS = (*_WHO, *_WHAT, *_SETTING_COLUMNS, *_SHOWN, *ACTUAL_COLUMNS, *MEASURED_COLUMNS)
 LONG_COLUMNS = tuple(column.name for column in COLUMNS)

@@ -61,7 +61,9 @@ def motion_text(track: PoseTrack) -> str:
     positions and quaternions with every digit."""
     stream = io.StringIO()
     times = (track.time_ns - track.start_ns).tolist()
-    for time_ns, position, orientation in zip(times, track.position_m.tolist(), track.orientation_xyzw.tolist(), strict=True):
+    for time_ns, position, orientation in zip(
+        times, track.position_m.tolist(), track.orientation_xyzw.tolist(), strict=True
+    ):
         whole, micro = divmod((time_ns + 500) // 1000, 1_000_000)
         stream.write("\t".join((f"{whole}.{micro:06d}", *map(repr, position), *map(repr, orientation))) + "\n")
     return stream.getvalue()
@@ -76,7 +78,9 @@ def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, A
         "SamplingFrequency": round(rates.nominal_hz, 6),
         "SamplingFrequencyEffective": round(rates.effective_hz, 6),
         "SamplingDescription": rates.told(),
-        "TrackingSystemName": "head-mounted display" if not facts.get("headset") else f"head-mounted display ({facts['headset']})",
+        "TrackingSystemName": "head-mounted display"
+        if not facts.get("headset")
+        else f"head-mounted display ({facts['headset']})",
         "RecordingDuration": round(track.duration_ns * 1e-9, 6),
         "MotionChannelCount": len(CHANNELS),
         "LATENCYChannelCount": 1,
@@ -99,7 +103,9 @@ def software(hmdwarp: str, display: Mapping[str, Any]) -> str:
 def channels_text() -> str:
     """The _channels.tsv: one row for each column of _motion.tsv, in that order."""
     rows = ["name\tcomponent\ttype\ttracked_point\tunits\treference_frame"]
-    rows += [f"{name}\t{component}\t{type_}\thead\t{units}\t{_frame(type_)}" for name, component, type_, units in CHANNELS]
+    rows += [
+        f"{name}\t{component}\t{type_}\thead\t{units}\t{_frame(type_)}" for name, component, type_, units in CHANNELS
+    ]
     return "\n".join(rows) + "\n"
 
 

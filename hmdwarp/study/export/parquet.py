@@ -31,7 +31,10 @@ def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequen
     fields = [pa.field(c.name, types.get(c.type, pa.string()), metadata=_about(c)) for c in columns]
     about = {"title": title, "made_by": f"hmdwarp {__version__}", "missing": "null"}
     schema = pa.schema(fields, metadata=about)
-    arrays = [pa.array([_plain(c, row.get(c.name)) for row in rows], field.type) for c, field in zip(columns, fields, strict=True)]
+    arrays = [
+        pa.array([_plain(c, row.get(c.name)) for row in rows], field.type)
+        for c, field in zip(columns, fields, strict=True)
+    ]
     with path.open("wb") as file:
         # Not compressed: a search through the bytes sees what is in it.
         parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), file, compression="none")
@@ -39,7 +42,9 @@ def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequen
 
 def _about(column: Column) -> dict[str, str]:
     told = {"description": column.description, "units": column.units}
-    return {name: value for name, value in told.items() if value} | ({"levels": json.dumps(dict(column.levels))} if column.levels else {})
+    return {name: value for name, value in told.items() if value} | (
+        {"levels": json.dumps(dict(column.levels))} if column.levels else {}
+    )
 
 
 def _plain(column: Column, value: Any) -> Any:

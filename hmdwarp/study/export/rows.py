@@ -18,7 +18,14 @@ from ..store import COMPLETE, PERSON, Answer, Contents, Session, Showing
 from .columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
 
 Row = dict[str, Any]
-_FIELDS = {"latency_ms": "latency_ms", "warp": "warp", "fill": "fill", "scene": "scene", "effects": "effects", "lens": "lens"}
+_FIELDS = {
+    "latency_ms": "latency_ms",
+    "warp": "warp",
+    "fill": "fill",
+    "scene": "scene",
+    "effects": "effects",
+    "lens": "lens",
+}
 
 
 @attrs.frozen(eq=False)
@@ -62,7 +69,10 @@ def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
     chosen = (one for one in contents.sessions if one.origin == origin)
     sessions = tuple(sorted(chosen, key=lambda one: (one.sub, one.number)))
     ids = {one.id for one in sessions}
-    kept = {name: tuple(one for one in getattr(contents, name) if one.session in ids) for name in ("answers", "showings", "events")}
+    kept = {
+        name: tuple(one for one in getattr(contents, name) if one.session in ids)
+        for name in ("answers", "showings", "events")
+    }
     return attrs.evolve(contents, sessions=sessions, **kept)
 
 
@@ -76,7 +86,11 @@ def long_rows(contents: Contents, design: Design) -> list[Row]:
 
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
     """As long_rows, for every question of a session: `phase` and `kind` tell which is which."""
-    return [_row(design, sitting, ask, _last(sitting, ask)) for sitting in sittings(contents, design) for ask in sitting.asks.values()]
+    return [
+        _row(design, sitting, ask, _last(sitting, ask))
+        for sitting in sittings(contents, design)
+        for ask in sitting.asks.values()
+    ]
 
 
 def revision_rows(contents: Contents, design: Design) -> list[Row]:
@@ -121,7 +135,9 @@ def _sitting(contents: Contents, design: Design, session: Session, plan: Design)
             "give the study file that the sessions were run with"
         ) from error
     answers: dict[str, list[Answer]] = {}
-    for answer in sorted((one for one in contents.answers if one.session == session.id), key=lambda one: (one.revision, one.id)):
+    for answer in sorted(
+        (one for one in contents.answers if one.session == session.id), key=lambda one: (one.revision, one.id)
+    ):
         answers.setdefault(answer.key, []).append(answer)
     return Sitting(
         session,

@@ -28,7 +28,10 @@ def csv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> st
 
 def tsv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> str:
     """Tabs, LF. A tab or a line end within a value becomes a space: readers of TSV go line by line."""
-    flat = ({name: " ".join(value.split()) if isinstance(value, str) else value for name, value in row.items()} for row in rows)
+    flat = (
+        {name: " ".join(value.split()) if isinstance(value, str) else value for name, value in row.items()}
+        for row in rows
+    )
     return _text(flat, columns, delimiter="\t", lineterminator="\n")
 
 

@@ -25,9 +25,7 @@ def counts_told(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
     given = sum(row["value"] is not None for row in ratings)
     missing = f", {len(ratings) - given} missing" if len(ratings) > given else ""
     whose = _WHOSE[origin][people != 1]
-    return (
-        f"{counted(people, 'participant')} ({whose}) in {counted(len(contents.sessions), 'session')}, {counted(given, 'rating')}{missing}"
-    )
+    return f"{counted(people, 'participant')} ({whose}) in {counted(len(contents.sessions), 'session')}, {counted(given, 'rating')}{missing}"
 
 
 def nobody(contents: Contents, origin: str, verb: str) -> str:

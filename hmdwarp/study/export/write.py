@@ -72,7 +72,9 @@ def export(
     with OutputFolder(out, last="README") as folder:
         told = [counts_told(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
-            told.append(f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it was run by")
+            told.append(
+                f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it was run by"
+            )
         told += _tables(folder, kept, design, answers, ratings, options)
         text = readme(design, kept, ratings, options.origin)
         left = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
@@ -83,7 +85,12 @@ def export(
 
 
 def _tables(
-    folder: OutputFolder, contents: Contents, design: Design, answers: Sequence[Row], ratings: Sequence[Row], options: ExportOptions
+    folder: OutputFolder,
+    contents: Contents,
+    design: Design,
+    answers: Sequence[Row],
+    ratings: Sequence[Row],
+    options: ExportOptions,
 ) -> list[str]:
     columns = columns_for(ratings)
     folder.write_bytes("ratings.csv", csv_text(ratings, columns).encode())
@@ -111,7 +118,9 @@ def _short(rows: Sequence[Row]) -> tuple[Column, ...]:
     return tuple(c for c in columns_for(rows, EXTRA) if not c.name.startswith(("actual_", "measured_")))
 
 
-def _parquet(folder: OutputFolder, rows: Sequence[Row], columns: Sequence[Column], design: Design, wanted: bool | None) -> str:
+def _parquet(
+    folder: OutputFolder, rows: Sequence[Row], columns: Sequence[Column], design: Design, wanted: bool | None
+) -> str:
     if wanted is False:
         return ""
     if wanted is None and not has_parquet():

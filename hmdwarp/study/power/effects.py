@@ -37,7 +37,11 @@ def with_effect(model: Model, design: Design, scale: Scale, effect: float) -> Mo
 
 def comparisons_of(design: Design, part: Part) -> list[Comparison]:
     """All planned ones of a part, each once."""
-    return [one for one in dict.fromkeys(c for family in design.families for c in family.comparisons) if one.part == part.name]
+    return [
+        one
+        for one in dict.fromkeys(c for family in design.families for c in family.comparisons)
+        if one.part == part.name
+    ]
 
 
 def _means(part: Part, comparisons: list[Comparison], scale: Scale, effect: float) -> Mapping[str, float]:

@@ -104,7 +104,9 @@ def power_of(
     )
 
 
-def differences(cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)) -> Floats:
+def differences(
+    cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)
+) -> Floats:
     """How much better b was rated than a, for each of the people who rated both."""
     rated = cohort.per_condition(scale.name, latent=latent, people=people)
     names = [one.name for one in cohort.part.conditions]
@@ -179,4 +181,6 @@ class _Means:
             total[1] += len(values)
 
     def of(self, *, latent: bool) -> dict[Comparison, float]:
-        return {one: total[0] / max(total[1], 1) for (one, is_latent), total in self._sums.items() if is_latent == latent}
+        return {
+            one: total[0] / max(total[1], 1) for (one, is_latent), total in self._sums.items() if is_latent == latent
+        }

@@ -55,7 +55,9 @@ def _enough(power: Power, one: Comparison, wanted: float) -> str:
     effect = f"a true mean difference of {power.true_effect[one]:+.2f}"
     if reached is None:
         found = last.found[one]
-        return f"{name} ({effect}): up to {last.n} people do not reach {wanted:.0%}; with {last.n} it is {_share(found)}."
+        return (
+            f"{name} ({effect}): up to {last.n} people do not reach {wanted:.0%}; with {last.n} it is {_share(found)}."
+        )
     found = reached.found[one]
     said = f"{name} ({effect}): {reached.n} people find it in {_share(found)} of studies."
     if reached is power.strengths[0]:

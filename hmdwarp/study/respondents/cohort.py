@@ -86,7 +86,9 @@ class Population:
         before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
         taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
         place = np.arange(order.shape[1])
-        return self.model.ratings[scale.name].latent(means, before, place, drawn.level[:, number, None], taste, drawn.noise[:, number])
+        return self.model.ratings[scale.name].latent(
+            means, before, place, drawn.level[:, number, None], taste, drawn.noise[:, number]
+        )
 
     def _ends(self, drawn: _Drawn) -> tuple[Ints, tuple[str, ...], Floats]:
         """(trials, why, sickness) as Cohort has them."""
@@ -95,7 +97,9 @@ class Population:
         leaves = drawn.dropout < self.model.dropout
         left_after = np.where(leaves.any(axis=1), leaves.argmax(axis=1) + 1, count)
         trials = np.minimum(np.minimum(sick_after, left_after), count)
-        why = tuple(SICK if s <= t else STOPPED if t < count else COMPLETE for s, t in zip(sick_after, trials, strict=True))
+        why = tuple(
+            SICK if s <= t else STOPPED if t < count else COMPLETE for s, t in zip(sick_after, trials, strict=True)
+        )
         later = np.arange(count + 1) > trials[:, None]
         return trials, why, np.where(later, np.nan, sickness)
 
@@ -140,7 +144,9 @@ def sick(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tu
     return answers, np.where(over.any(axis=1), over.argmax(axis=1), never)
 
 
-def ends_it(answers: Floats, asked: NDArray[np.bool_], scale: Scale, stop_at: float | None, rise: float | None) -> NDArray[np.bool_]:
+def ends_it(
+    answers: Floats, asked: NDArray[np.bool_], scale: Scale, stop_at: float | None, rise: float | None
+) -> NDArray[np.bool_]:
     """(n, T + 1) whether each answer is one the session ends after."""
     bad = answers - scale.least if scale.low_is_good else scale.most - answers
     over = np.zeros(answers.shape, bool)
@@ -156,4 +162,3 @@ def ends_it(answers: Floats, asked: NDArray[np.bool_], scale: Scale, stop_at: fl
 def means_of(model: Model, part: Part, scale: Scale) -> Floats:
     """(conditions) of the latent ratings. Errors: InputError where the model lacks one."""
     return model.rating(scale).means_of(part, f"{model.path}: [rating.{scale.name}.means]")
-

@@ -32,4 +32,6 @@ def draw_for(seed: int, part: str, person: int, thing: str, count: int = 1) -> F
 
 def _uniform(seed: int, study: int, part: str, person: int, thing: int, count: int) -> Floats:
     counter = np.array([0, thing, zlib.crc32(part.encode()), person & _64], np.uint64)
-    return np.random.Generator(np.random.Philox(key=np.array([seed & _64, study & _64], np.uint64), counter=counter)).random(count)
+    return np.random.Generator(
+        np.random.Philox(key=np.array([seed & _64, study & _64], np.uint64), counter=counter)
+    ).random(count)

@@ -18,7 +18,9 @@ from ..design import Part
 from ..scales import Scale
 
 Floats = NDArray[np.float64]
-TINY = 2.0**-54  # half of the least step of a double drawn from [0, 1): the normal of a draw of exactly 0 is -8.3, not minus infinity
+TINY = (
+    2.0**-54
+)  # half of the least step of a double drawn from [0, 1): the normal of a draw of exactly 0 is -8.3, not minus infinity
 
 
 @attrs.frozen
@@ -45,10 +47,14 @@ class RatingModel:
         table = own if isinstance(own, Mapping) else self.means
         lacking = [one.name for one in part.conditions if not isinstance(table.get(one.name), float)]
         if lacking:
-            raise InputError(f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': wanted one for each condition")
+            raise InputError(
+                f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': wanted one for each condition"
+            )
         return np.array([table[one.name] for one in part.conditions])
 
-    def latent(self, mean: ArrayLike, before: ArrayLike, place: ArrayLike, level: ArrayLike, taste: ArrayLike, noise: ArrayLike) -> Floats:
+    def latent(
+        self, mean: ArrayLike, before: ArrayLike, place: ArrayLike, level: ArrayLike, taste: ArrayLike, noise: ArrayLike
+    ) -> Floats:
         """What a rating would be without steps and ends.
 
         mean: of the condition. before: of the one shown before it, that of the condition itself for the first. place: of the trial, from 0.
@@ -102,7 +108,9 @@ class Model:
         """The one for that scale. Errors: InputError where there is none."""
         if scale.name not in self.ratings:
             known = ", ".join(self.ratings) or "none"
-            raise InputError(f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}")
+            raise InputError(
+                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}"
+            )
         return self.ratings[scale.name]
 
     def seconds(self, draw: float) -> float:
@@ -124,4 +132,6 @@ def on_scale(latent: ArrayLike, scale: Scale) -> Floats:
 def of_share(share: ArrayLike, scale: Scale) -> Floats:
     """The nearest answer to a share of the scale, from 0, its best, to 1, its worst."""
     span = scale.most - scale.least
-    return on_scale(scale.least + span * np.asarray(share) if scale.low_is_good else scale.most - span * np.asarray(share), scale)
+    return on_scale(
+        scale.least + span * np.asarray(share) if scale.low_is_good else scale.most - span * np.asarray(share), scale
+    )

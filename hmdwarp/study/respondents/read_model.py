@@ -29,7 +29,9 @@ def load_model(name_or_path: str | Path) -> Model:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(f"model file {path}: {error.strerror}: wanted a .toml file, or one of {', '.join(model_names())}") from error
+        raise InputError(
+            f"model file {path}: {error.strerror}: wanted a .toml file, or one of {', '.join(model_names())}"
+        ) from error
     if len(data) > _MOST_BYTES:
         raise InputError(f"model file {path}: {len(data)} bytes: wanted a few numbers, in at most {_MOST_BYTES}")
     try:
@@ -98,7 +100,9 @@ def _means(table: Table, *, parts: bool) -> dict[str, object]:
 
 def _sickness(table: Table) -> SicknessModel:
     spreads = {key: table.within(key, 0, math.inf, 0.0) for key in ("people_sd", "noise_sd")}
-    return SicknessModel(start=table.within("start", 0, 1, 0.0), per_trial=table.within("per_trial", 0, 1, 0.0), **spreads)
+    return SicknessModel(
+        start=table.within("start", 0, 1, 0.0), per_trial=table.within("per_trial", 0, 1, 0.0), **spreads
+    )
 
 
 def _numbers(table: Table, *keys: str) -> dict[str, float]:
@@ -107,4 +111,7 @@ def _numbers(table: Table, *keys: str) -> dict[str, float]:
 
 
 def _times(table: Table) -> dict[str, float]:
-    return {"median_s": table.within("median_s", 0, 3600, 2.0, above=True), "spread_s": table.within("spread_s", 0, 5, 0.5)}
+    return {
+        "median_s": table.within("median_s", 0, 3600, 2.0, above=True),
+        "spread_s": table.within("spread_s", 0, 5, 0.5),
+    }

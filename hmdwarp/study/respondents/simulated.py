@@ -85,7 +85,9 @@ class Simulated:
         last = int(self._cohort.trials[0])
         if self._cohort.why[0] != STOPPED:
             return False
-        return (isinstance(step, Show) and step.trial > last) or (isinstance(step, Pause) and shown is not None and shown.trial >= last)
+        return (isinstance(step, Show) and step.trial > last) or (
+            isinstance(step, Pause) and shown is not None and shown.trial >= last
+        )
 
     def _draw(self, what: str, key: str) -> float:
         return float(draw_for(self._seed, self._part, self._person, f"{what} {key}")[0])

@@ -18,7 +18,12 @@ class Afterwards:
     it."""
 
     def __init__(
-        self, options: RunSession, design: Design, store: Store, say: Callable[[str], None], told: Callable[[Session], None]
+        self,
+        options: RunSession,
+        design: Design,
+        store: Store,
+        say: Callable[[str], None],
+        told: Callable[[Session], None],
     ) -> None:
         self._options, self._design, self._store, self._say, self._told = options, design, store, say, told
         self.session: Session | None = None
@@ -45,11 +50,15 @@ class Afterwards:
         assert session is not None
         beside = "" if session.origin == PERSON else f" ({session.origin})"
         why = f": {session.why}" if session.why else ""
-        lines = [f"participant {session.code}{beside}, session {session.number}, part {session.part}: {session.status}{why}"]
+        lines = [
+            f"participant {session.code}{beside}, session {session.number}, part {session.part}: {session.status}{why}"
+        ]
         with suppress(HmdwarpError):  # a disk that is full may not even be read
             answers = self._store.answers(session)
             rated = sum(one.phase == "trial" and one.value is not None for one in answers)
-            lines.append(f"stored in {self._store.folder}: {_count(len(answers), 'answer')}, {rated} of them about trials")
+            lines.append(
+                f"stored in {self._store.folder}: {_count(len(answers), 'answer')}, {rated} of them about trials"
+            )
         lines.append(self.go_on if session.status == INTERRUPTED else self._next())
         return lines
 
@@ -62,13 +71,21 @@ class Afterwards:
     def explained(self, error: HmdwarpError) -> HmdwarpError:
         """The same error, with how to go on: it is the one line that will be read."""
         self.quiet = True
-        return type(error)(f"{error}; what was answered before is stored, {self.go_on}") if self.session is not None else error
+        return (
+            type(error)(f"{error}; what was answered before is stored, {self.go_on}")
+            if self.session is not None
+            else error
+        )
 
     def last_words(self) -> str:
         """For the watchdog, which ends the program. The store needs nothing: all of it is on the disk."""
         recorder = self.recording()
         saved = recorder.save() if recorder is not None else ""
-        return "; ".join(filter(None, (saved, "what was answered is stored", self.go_on))) if self.session is not None else ""
+        return (
+            "; ".join(filter(None, (saved, "what was answered is stored", self.go_on)))
+            if self.session is not None
+            else ""
+        )
 
 
 def _count(number: int, what: str) -> str:

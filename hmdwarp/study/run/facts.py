@@ -37,7 +37,12 @@ def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
 
 
 def _machine() -> dict[str, Any]:
-    return {"system": platform.system(), "release": platform.release(), "cpu": platform.machine(), "cpu_count": os.cpu_count() or 1}
+    return {
+        "system": platform.system(),
+        "release": platform.release(),
+        "cpu": platform.machine(),
+        "cpu_count": os.cpu_count() or 1,
+    }
 
 
 def _version(name: str) -> str:

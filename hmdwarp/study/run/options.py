@@ -42,13 +42,19 @@ class RunSession:
         if self.resume and self.new_session:
             raise InputError("--resume goes on with a session, --new-session begins another: leave one of the two out")
         if self.resume and self.participant.lower() == "new":
-            raise InputError("--participant new draws a code for somebody new: --resume needs the code of who was interrupted")
+            raise InputError(
+                "--participant new draws a code for somebody new: --resume needs the code of who was interrupted"
+            )
         if self.trace and self.source in (AUTO_SOURCE, OPENXR):
-            raise InputError(f"--trace {self.trace}: a headset has a head of its own; take --source {DESKTOP} or {OFFSCREEN}, to rehearse")
+            raise InputError(
+                f"--trace {self.trace}: a headset has a head of its own; take --source {DESKTOP} or {OFFSCREEN}, to rehearse"
+            )
         if self.source == OFFSCREEN and not self.trace:
             raise InputError("--source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
         if self.source == OFFSCREEN and self.origin == PERSON:
-            raise InputError("--source offscreen: nobody sees what is rated; that is a rehearsal: give --pilot or --simulate too")
+            raise InputError(
+                "--source offscreen: nobody sees what is rated; that is a rehearsal: give --pilot or --simulate too"
+            )
 
     @property
     def origin(self) -> str:

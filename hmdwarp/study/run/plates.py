@@ -16,7 +16,9 @@ _FAREWELL = {
 
 def ready(next_step: Step, steps: tuple[Step, ...], resumed: bool, hints: Hints) -> Card:
     """Before anything else, so that nothing begins before somebody sits right."""
-    goes_on = f"We go on with {'a break' if isinstance(next_step, Pause) else told(next_step, steps)}. " if resumed else ""
+    goes_on = (
+        f"We go on with {'a break' if isinstance(next_step, Pause) else told(next_step, steps)}. " if resumed else ""
+    )
     text = f"{goes_on}Sit comfortably. {hints.menu} opens a menu at any time: to have a break, or to stop without a reason."
     return card("Ready?", text, f"{hints.confirm}: begin")
 
@@ -28,7 +30,9 @@ def number_of(step: Show, steps: tuple[Step, ...]) -> Card:
 
 def sick(asks_after: bool, hints: Hints) -> Card:
     """At the stop rule, in place of the next trial."""
-    rest = "A few questions are left, if you like; each may be left out." if asks_after else "There is nothing more to do."
+    rest = (
+        "A few questions are left, if you like; each may be left out." if asks_after else "There is nothing more to do."
+    )
     keys = f"{hints.confirm}: go on · {hints.menu}: menu"
     return card("We stop here", f"You do not feel well enough to go on, so this is the last of it. {rest}", keys)
 

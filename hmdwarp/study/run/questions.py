@@ -133,7 +133,7 @@ class MenuWatch(StepWatch):
 
     @property
     def chosen(self) -> str:
-        """"" before."""
+        """ "" before."""
         return self._menu.chosen
 
     def finished(self) -> bool:
@@ -184,7 +184,9 @@ class Standing(Watch):
 
     pictures = False
 
-    def __init__(self, room: Room, step: Step, plate: Card, refreshes: int = 1, seconds: float = 0.0, phase: str = "showing") -> None:
+    def __init__(
+        self, room: Room, step: Step, plate: Card, refreshes: int = 1, seconds: float = 0.0, phase: str = "showing"
+    ) -> None:
         self._room, self._step, self._plate, self._left, self._phase = room, step, plate, refreshes, phase
         self._until_ns = room.display.now_ns() + round(seconds * 1e9)
         room.entitle(step)
@@ -202,5 +204,3 @@ class Standing(Watch):
         """As Watch.obey."""
         self._room.tell(self._step, lambda: {"phase": self._phase})
         return False
-
-

@@ -77,8 +77,12 @@ def _asked_for(options: RunSession, design: Design, store: Store) -> tuple[str, 
         return options.part or design.parts[0].name, design
     session = store.would_resume(options.participant, options.part)
     if session.origin != options.origin:  # made-up answers must not get into somebody's session
-        how = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}.get(session.origin, "leave --pilot and --simulate away")
-        raise InputError(f"participant {session.code} is a {session.origin} here, not a {options.origin}: {how} to go on")
+        how = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}.get(
+            session.origin, "leave --pilot and --simulate away"
+        )
+        raise InputError(
+            f"participant {session.code} is a {session.origin} here, not a {options.origin}: {how} to go on"
+        )
     began_with = design if session.plan == design.text else design_from_text(session.plan, design.path)
     store.check_same(session, began_with)
     return session.part, began_with
@@ -138,7 +142,9 @@ class _Program:
         options, facts = self.options, facts_of(self.display, self.design, self.options.trace)
         if options.resume:
             return self.store.resume(options.participant, options.part, facts)
-        return self.store.begin(self.design, options.part, options.participant, options.origin, options.new_session, facts)
+        return self.store.begin(
+            self.design, options.part, options.participant, options.origin, options.new_session, facts
+        )
 
     def _interrupt(self, session: Session, why: str) -> None:
         self.afterwards.session = self.store.end(session, INTERRUPTED, why)
@@ -158,18 +164,32 @@ class _Program:
         every = self._all_options()
         scenes = {name: load_scene(name) for name in {one.scene for one in every}}
         under_way = under_way_s([one.latency_ms for one in every])
-        shower = Shower(room, self.ending, self._options_of, lambda step: plates.number_of(step, steps), under_way, scenes)
+        shower = Shower(
+            room, self.ending, self._options_of, lambda step: plates.number_of(step, steps), under_way, scenes
+        )
         self.afterwards.recording = lambda: shower.recording
         driver = Driver(display, Idle(self.live), self.ending, self.desk.say)
         before = _Before(store, session, steps)
-        return Sitting(room, shower, driver, self.ending, hints_for(display.name), self.options.resume, before.answered, before.about)
+        return Sitting(
+            room,
+            shower,
+            driver,
+            self.ending,
+            hints_for(display.name),
+            self.options.resume,
+            before.answered,
+            before.about,
+        )
 
     def _options_of(self, step: Show) -> LiveOptions:
         return live_options(step.condition.settings, source=self.options.source, trace=self.options.trace)
 
     def _all_options(self) -> list[LiveOptions]:
         """Of everything that is shown."""
-        shown = [*self.design.part(self.part).conditions, *([self.design.practice] if self.design.practice is not None else [])]
+        shown = [
+            *self.design.part(self.part).conditions,
+            *([self.design.practice] if self.design.practice is not None else []),
+        ]
         return [live_options(one.settings) for one in shown]
 
 
@@ -179,7 +199,9 @@ class _Before:
     def __init__(self, store: Store, session: Session, steps: tuple[Step, ...]) -> None:
         answers = store.answers(session)
         asks = {step.key: step for step in steps if isinstance(step, Ask)}
-        showings = {one.id: one for one in store.contents(pilot=session.origin == PILOT).showings if one.session == session.id}
+        showings = {
+            one.id: one for one in store.contents(pilot=session.origin == PILOT).showings if one.session == session.id
+        }
         self.about: dict[str, Showing] = {one.key: showings[one.showing] for one in answers if one.showing is not None}
         last = max(answers, key=lambda one: one.id, default=None)
         self.answered = asks.get(last.key) if last is not None else None

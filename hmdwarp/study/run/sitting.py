@@ -180,7 +180,9 @@ class Sitting:
             SKIP: isinstance(step, Ask),
             STOP: True,
         }
-        watch = MenuWatch(self.room, Pause(MENU, 0.0), [name for name, is_offered in offers.items() if is_offered], step)
+        watch = MenuWatch(
+            self.room, Pause(MENU, 0.0), [name for name, is_offered in offers.items() if is_offered], step
+        )
         self._drive(watch)
         return watch.chosen
 

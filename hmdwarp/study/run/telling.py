@@ -8,11 +8,17 @@ from collections.abc import Sequence
 from ...geometry import Pose
 from ..steps import Ask, Pause, Read, Show, Step
 
-READY, MENU, ASKED_BREAK, SICK, END = "ready", "menu", "asked-break", "sick", "end"  # keys of what comes between the steps
+READY, MENU, ASKED_BREAK, SICK, END = (
+    "ready",
+    "menu",
+    "asked-break",
+    "sick",
+    "end",
+)  # keys of what comes between the steps
 
 
 def told(step: Step, steps: Sequence[Step]) -> str:
-    """"trial 3 of 12", and the like."""
+    """ "trial 3 of 12", and the like."""
     if isinstance(step, Pause):
         return "break"
     if isinstance(step, Read):
@@ -29,7 +35,9 @@ def trials(steps: Sequence[Step]) -> int:
 
 def _of_questionnaire(ask: Ask, steps: Sequence[Step]) -> str:
     items = ask.scale.items
-    return ask.scale.title if len(items) == 1 else f"{ask.scale.title}, item {items.index(ask.item) + 1} of {len(items)}"
+    return (
+        ask.scale.title if len(items) == 1 else f"{ask.scale.title}, item {items.index(ask.item) + 1} of {len(items)}"
+    )
 
 
 def turned_deg(pose: Pose) -> tuple[float, float, float]:

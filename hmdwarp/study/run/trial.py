@@ -87,7 +87,9 @@ class Trial(StepWatch):
         late_s = self._since_s(self._restarted_ns) - self._under_way_s
         self.pictures = self._arrived and late_s >= 0
         if not self._arrived and late_s >= PATIENCE_S:
-            raise InputError(f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through")
+            raise InputError(
+                f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through"
+            )
 
     def went(self, why: str) -> None:
         """It is shown again, from its start: what was rated must have been seen undisturbed."""
@@ -99,4 +101,10 @@ class Trial(StepWatch):
         status, room = self._log.status, self.room
         condition = self._show.condition.name if room.tells_condition else ""
         left = self._show.seconds - self.seen_s
-        return {"phase": self.phase, "left_s": left, "rate_hz": status.rate_hz, "missed": status.missed, "condition": condition}
+        return {
+            "phase": self.phase,
+            "left_s": left,
+            "rate_hz": status.rate_hz,
+            "missed": status.missed,
+            "condition": condition,
+        }

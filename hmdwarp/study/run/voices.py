@@ -26,7 +26,9 @@ class Voices:
     desk: Desk
     respondent: Respondent
 
-    def heard(self, commands: Sequence[Command], step: Step, shown: Show | None, asked_s: float) -> Iterator[tuple[str, Command]]:
+    def heard(
+        self, commands: Sequence[Command], step: Step, shown: Show | None, asked_s: float
+    ) -> Iterator[tuple[str, Command]]:
         """Everything since the last time, with who it came from. commands: the display's."""
         yield from ((PARTICIPANT, one) for one in commands)
         yield from ((EXPERIMENTER, one) for one in self.desk.commands())

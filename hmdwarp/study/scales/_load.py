@@ -54,12 +54,16 @@ def _scale(data: Table, name: str) -> Scale:
 def _items(data: Table) -> tuple[Item, ...]:
     tables = data.tables("item")
     if not 1 <= len(tables) <= _MOST_ITEMS:
-        raise data.fault("item", f"comes {len(tables)} times: wanted 1 to {_MOST_ITEMS} questions, each beginning with [[item]]")
+        raise data.fault(
+            "item", f"comes {len(tables)} times: wanted 1 to {_MOST_ITEMS} questions, each beginning with [[item]]"
+        )
     items: list[Item] = []
     for table in tables:
         key = table.text("key")
         if not key.isidentifier():
-            raise table.fault("key", f"is {key!r}: wanted a word of letters, digits and _, as a column of a table can be called")
+            raise table.fault(
+                "key", f"is {key!r}: wanted a word of letters, digits and _, as a column of a table can be called"
+            )
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
         items.append(Item(key, table.line("text")))
@@ -74,7 +78,9 @@ def _step(answer: Table, least: float, most: float) -> float:
         raise answer.fault("step", f"is {step:g}: wanted a number above 0")
     steps = (most - least) / step
     if not steps <= _MOST_VALUES:
-        raise answer.fault("step", f"is {step:g}: wanted one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}")
+        raise answer.fault(
+            "step", f"is {step:g}: wanted one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}"
+        )
     if round(steps) < 1 or not math.isclose(steps, round(steps), abs_tol=1e-6):
         raise answer.fault("step", f"is {step:g}: wanted one that divides {least:g} to {most:g} into equal steps")
     return step
@@ -89,7 +95,10 @@ def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
         except ValueError:
             value = math.nan
         if not least <= value <= most:
-            raise table.fault(key, f"is no answer: wanted a number from {least:g} to {most:g}, in quotes where it has a point or a sign")
+            raise table.fault(
+                key,
+                f"is no answer: wanted a number from {least:g} to {most:g}, in quotes where it has a point or a sign",
+            )
         if value in anchors:
             raise table.fault(key, "says a second time what this answer means")
         anchors[value] = table.line(key)
@@ -114,14 +123,19 @@ def _scores(data: Table, scale: Scale) -> tuple[Score, ...]:
 
 def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
     if ("items" in table) == ("of" in table):
-        raise table.fault(None, f"'{name}': wanted either items, numbers of questions from 1 on, or of, names of scores above it")
+        raise table.fault(
+            None, f"'{name}': wanted either items, numbers of questions from 1 on, or of, names of scores above it"
+        )
     weight = table.number("weight", 1.0)
     if "items" in table:
         return Score(name, _item_numbers(table, items), weight=weight, title=table.line("title"))
     of = table.texts("of")
     for one in of:
         if one not in before:
-            raise table.fault("of", f"names {one!r}: wanted scores that stand above this one ({', '.join(before) or 'there are none'})")
+            raise table.fault(
+                "of",
+                f"names {one!r}: wanted scores that stand above this one ({', '.join(before) or 'there are none'})",
+            )
     return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
 
 
@@ -129,7 +143,9 @@ def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
     numbers = table.numbers("items")
     known = set(range(1, items + 1))
     if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
-        raise table.fault("items", f"is {list(map(_tidy, numbers))}: wanted numbers of questions, from 1 to {items}, each once")
+        raise table.fault(
+            "items", f"is {list(map(_tidy, numbers))}: wanted numbers of questions, from 1 to {items}, each once"
+        )
     return tuple(map(int, numbers))
 
 

@@ -19,7 +19,9 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
         if key not in known:
             raise unknown_name(f"item of scale '{scale.name}'", key, known)
         if value is not None and not scale.least <= value <= scale.most:
-            raise InputError(f"scale '{scale.name}', item '{key}': {value:g}: wanted an answer from {scale.least:g} to {scale.most:g}")
+            raise InputError(
+                f"scale '{scale.name}', item '{key}': {value:g}: wanted an answer from {scale.least:g} to {scale.most:g}"
+            )
     sums: dict[str, float | None] = {}
     scores: dict[str, float | None] = {}
     for score in scale.scores:
@@ -35,5 +37,9 @@ def most_scored(scale: Scale) -> dict[str, float]:
 
 def _sum(score: Score, values: list[float | None], sums: Mapping, scores: Mapping) -> float | None:
     """Before its weight."""
-    parts = [(scores if score.of_what == SCORES else sums)[name] for name in score.of] if score.of else [values[n - 1] for n in score.items]
+    parts = (
+        [(scores if score.of_what == SCORES else sums)[name] for name in score.of]
+        if score.of
+        else [values[n - 1] for n in score.items]
+    )
     return None if None in parts else sum(parts)  # type: ignore[arg-type]

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MOST_PAIRS = 1000  # the distribution takes n^3 / 2 additions: half a second for so many
-_DIGITS = 9  # differences of decimals (4.25 - 3.15) are no exact numbers: equal to this many digits of the largest is equal
+_DIGITS = (
+    9  # differences of decimals (4.25 - 3.15) are no exact numbers: equal to this many digits of the largest is equal
+)
 
 
 class Wilcoxon(NamedTuple):

@@ -57,7 +57,9 @@ def _new_again() -> InputError:
 
 
 def _unknown(code: str) -> InputError:
-    return InputError(f"participant {code} is not known here: leave --new-session away, or see whether the code is right")
+    return InputError(
+        f"participant {code} is not known here: leave --new-session away, or see whether the code is right"
+    )
 
 
 def _check_origin(db: sqlite3.Connection, origin: str) -> None:
@@ -71,7 +73,9 @@ def _check_origin(db: sqlite3.Connection, origin: str) -> None:
 
 def is_withdrawn(db: sqlite3.Connection, code: str) -> bool:
     """Whether that code's data were erased, or are being so."""
-    query = "SELECT 1 FROM withdrawn WHERE code = :code UNION SELECT 1 FROM participant WHERE code = :code AND withdrawing"
+    query = (
+        "SELECT 1 FROM withdrawn WHERE code = :code UNION SELECT 1 FROM participant WHERE code = :code AND withdrawing"
+    )
     return db.execute(query, {"code": code}).fetchone() is not None
 
 
@@ -141,7 +145,9 @@ def check_same(db: sqlite3.Connection, design: Design, session: Session) -> None
     that it names. Pilots may change what they like."""
     if session.origin == PILOT:
         return
-    was = db.execute("SELECT plan.meaning FROM session s JOIN plan ON plan.id = s.plan WHERE s.id = ?", (session.id,)).fetchone()[0]
+    was = db.execute(
+        "SELECT plan.meaning FROM session s JOIN plan ON plan.id = s.plan WHERE s.id = ?", (session.id,)
+    ).fetchone()[0]
     different = differences(from_json(was), from_json(to_json(meaning(design, session.part))))
     if different:
         raise InputError(
@@ -150,14 +156,22 @@ def check_same(db: sqlite3.Connection, design: Design, session: Session) -> None
 
 
 def new_session(
-    db: sqlite3.Connection, design: Design, part: str, participant: int, origin: str, facts: Mapping[str, Any], started_utc: str
+    db: sqlite3.Connection,
+    design: Design,
+    part: str,
+    participant: int,
+    origin: str,
+    facts: Mapping[str, Any],
+    started_utc: str,
 ) -> int:
     """The id of a session with the order whose turn it is."""
     row, order = allotted(db, design, part, origin)
     plan = (design.text, to_json(meaning(design, part)))
     db.execute("INSERT OR IGNORE INTO plan (text, meaning) VALUES (?, ?)", plan)
     plan_id = db.execute("SELECT id FROM plan WHERE text = ? AND meaning = ?", plan).fetchone()[0]
-    number = db.execute("SELECT coalesce(max(number), 0) + 1 FROM session WHERE participant = ?", (participant,)).fetchone()[0]
+    number = db.execute(
+        "SELECT coalesce(max(number), 0) + 1 FROM session WHERE participant = ?", (participant,)
+    ).fetchone()[0]
     names = to_json({"order": order})[len('{"order":') : -1]
     return db.execute(
         """INSERT INTO session (participant, number, part, order_row, order_names, plan, status, started_utc, facts)
@@ -177,10 +191,14 @@ def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
     open_ = [one for one in sessions if one.status == INTERRUPTED and part in (None, one.part)]
     if not open_:
         told = ", ".join(f"session {one.number} of part '{one.part}' {one.status}" for one in sessions)
-        raise InputError(f"participant {code} has no interrupted session to go on with ({told}): --new-session begins another")
+        raise InputError(
+            f"participant {code} has no interrupted session to go on with ({told}): --new-session begins another"
+        )
     parts = sorted({one.part for one in open_})
     if len(parts) > 1:
-        raise InputError(f"participant {code} has interrupted sessions of several parts ({', '.join(parts)}): say which one, --part NAME")
+        raise InputError(
+            f"participant {code} has interrupted sessions of several parts ({', '.join(parts)}): say which one, --part NAME"
+        )
     return open_[-1]
 
 

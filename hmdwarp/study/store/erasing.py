@@ -76,7 +76,9 @@ def _erase_traces(traces: Path, sub: str) -> None:
             sync(traces)
     except OSError as error:
         why = error.strerror or str(error)
-        raise MachineError(f"{traces}: cannot erase ({why}); what is left goes at the next try: make it writable") from error
+        raise MachineError(
+            f"{traces}: cannot erase ({why}); what is left goes at the next try: make it writable"
+        ) from error
 
 
 def _overwrite(path: Path) -> None:
@@ -104,7 +106,9 @@ def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
 
 def _empty_log(db: sqlite3.Connection, folder: Path) -> None:
     if db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
-        raise MachineError(f"{folder}: another program reads the study's data: close it and say it again, the erasing is not over")
+        raise MachineError(
+            f"{folder}: another program reads the study's data: close it and say it again, the erasing is not over"
+        )
 
 
 def _check_bytes(folder: Path, subs: list[str]) -> None:
@@ -113,4 +117,6 @@ def _check_bytes(folder: Path, subs: list[str]) -> None:
         with suppress(FileNotFoundError):
             found = [sub for sub in subs if sub in path.name or (path.is_file() and sub.encode() in path.read_bytes())]
             if found:
-                raise HmdwarpError(f"{path}: still holds something of a participant who withdrew: keep it closed, and report this")
+                raise HmdwarpError(
+                    f"{path}: still holds something of a participant who withdrew: keep it closed, and report this"
+                )

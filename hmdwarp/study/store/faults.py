@@ -18,11 +18,23 @@ _WORDS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
     ("SQLITE_READONLY", InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
     ("SQLITE_PERM", InputError, "it may not be opened: see who owns it"),
     ("SQLITE_AUTH", InputError, "it may not be opened: see who owns it"),
-    ("SQLITE_IOERR", MachineError, f"the disk fails or a quota is used up ({{said}}); {KEPT}: go on with a copy on another disk (--store)"),
-    ("SQLITE_CANTOPEN", MachineError, "it cannot be opened ({said}): see that the folder is there and may be written to"),
+    (
+        "SQLITE_IOERR",
+        MachineError,
+        f"the disk fails or a quota is used up ({{said}}); {KEPT}: go on with a copy on another disk (--store)",
+    ),
+    (
+        "SQLITE_CANTOPEN",
+        MachineError,
+        "it cannot be opened ({said}): see that the folder is there and may be written to",
+    ),
     ("SQLITE_BUSY", MachineError, "another program holds it: close what looks into the study's data, and try again"),
     ("SQLITE_LOCKED", MachineError, "another program holds it: close what looks into the study's data, and try again"),
-    ("SQLITE_NOTADB", InputError, "it is no database: it is damaged, or something else; keep it as it is and take a copy made before"),
+    (
+        "SQLITE_NOTADB",
+        InputError,
+        "it is no database: it is damaged, or something else; keep it as it is and take a copy made before",
+    ),
     ("SQLITE_CORRUPT", InputError, f"it is damaged ({{said}}): {RECOVER}"),
 )
 

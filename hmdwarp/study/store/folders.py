@@ -45,8 +45,12 @@ def make_folders(folder: Path) -> None:
     except OSError as error:
         why = error.strerror or str(error)
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
-            raise MachineError(f"{folder}: cannot write ({why}): make room, or choose another folder (--store)") from error
-        raise InputError(f"{folder}: cannot be made ({why}): choose another folder for the study's data (--store)") from error
+            raise MachineError(
+                f"{folder}: cannot write ({why}): make room, or choose another folder (--store)"
+            ) from error
+        raise InputError(
+            f"{folder}: cannot be made ({why}): choose another folder for the study's data (--store)"
+        ) from error
 
 
 def check_place(folder: Path) -> None:
@@ -55,13 +59,17 @@ def check_place(folder: Path) -> None:
         _check_ours(folder)
     above = next(one for one in (folder, *folder.absolute().parents) if one.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise InputError(f"{folder}: cannot be made ({above} may not be written to): choose another folder for the study's data (--store)")
+        raise InputError(
+            f"{folder}: cannot be made ({above} may not be written to): choose another folder for the study's data (--store)"
+        )
 
 
 def _check_ours(folder: Path) -> None:
     others = sorted(one.name for one in folder.iterdir() if one.name not in _OURS)
     if others and not (folder / FILE).exists():
-        raise InputError(f"{folder}: holds something else ({others[0]}): a study's data need a folder of their own (--store)")
+        raise InputError(
+            f"{folder}: holds something else ({others[0]}): a study's data need a folder of their own (--store)"
+        )
 
 
 def sync_trace(path: Path) -> bool:
@@ -72,7 +80,9 @@ def sync_trace(path: Path) -> bool:
     except FileNotFoundError:
         return False
     except OSError as error:
-        raise MachineError(f"{path}: the disk does not take it ({error.strerror or error}): go on with a copy on another disk") from error
+        raise MachineError(
+            f"{path}: the disk does not take it ({error.strerror or error}): go on with a copy on another disk"
+        ) from error
     return True
 
 

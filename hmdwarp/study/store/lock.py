@@ -42,7 +42,13 @@ class Lock:
             raise
 
     def _sign(self, since: datetime) -> None:
-        text = json.dumps({"pid": os.getpid(), "host": socket.gethostname(), "since": since.astimezone().isoformat(timespec="seconds")})
+        text = json.dumps(
+            {
+                "pid": os.getpid(),
+                "host": socket.gethostname(),
+                "since": since.astimezone().isoformat(timespec="seconds"),
+            }
+        )
         with suppress(OSError):  # a full disk: the lock is held all the same
             os.ftruncate(self._file, 0)
             os.pwrite(self._file, text.encode(), 0)
@@ -68,7 +74,9 @@ def _no_place(error: OSError, folder: Path) -> HmdwarpError:
     why = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
         return MachineError(f"{folder}: cannot write ({why}): make room, or choose another folder (--store)")
-    return InputError(f"{folder}: cannot write ({why}): a study keeps its data where it may write; choose another folder (--store)")
+    return InputError(
+        f"{folder}: cannot write ({why}): a study keeps its data where it may write; choose another folder (--store)"
+    )
 
 
 def _refused(error: OSError, folder: Path, holder: str) -> HmdwarpError:

@@ -22,7 +22,9 @@ def meaning(design: Design, part: str) -> dict[str, Any]:
         "order": design.order,
         "seed": design.seed,
         "scales": [_scale(one) for one in design.scales],
-        "practice": None if design.practice is None else [_condition(design.practice, folder), float(design.practice_seconds)],
+        "practice": None
+        if design.practice is None
+        else [_condition(design.practice, folder), float(design.practice_seconds)],
         "sickness": _sickness(design),
         "before": [_scale(one) for one in design.before],
         "after": [_scale(one) for one in design.after],
@@ -30,7 +32,10 @@ def meaning(design: Design, part: str) -> dict[str, Any]:
 
 
 def _condition(condition: Condition, folder: str) -> dict[str, Any]:
-    settings = {name: value.removeprefix(folder) if isinstance(value, str) else value for name, value in sorted(condition.settings.items())}
+    settings = {
+        name: value.removeprefix(folder) if isinstance(value, str) else value
+        for name, value in sorted(condition.settings.items())
+    }
     return {"name": condition.name, "settings": settings, "reference": condition.reference}
 
 
@@ -47,7 +52,11 @@ def _scale(scale: Scale) -> dict[str, Any]:
 
 def _sickness(design: Design) -> dict[str, Any] | None:
     rule = design.sickness
-    return None if rule is None else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
+    return (
+        None
+        if rule is None
+        else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
+    )
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
@@ -61,6 +70,8 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
 
 def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
     was, is_ = ({one["name"]: one for one in side} for side in (before, now))
-    words = [f"'{name}' is new" for name in is_ if name not in was] + [f"'{name}' is gone" for name in was if name not in is_]
+    words = [f"'{name}' is new" for name in is_ if name not in was] + [
+        f"'{name}' is gone" for name in was if name not in is_
+    ]
     words += [f"'{name}' is another" for name in is_ if name in was and was[name] != is_[name]]
     return f"conditions ({', '.join(words) or 'in another order'})"

@@ -105,7 +105,9 @@ class Opened:
     def _check_name(self, study: str | None) -> None:
         wanted = study or self._study
         if wanted and self.name and self.name != wanted:
-            raise InputError(f"{self.folder}: holds the study '{self.name}', not '{wanted}': choose another folder (--store)")
+            raise InputError(
+                f"{self.folder}: holds the study '{self.name}', not '{wanted}': choose another folder (--store)"
+            )
 
     @contextmanager
     def write(self) -> Iterator[sqlite3.Connection]:
@@ -120,7 +122,9 @@ class Opened:
         with self.write() as db:
             now = reading.session(db, session.id)
             if now.status != RUNNING:
-                raise HmdwarpError(f"session {now.number} of participant {now.code} is {now.status}: nothing more can be stored in it")
+                raise HmdwarpError(
+                    f"session {now.number} of participant {now.code} is {now.status}: nothing more can be stored in it"
+                )
             yield db
 
     def now(self) -> str:
@@ -136,5 +140,7 @@ class Opened:
             # When another session was is not told here: this line stays when that one's participant withdraws.
             told = {"before": latest[0], "back_s": back_s} if latest[1] == session.id else {}
             self.db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json(told)))
-            self.say(f"the machine's clock was set back by {back_s:.0f} s: nothing is lost, what is stored is in order without it")
+            self.say(
+                f"the machine's clock was set back by {back_s:.0f} s: nothing is lost, what is stored is in order without it"
+            )
         self.db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))

@@ -20,12 +20,16 @@ def session_of(row: tuple) -> Session:
     """A row of _SESSION."""
     id_, code, sub, number, part, order_row, names, origin, status, plan, started, ended, why, facts = row
     order = tuple(tuple(repeat) for repeat in from_json(names))
-    return Session(id_, code, sub, number, part, order_row, order, origin, status, plan, started, ended, why, from_json(facts))
+    return Session(
+        id_, code, sub, number, part, order_row, order, origin, status, plan, started, ended, why, from_json(facts)
+    )
 
 
 def showing_of(row: tuple) -> Showing:
     """A row of _SHOWING."""
-    id_, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual, measured, started = row
+    id_, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual, measured, started = (
+        row
+    )
     texts = (from_json(text) for text in (settings, actual, measured))
     settings, actual, measured = texts
     return Showing(
@@ -116,5 +120,11 @@ def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:
     """How many rows there are of a participant."""
     tables = {"answers": "answer", "showings": "showing", "events": "event"}
     of = "WHERE session IN (SELECT id FROM session WHERE participant = ?)"
-    out = {name: db.execute(f"SELECT count(*) FROM {table} {of}", (participant,)).fetchone()[0] for name, table in tables.items()}
-    return {"sessions": db.execute("SELECT count(*) FROM session WHERE participant = ?", (participant,)).fetchone()[0], **out}
+    out = {
+        name: db.execute(f"SELECT count(*) FROM {table} {of}", (participant,)).fetchone()[0]
+        for name, table in tables.items()
+    }
+    return {
+        "sessions": db.execute("SELECT count(*) FROM session WHERE participant = ?", (participant,)).fetchone()[0],
+        **out,
+    }

@@ -117,7 +117,9 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
 def _set_up(db: sqlite3.Connection, path: Path) -> None:
     mode = db.execute("PRAGMA journal_mode = WAL").fetchone()[0]
     if mode != "wal":
-        raise MachineError(f"{path}: no write-ahead log can be held there ({mode}): keep the study on a disk of this machine (--store)")
+        raise MachineError(
+            f"{path}: no write-ahead log can be held there ({mode}): keep the study on a disk of this machine (--store)"
+        )
     for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
         db.execute(f"PRAGMA {setting}")
 
@@ -146,7 +148,9 @@ def open_to_read(folder: Path) -> sqlite3.Connection | None:
                 return _reader(path, _frozen(path))
             if not error.sqlite_errorname.startswith("SQLITE_READONLY"):
                 raise
-        return _reader(path, "mode=rw")  # a program that died while it made the file left a journal: who reads must roll it back
+        return _reader(
+            path, "mode=rw"
+        )  # a program that died while it made the file left a journal: who reads must roll it back
 
 
 def _reader(path: Path, how: str) -> sqlite3.Connection | None:
@@ -176,7 +180,9 @@ def _frozen(path: Path) -> str:
     """How to read where nothing may be written: without the files that readers share. What is still in the WAL would be missed."""
     beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
     if any(one.is_file() and one.stat().st_size for one in beside):
-        raise MachineError(f"{path.parent}: its last session was cut off, and nothing may be written there: copy the folder, read the copy")
+        raise MachineError(
+            f"{path.parent}: its last session was cut off, and nothing may be written there: copy the folder, read the copy"
+        )
     return "immutable=1"
 
 
@@ -185,4 +191,6 @@ def _check_schema(db: sqlite3.Connection, path: Path) -> None:
     if application != APPLICATION_ID:
         raise InputError(f"{path}: a database, but not of a study of hmdwarp: choose another folder (--store)")
     if version > SCHEMA:
-        raise InputError(f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): bring hmdwarp up to date")
+        raise InputError(
+            f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): bring hmdwarp up to date"
+        )

@@ -98,7 +98,9 @@ class Store:
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
             self._opened.event(session, "begin", data=data)
         if mended:
-            self._opened.say("the study's file is another than in the session before, but shows and asks the same; both are kept")
+            self._opened.say(
+                "the study's file is another than in the session before, but shows and asks the same; both are kept"
+            )
         return session
 
     def would_begin(self, design: Design, part: str | None, code: str, origin: str, new_session: bool = False) -> None:
@@ -144,7 +146,10 @@ class Store:
         with self._opened.going_on(session) as db:
             self._opened.event(session, "end", data={"status": status, "why": why})
             now = self._opened.now()
-            db.execute("UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?", (status, now, clean(why), session.id))
+            db.execute(
+                "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
+                (status, now, clean(why), session.id),
+            )
             return reading.session(db, session.id)
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
@@ -156,7 +161,9 @@ class Store:
         """A Read was agreed to, a Pause is over."""
         self.record(session, "finished", key)
 
-    def begin_showing(self, session: Session, step: Show, settings: Mapping[str, Any], recorded: bool = True) -> Showing:
+    def begin_showing(
+        self, session: Session, step: Show, settings: Mapping[str, Any], recorded: bool = True
+    ) -> Showing:
         """Before the first picture. Where the program dies from here on, the showing stays, incomplete, with as much trace as there is.
 
         recorded: whether there will be a trace, at traces / showing.trace, a name that was never used.
@@ -184,13 +191,25 @@ class Store:
             return reading.showing(db, showing.id)
 
     def shown(
-        self, session: Session, step: Show, settings: Mapping[str, Any], trace: bool, actual: Mapping[str, Any], complete: bool
+        self,
+        session: Session,
+        step: Show,
+        settings: Mapping[str, Any],
+        trace: bool,
+        actual: Mapping[str, Any],
+        complete: bool,
     ) -> Showing:
         """Both at once, for what takes no time. trace: whether there is one."""
         return self.end_showing(session, self.begin_showing(session, step, settings, recorded=trace), actual, complete)
 
     def answer(
-        self, session: Session, step: Ask, value: float | None, seconds: float, by: str, showing: Showing | int | None = None
+        self,
+        session: Session,
+        step: Ask,
+        value: float | None,
+        seconds: float,
+        by: str,
+        showing: Showing | int | None = None,
     ) -> Answer:
         """A confirmed answer; a further one to the same question is a new revision, and both are kept.
 
@@ -236,7 +255,9 @@ class Store:
         locked = self._opened.lock()
         try:
             with self._opened.write() as db:
-                changed = db.execute("UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)).rowcount
+                changed = db.execute(
+                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
+                ).rowcount
                 if changed != 1:
                     raise KeyError(showing_id)
         finally:
@@ -265,4 +286,7 @@ def _consent(design: Design) -> dict[str, str]:
     """Which text was there to be agreed to: it may lie in a file of its own, which the plan's text does not hold."""
     if design.consent is None:
         return {}
-    return {"consent_version": design.consent.version, "consent_sha256": hashlib.sha256(design.consent.text.encode()).hexdigest()}
+    return {
+        "consent_version": design.consent.version,
+        "consent_sha256": hashlib.sha256(design.consent.text.encode()).hexdigest(),
+    }

@@ -16,17 +16,29 @@ PUBLISHED = READY / "thesis_ratings.csv"
 GRADE = Measure.of(load_scale("grade"))
 
 
-def ratings_of(values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: Measure = GRADE) -> Ratings:
+def ratings_of(
+    values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: Measure = GRADE
+) -> Ratings:
     """values: by condition, a rating of each participant (called a, b, c, ..)."""
     rows = [
-        Rating(chr(ord("a") + k), part, name, measure.name, value, "" if value is not None else "not answered", reference=name == reference)
+        Rating(
+            chr(ord("a") + k),
+            part,
+            name,
+            measure.name,
+            value,
+            "" if value is not None else "not answered",
+            reference=name == reference,
+        )
         for name, column in values.items()
         for k, value in enumerate(column)
     ]
     return Ratings(tuple(rows), {measure.name: measure})
 
 
-def in_order(effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1) -> list[Rating]:
+def in_order(
+    effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1
+) -> list[Rating]:
     """Ratings of four conditions in the orders of a Williams square: effect per trial, carry times what the condition before is worth."""
     from hmdwarp.study.orders import williams
 
@@ -35,7 +47,13 @@ def in_order(effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: f
     for person in range(people):
         level, before = random.normal(3, 0.5), None
         for place, condition in enumerate(square[person % 4], 1):
-            value = level + 0.5 * condition + effect * place + (carry * before if before is not None else 0) + random.normal(0, noise)
+            value = (
+                level
+                + 0.5 * condition
+                + effect * place
+                + (carry * before if before is not None else 0)
+                + random.normal(0, noise)
+            )
             name = "" if before is None else f"c{before}"
             rows.append(Rating(f"p{person}", "", f"c{condition}", "grade", float(value), place=place, previous=name))
             before = condition

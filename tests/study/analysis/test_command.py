@@ -30,7 +30,9 @@ def command(*arguments: object, folder) -> subprocess.CompletedProcess[str]:
     """The real one, as typed in a terminal of 80 columns."""
     program = [sys.executable, "-m", "hmdwarp", "study", "analyse", *map(str, arguments)]
     environment = os.environ | {"COLUMNS": "80", "PYTHONPATH": os.pathsep.join(map(str, [PUBLISHED.parents[3]]))}
-    return subprocess.run(program, check=False, capture_output=True, text=True, timeout=120, cwd=folder, env=environment)
+    return subprocess.run(
+        program, check=False, capture_output=True, text=True, timeout=120, cwd=folder, env=environment
+    )
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +76,9 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag, attributes):
         self.tags.append(tag)
-        self.fetched += [value for name, value in attributes if name in ("src", "href", "xlink:href") and not value.startswith("#")]
+        self.fetched += [
+            value for name, value in attributes if name in ("src", "href", "xlink:href") and not value.startswith("#")
+        ]
 
     def handle_data(self, data):
         self.text += data
@@ -84,7 +88,13 @@ def test_the_page_holds_everything_and_asks_the_network_for_nothing(done):
     _, out = done
     page = Page((out / "report.html").read_text())
     assert page.fetched == [] and "script" not in page.tags and page.tags.count("svg") == 3
-    for text in ("In 5 of 9 rows of run 2", "does not follow", "nobody rated 600 ms", "+1.00 .. +2.02", "participant 9: none, 400 ms"):
+    for text in (
+        "In 5 of 9 rows of run 2",
+        "does not follow",
+        "nobody rated 600 ms",
+        "+1.00 .. +2.02",
+        "participant 9: none, 400 ms",
+    ):
         assert text in " ".join(page.text.split())
 
 
@@ -136,5 +146,7 @@ def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, arguments, told)
 
 
 def test_a_missing_package_is_told_with_what_brings_it():
-    with pytest.raises(MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"):
+    with pytest.raises(
+        MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"
+    ):
         needed("statsmodels_that_is_not_there", "statsmodels")

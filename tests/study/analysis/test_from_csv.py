@@ -35,7 +35,9 @@ def test_columns_are_found_by_name_whatever_is_between_them(tmp_path, delimiter,
 
 @pytest.mark.parametrize("named", ["acr", "stars"])
 def test_rows_without_the_name_of_a_scale_are_not_lost(tmp_path, named):
-    rows = [{"participant": str(k), "condition": "late", "scale": named if k % 2 else "", "rating": "3"} for k in range(6)]
+    rows = [
+        {"participant": str(k), "condition": "late", "scale": named if k % 2 else "", "rating": "3"} for k in range(6)
+    ]
     found = from_csv(written(tmp_path / "table.csv", rows), Given(low_is_good=True))
     assert len(found.rows) == 6 and found.scales() == ("rating", named) and not found.felt
 
@@ -79,7 +81,10 @@ def test_a_guessed_scale_is_told():
 
 def test_columns_may_be_named(tmp_path):
     path = written(tmp_path / "table.csv", [{"who": "1", "what": "late", "how": "6"}])
-    with pytest.raises(InputError, match=r"table\.csv:1: no column for the participant among who, what, how: .*--column participant=NAME"):
+    with pytest.raises(
+        InputError,
+        match=r"table\.csv:1: no column for the participant among who, what, how: .*--column participant=NAME",
+    ):
         from_csv(path)
     found = from_csv(path, Given({"participant": "who", "condition": "what", "rating": "how"}))
     assert found.rows[0].condition == "late"

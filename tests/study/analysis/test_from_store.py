@@ -67,12 +67,19 @@ def sit(store, design, code, origin=PERSON, until=99, seed=0, status="complete",
         if getattr(step, "trial", 0) > until:
             break
         if isinstance(step, Show):
-            showing, condition = store.begin_showing(session, step, dict(step.condition.settings), recorded=False), step.condition.name
-            showing = store.end_showing(session, showing, {"hole_share_mean": 0.1 * MEANS.get(condition, 0)}, complete=True)
+            showing, condition = (
+                store.begin_showing(session, step, dict(step.condition.settings), recorded=False),
+                step.condition.name,
+            )
+            showing = store.end_showing(
+                session, showing, {"hole_share_mean": 0.1 * MEANS.get(condition, 0)}, complete=True
+            )
         elif isinstance(step, Ask) and step.scale.name == "grade":
             grade = (MEANS | {"reference": reference})[condition] + 0.25 * (seed % 3)
             store.answer(session, step, 6.0, 0.5, "participant", showing)  # corrected at once
-            store.answer(session, step, None if (seed, condition) == (2, "late") else grade, 1.0, "participant", showing)
+            store.answer(
+                session, step, None if (seed, condition) == (2, "late") else grade, 1.0, "participant", showing
+            )
         elif isinstance(step, Ask):
             store.answer(session, step, float(step.trial if step.scale.name == "fms" else step.phase == "after"), 1.0, "participant",
                          showing if step.about else None)  # fmt: skip
@@ -119,7 +126,10 @@ def test_what_is_missing_says_why(contents, design):
     assert reasons == ["the participant could not say", "the session was stopped before", "the session was stopped before",
                        "the stop rule for sickness ended the session before"]  # fmt: skip
     assert data["sittings"]["counts"] == {"complete": 7, "sick": 1, "stopped": 1}
-    assert {(one["status"], one["rated"], one["of"]) for one in data["sittings"]["cut"]} == {("stopped", 1, 3), ("sick", 2, 3)}
+    assert {(one["status"], one["rated"], one["of"]) for one in data["sittings"]["cut"]} == {
+        ("stopped", 1, 3),
+        ("sick", 2, 3),
+    }
 
 
 def test_programs_and_pilots_never_count_with_people(contents, design):
@@ -129,8 +139,12 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
     assert first.sub not in {row.participant for row in people.rows}
     assert people.origin == PERSON and any("simulated" in note and "left out" in note for note in people.notes)
     programs = from_contents(mixed, design, SIMULATED)
-    assert {row.participant for row in programs.rows} == {first.sub} and any("not of people" in note for note in programs.notes)
-    with pytest.raises(InputError, match="no session of a pilot to analyse: it holds sessions of people: leave --pilot away"):
+    assert {row.participant for row in programs.rows} == {first.sub} and any(
+        "not of people" in note for note in programs.notes
+    )
+    with pytest.raises(
+        InputError, match="no session of a pilot to analyse: it holds sessions of people: leave --pilot away"
+    ):
         from_contents(contents, design, PILOT)
 
 
@@ -190,7 +204,11 @@ def test_scales_of_ones_own_are_told_as_the_shipped_ones_are(tmp_path):
     """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale of each trial."""
     for name in ("fms", "vrsq"):
         (tmp_path / f"my-{name}.toml").write_text((_FOLDER / f"{name}.toml").read_text())
-    text = TEXT.replace('"fms"', '"my-fms.toml"').replace('["vrsq"]', '["my-vrsq.toml"]').replace('["grade"]', '["grade", "misc"]')
+    text = (
+        TEXT.replace('"fms"', '"my-fms.toml"')
+        .replace('["vrsq"]', '["my-vrsq.toml"]')
+        .replace('["grade"]', '["grade", "misc"]')
+    )
     design = design_from_text(text, str(tmp_path / "late.toml"))
     with Store(tmp_path / "data", create=True) as store:
         sit(store, design, "one")

@@ -43,7 +43,11 @@ def whole():
 def test_a_line_of_the_table(whole, line):
     part, latency, pairs, votes, mean, _, p, holm, holm_all, r, interval, sums = line
     row = next(row for row in whole["scales"][0]["comparisons"] if row["part"] == part and f" {latency} ms" in row["a"])
-    assert (str(row["n"]), f"{row['better']}/{row['equal']}/{row['worse']}", signed(row["mean"], 3)) == (pairs, votes, mean)
+    assert (str(row["n"]), f"{row['better']}/{row['equal']}/{row['worse']}", signed(row["mean"], 3)) == (
+        pairs,
+        votes,
+        mean,
+    )
     assert (p_text(row["p"]), p_text(row["holm"]), p_text(row["holm_all"])) == (p, holm, holm_all)
     assert signed(row["rank_biserial"]) == r
     assert f"{signed(row['low'])} .. {signed(row['high'])}" == interval
@@ -81,7 +85,11 @@ def test_the_step_of_the_figures_is_the_largest_that_holds_them_all():
 
 
 def test_the_claims_are_those_of_the_table():
-    claims = {(one.part, one.latency_ms): one.difference for one in load_claims(READY / "thesis_claims.toml").claims if one.difference}
+    claims = {
+        (one.part, one.latency_ms): one.difference
+        for one in load_claims(READY / "thesis_claims.toml").claims
+        if one.difference
+    }
     assert claims == {(line[0], float(line[1])): float(line[5]) for line in LINES}
 
 
@@ -109,5 +117,7 @@ def test_the_default_seed_is_one_of_many():
         values = list(row["differences"].values())
         expected = of_all_resamples(values, 0.05)
         assert (row["low"], row["high"]) == pytest.approx(expected, abs=0.25 / len(values) + 1e-9)
-        moved += [end for end, right in zip((row["low"], row["high"]), expected, strict=True) if signed(end) != signed(right)]
+        moved += [
+            end for end, right in zip((row["low"], row["high"]), expected, strict=True) if signed(end) != signed(right)
+        ]
     assert moved == [2.025]

@@ -56,7 +56,9 @@ def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way)
 
 
 def test_more_people_than_the_exact_test_takes_are_told_so():
-    with pytest.raises(InputError, match="1001 participants rated both of two conditions: the exact test is for 1000 at most"):
+    with pytest.raises(
+        InputError, match="1001 participants rated both of two conditions: the exact test is for 1000 at most"
+    ):
         compared_many(1001)
 
 
@@ -113,7 +115,9 @@ def test_a_planned_comparison_that_nobody_rated_counts_in_its_family():
 def test_the_order_of_the_rows_changes_nothing():
     ratings = attrs.evolve(ratings_of({"late": LATE, "warped": WARPED, "other": LATE[::-1]}), families=PAIR)
     shuffled = attrs.evolve(ratings, rows=tuple(np.random.default_rng(1).permutation(np.array(ratings.rows, object))))
-    assert json.dumps(analyse(shuffled)["scales"][0]["comparisons"]) == json.dumps(analyse(ratings)["scales"][0]["comparisons"])
+    assert json.dumps(analyse(shuffled)["scales"][0]["comparisons"]) == json.dumps(
+        analyse(ratings)["scales"][0]["comparisons"]
+    )
 
 
 GRADES = st.lists(st.one_of(st.none(), st.integers(4, 24).map(lambda quarters: quarters / 4)), min_size=5, max_size=5)
@@ -143,7 +147,12 @@ def test_carry_over_is_found():
 
 def test_without_an_effect_p_is_uniform():
     """Of 200 studies 5 % are below .05: four standard errors are 6 %."""
-    ps = np.array([[order_effects(in_order(seed=seed, people=8))[name]["p"] for name in ("place", "previous")] for seed in range(200)])
+    ps = np.array(
+        [
+            [order_effects(in_order(seed=seed, people=8))[name]["p"] for name in ("place", "previous")]
+            for seed in range(200)
+        ]
+    )
     assert ((ps < 0.05).mean(axis=0) < 0.05 + 0.062).all()
 
 
@@ -171,7 +180,10 @@ def test_what_came_before_is_no_slope_per_trial():
 
 def repeated(person: int) -> list[Rating]:
     grades = np.random.default_rng(person).integers(1, 7, 4).tolist()
-    return [Rating(f"p{person}", "", "c", "grade", float(v), place=k, previous="c" * (k > 1)) for k, v in enumerate(grades, 1)]
+    return [
+        Rating(f"p{person}", "", "c", "grade", float(v), place=k, previous="c" * (k > 1))
+        for k, v in enumerate(grades, 1)
+    ]
 
 
 def test_two_effects_that_cannot_be_told_apart_say_so():
@@ -181,7 +193,9 @@ def test_two_effects_that_cannot_be_told_apart_say_so():
         order = "ab" if person % 2 else "ba"
         for place, name in enumerate(order, 1):
             value = float(3 + place + random.normal(0, 0.3))
-            rows.append(Rating(f"p{person}", "", name, "grade", value, place=place, previous=order[0] if place == 2 else ""))
+            rows.append(
+                Rating(f"p{person}", "", name, "grade", value, place=place, previous=order[0] if place == 2 else "")
+            )
     found = order_effects(rows)
     assert found["place"]["f"] == pytest.approx(found["previous"]["f"]) and found["place"]["p"] < 0.05
     said = of_order(found, GRADE)
@@ -253,7 +267,10 @@ def test_a_wrong_file_of_claims_is_told_with_its_line(tmp_path, text, told):
 
 def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
     on_acr, on_grade = ratings_of({"x": [4.0]}, measure=ACR), ratings_of({"x": [2.0]})
-    both = Ratings(on_acr.rows + on_grade.rows, {"grade": GRADE, "acr": ACR, "slider": Measure("slider", "Other", low_is_good=False)})
+    both = Ratings(
+        on_acr.rows + on_grade.rows,
+        {"grade": GRADE, "acr": ACR, "slider": Measure("slider", "Other", low_is_good=False)},
+    )
     assert both.scales() == ("grade", "acr")
 
 

@@ -17,7 +17,9 @@ from .scales import SHIPPED, any_scale, asked_of, said
 
 places = st.tuples(st.floats(0, 1), st.floats(0, 1))
 anything = st.one_of(
-    st.sampled_from(said("left", "right", "up", "down", "erase", "confirm", "skip", "menu", "full_screen", "agree", "no such")),
+    st.sampled_from(
+        said("left", "right", "up", "down", "erase", "confirm", "skip", "menu", "full_screen", "agree", "no such")
+    ),
     st.sampled_from(list("0123456789.,")).map(lambda key: said(("digit", key))[0]),
     st.tuples(st.sampled_from(["point", "press"]), places).map(lambda one: said(one)[0]),
     st.one_of(st.floats(), st.integers(-200, 200), st.none()).map(lambda number: said(("answer", number))[0]),

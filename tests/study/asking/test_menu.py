@@ -15,7 +15,9 @@ LONG = "This study asks how good pictures are that come late. " * 40
 commands = st.lists(
     st.one_of(
         st.sampled_from(said("left", "right", "up", "down", "confirm", "menu", "erase", ("digit", "3"), "quit")),
-        st.tuples(st.sampled_from(["point", "press"]), st.tuples(st.floats(0, 1), st.floats(0, 1))).map(lambda one: said(one)[0]),
+        st.tuples(st.sampled_from(["point", "press"]), st.tuples(st.floats(0, 1), st.floats(0, 1))).map(
+            lambda one: said(one)[0]
+        ),
     ),
     max_size=30,
 )

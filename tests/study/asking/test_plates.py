@@ -87,7 +87,16 @@ def test_all_of_a_plate_is_seen_at_full_size_in_a_headset(scale):
 
 
 def test_numbers_at_the_line_do_not_touch():
-    for least, most, step in ((1, 6, 0.25), (0, 20, 1), (0, 100, 1), (0, 1, 0.01), (0, 10000, 1), (-3, 3, 1), (0, 7, 0.1), (0, 97, 1)):
+    for least, most, step in (
+        (1, 6, 0.25),
+        (0, 20, 1),
+        (0, 100, 1),
+        (0, 1, 0.01),
+        (0, 10000, 1),
+        (-3, 3, 1),
+        (0, 7, 0.1),
+        (0, 97, 1),
+    ):
         layout = layout_of(Form(float(least), float(most), float(step)))
         xs = sorted(width_of(f"{label:g}", 24) / 2 + 36 for label in layout._labels)
         assert {float(least), float(most)} <= set(layout._labels), "both ends have their numbers"
@@ -144,7 +153,9 @@ def test_a_plate_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
     notices, size = Notices(gpu.gl), (600, 800)
     try:
         plate, text = notices.of(plate_of(SHIPPED[0])), notices.of("tracking lost")
-        assert np.allclose(plate.plate_from_place(size, None) @ (300, 400, 1), (0.5, 0.5, 1), atol=1 / plate.ink.height)  # to the pixel
+        assert np.allclose(
+            plate.plate_from_place(size, None) @ (300, 400, 1), (0.5, 0.5, 1), atol=1 / plate.ink.height
+        )  # to the pixel
         assert (text.plate_from_place(size, None) @ (300, 400, 1))[1] > 1  # above it
         eye = shown("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
         tall = notices.of(plate_of(next(one for one in SHIPPED if one.name == "misc")))
@@ -184,7 +195,13 @@ def test_wrapped_text_fits_and_loses_nothing(width, text):
 
 
 def test_cards_are_drawn():
-    for made in (card("A title", "some text " * 30, "a hint"), trial_card(3, 12), trial_card(0, 12), Menu().label(), Reading("x").label()):
+    for made in (
+        card("A title", "some text " * 30, "a hint"),
+        trial_card(3, 12),
+        trial_card(0, 12),
+        Menu().label(),
+        Reading("x").label(),
+    ):
         ink = made.ink()
         assert ink.shape == (made.height(), WIDTH) and ink.max() == 255
         assert hash(made) == hash(attrs.evolve(made))

@@ -27,7 +27,13 @@ def test_a_session_is_all_its_steps_and_their_time():
     plan = design()
     steps = steps_of(plan, rows_for(plan, "run-1")[0], "run-1")
     told = stretches(plan, "run-1")
-    assert [one.name for one in told] == ["consent", "before", "practice", "trials", "after"]  # 6 trials: no break after the last
+    assert [one.name for one in told] == [
+        "consent",
+        "before",
+        "practice",
+        "trials",
+        "after",
+    ]  # 6 trials: no break after the last
     assert sum(one.steps for one in told) == len(steps)
     shown = sum(step.seconds for step in steps if isinstance(step, Show | Pause))
     assert shown == 60 + 6 * 20
@@ -44,7 +50,12 @@ def test_breaks_come_between_trials():
 def test_balance_is_counted():
     plan = design()
     found = balance(rows_for(plan, "run-1"), plan.part("run-1"))
-    assert (found.orders, found.places, found.pairs, found.repeated) == (6, (4, 4), (4, 4), 0)  # 3 conditions, 6 orders of 2 repeats
+    assert (found.orders, found.places, found.pairs, found.repeated) == (
+        6,
+        (4, 4),
+        (4, 4),
+        0,
+    )  # 3 conditions, 6 orders of 2 repeats
     assert found.seams == (1, 1)
     fixed = design(('order = "williams"', 'order = "fixed"'))
     found = balance(rows_for(fixed, "run-1"), fixed.part("run-1"))
@@ -83,7 +94,7 @@ def test_with_fewer_people_nothing_can_be_found(comparisons):
         ([("seconds = 20", "seconds = 0.5")], "'late-200' is 0.2 s late, shown for 0.5 s"),
         ([], "part run-2: no [[family]] says what will be compared"),
         ([("stop_at = 15\nrise = 8\n", "")], "sickness has no stop rule"),
-        ([("[sickness]\nscale = \"fms\"\nevery = 1\nstop_at = 15\nrise = 8\n", "")], "nobody is asked about sickness"),
+        ([('[sickness]\nscale = "fms"\nevery = 1\nstop_at = 15\nrise = 8\n', "")], "nobody is asked about sickness"),
         ([("[practice]\nseconds = 60\nlatency = 10\n", "")], "there is no [practice]"),
         ([('[consent]\nversion = "1"\ntext = "You may stop at any moment."\n', "")], "there is no [consent]"),
         ([("loss = 0.02", 'lens = "radial"')], "'a' applies a lens, which a headset's runtime does by itself"),

@@ -80,7 +80,11 @@ def test_what_is_wrong_ends_with_status_2_and_one_line(study):
         run(study)
     assert caught.value.exit_status == 2
     done = subprocess.run(
-        [sys.executable, "-m", "hmdwarp", "study", "plan", str(study)], check=False, capture_output=True, text=True, timeout=120
+        [sys.executable, "-m", "hmdwarp", "study", "plan", str(study)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.startswith(f"hmdwarp: {study}:") and done.stderr.count("\n") == 1

@@ -21,10 +21,19 @@ def read(text: str, path: str = "study.toml") -> Design:
 
 def test_everything_comes_out_as_it_was_written():
     design = read(WHOLE)
-    assert (design.name, design.title, design.seed, design.blind, design.order) == ("whole", "Everything at once", 7, BOTH, WILLIAMS)
+    assert (design.name, design.title, design.seed, design.blind, design.order) == (
+        "whole",
+        "Everything at once",
+        7,
+        BOTH,
+        WILLIAMS,
+    )
     assert (design.seconds, design.repeats, design.practice_seconds) == (20, 2, 60)
     assert [scale.name for scale in design.scales] == ["grade", "acr"]
-    assert [scale.name for scale in design.before] == ["ssq"] and [scale.name for scale in design.after] == ["ssq", "vrsq"]
+    assert [scale.name for scale in design.before] == ["ssq"] and [scale.name for scale in design.after] == [
+        "ssq",
+        "vrsq",
+    ]
     assert design.breaks == Breaks(6, 30)
     sickness = design.sickness
     assert sickness is not None
@@ -32,11 +41,20 @@ def test_everything_comes_out_as_it_was_written():
     assert design.consent is not None and design.consent.text == "You may stop at any moment."
     assert [part.name for part in design.parts] == ["run-1", "run-2"]
     late, warped, reference = design.part("run-1").conditions
-    assert late.settings == {"scene": "planes", "size": "96x120", "latency": 200, "warp": "none", "fill": "none"} and not late.reference
+    assert (
+        late.settings == {"scene": "planes", "size": "96x120", "latency": 200, "warp": "none", "fill": "none"}
+        and not late.reference
+    )
     assert warped.settings == {"scene": "planes", "size": "96x120", "latency": 200, "warp": "mesh", "guard": 1.2}
     assert reference.reference
     assert design.practice is not None
-    assert design.practice.settings == {"scene": "planes", "size": "96x120", "latency": 10, "warp": "none", "fill": "none"}
+    assert design.practice.settings == {
+        "scene": "planes",
+        "size": "96x120",
+        "latency": 10,
+        "warp": "none",
+        "fill": "none",
+    }
     assert [family.comparisons for family in design.families] == [
         (Comparison("run-1", "late-200", "warped-200"), Comparison("run-1", "late-200", "reference"))
     ]
@@ -53,10 +71,19 @@ def test_a_small_plan_has_the_usual_for_all_it_leaves_out():
 
 
 def test_the_practice_takes_over_how_it_looks_and_not_how_late_it_is():
-    text = WHOLE.replace('[common]\n', '[common]\nlatency = 300\njitter = "uniform:50"\nwarp = "mesh"\nguard = 1.5\nlens = "none"\n')
+    text = WHOLE.replace(
+        "[common]\n", '[common]\nlatency = 300\njitter = "uniform:50"\nwarp = "mesh"\nguard = 1.5\nlens = "none"\n'
+    )
     practice = read(text.replace("\nlatency = 10\n", "\n").replace("latency = 0\n", "latency = 60\n")).practice
     assert practice is not None
-    assert practice.settings == {"lens": "none", "scene": "planes", "size": "96x120", "latency": 0, "warp": "none", "fill": "none"}
+    assert practice.settings == {
+        "lens": "none",
+        "scene": "planes",
+        "size": "96x120",
+        "latency": 0,
+        "warp": "none",
+        "fill": "none",
+    }
 
 
 @pytest.mark.parametrize("name", ready_names())
@@ -76,9 +103,13 @@ def test_the_thesis_is_the_thesis():
     assert [part.name for part in design.parts] == ["run-1", "run-2"]
     for part, fill in zip(design.parts, ("interpolate", "relight"), strict=True):
         told = [(one.settings["latency"], one.settings["warp"], one.settings["fill"]) for one in part.conditions]
-        assert told == [(ms, "none", "none") for ms in (200, 400, 800)] + [(ms, "forward", fill) for ms in (200, 400, 800)]
+        assert told == [(ms, "none", "none") for ms in (200, 400, 800)] + [
+            (ms, "forward", fill) for ms in (200, 400, 800)
+        ]
     for family, part in zip(design.families, design.parts, strict=True):
-        assert family.comparisons == tuple(Comparison(part.name, f"late-{ms}", f"warped-{ms}") for ms in (200, 400, 800))
+        assert family.comparisons == tuple(
+            Comparison(part.name, f"late-{ms}", f"warped-{ms}") for ms in (200, 400, 800)
+        )
 
 
 def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
@@ -89,7 +120,9 @@ def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
     scale += '[answer.anchors]\n0 = "a"\n1 = "b"\n[[item]]\nkey = "mine"\ntext = "Well?"\n'
     (folder / "mine.toml").write_text(scale, encoding="utf-8")
     (folder / "delays.csv").write_text("delay_ms\n20\n30\n", encoding="utf-8")
-    text = WHOLE.replace('text = "You may stop at any moment."', 'file = "consent.txt"').replace('"acr"]', '"mine.toml"]')
+    text = WHOLE.replace('text = "You may stop at any moment."', 'file = "consent.txt"').replace(
+        '"acr"]', '"mine.toml"]'
+    )
     text = text.replace("jitter = 'uniform:20'", 'delay_trace = "delays.csv"')
     (folder / "study.toml").write_text(text, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -211,7 +244,9 @@ def test_one_condition_has_no_order():
 def test_files_that_are_none(tmp_path):
     with pytest.raises(UnknownNameError, match="unknown study 'thsis': did you mean 'thesis'"):
         load_design("thsis")
-    with pytest.raises(InputError, match=r"absent\.toml: No such file or directory: wanted a \.toml file, or one of quick, thesis"):
+    with pytest.raises(
+        InputError, match=r"absent\.toml: No such file or directory: wanted a \.toml file, or one of quick, thesis"
+    ):
         load_design(str(tmp_path / "absent.toml"))
     (tmp_path / "folder.toml").mkdir()
     with pytest.raises(InputError, match="Is a directory"):

@@ -12,7 +12,16 @@ import pytest
 from hmdwarp.cli import live as live_command
 from hmdwarp.errors import InputError
 from hmdwarp.live import LiveOptions
-from hmdwarp.study.design.settings import _NOT_SETTINGS, DISPLAY, KINDS, PICTURE, SettingFault, at, check_settings, live_options
+from hmdwarp.study.design.settings import (
+    _NOT_SETTINGS,
+    DISPLAY,
+    KINDS,
+    PICTURE,
+    SettingFault,
+    at,
+    check_settings,
+    live_options,
+)
 
 
 def test_every_option_of_live_is_a_setting_or_says_why_not():
@@ -60,12 +69,19 @@ def by_command_line(monkeypatch, *arguments: str) -> LiveOptions:
     ids=str,
 )
 def test_a_setting_means_what_the_option_means(monkeypatch, settings, arguments):
-    assert live_options(settings) == attrs.evolve(by_command_line(monkeypatch, *arguments.split()), panel=False, command="")
+    assert live_options(settings) == attrs.evolve(
+        by_command_line(monkeypatch, *arguments.split()), panel=False, command=""
+    )
 
 
 def test_what_the_run_says_comes_beside(tmp_path):
     options = live_options({"latency": 100}, source="offscreen", trace="walk", record=tmp_path / "x.csv", seconds=3)
-    assert (options.source, options.trace, options.record, options.seconds) == ("offscreen", "walk", tmp_path / "x.csv", 3)
+    assert (options.source, options.trace, options.record, options.seconds) == (
+        "offscreen",
+        "walk",
+        tmp_path / "x.csv",
+        3,
+    )
 
 
 @pytest.mark.parametrize(
@@ -73,7 +89,11 @@ def test_what_the_run_says_comes_beside(tmp_path):
     [
         ({"latncy": 1}, "latncy", "unknown setting 'latncy': did you mean latency?"),
         ({"a\nb": 1}, "a\nb", r"unknown setting 'a\nb'"),
-        ({"record": "x"}, "record", "record is no setting of a condition: the head's trace of every trial is recorded anyway"),
+        (
+            {"record": "x"},
+            "record",
+            "record is no setting of a condition: the head's trace of every trial is recorded anyway",
+        ),
         ({"images-every": 3}, "images-every", "images-every is no setting of a condition"),
         ({"latency": True}, "latency", "latency is True: wanted a number"),
         ({"latency": [1]}, "latency", "latency is [1]: wanted a number"),
@@ -133,5 +153,7 @@ def test_files_are_found_from_the_study_file(tmp_path):
         "bench": "/b.json",
         "warp": "mesh",
     }
-    assert at(Path("beside"), {"scene": "mine.glb"}) == {"scene": str(Path.cwd() / "beside" / "mine.glb")}  # wherever one works later
+    assert at(Path("beside"), {"scene": "mine.glb"}) == {
+        "scene": str(Path.cwd() / "beside" / "mine.glb")
+    }  # wherever one works later
     assert at(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}

@@ -30,7 +30,9 @@ SHOWING = DeskState(
 )  # fmt: skip
 ASKING = attrs.evolve(SHOWING, phase="asking", left_s=None, question=attrs.evolve(GRADE, entered=3.25))
 STATES = {
-    "reading": attrs.evolve(SHOWING, phase="reading", step="consent", done=0.0, left_s=None, position_m=None, turned_deg=None),
+    "reading": attrs.evolve(
+        SHOWING, phase="reading", step="consent", done=0.0, left_s=None, position_m=None, turned_deg=None
+    ),
     "waiting": attrs.evolve(SHOWING, phase="waiting", step="about to begin", done=0.0, left_s=None),
     "showing": SHOWING,
     "asking": ASKING,
@@ -48,7 +50,9 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("log", type=Path)
     parser.add_argument("--desk", default="auto")
-    parser.add_argument("--states", default="showing", help="names of STATES; the file LOG.state may name another one meanwhile")
+    parser.add_argument(
+        "--states", default="showing", help="names of STATES; the file LOG.state may name another one meanwhile"
+    )
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--do", default="", help="once, after one and a half seconds: see deed()")
     options = parser.parse_args()

@@ -27,7 +27,9 @@ class Terminal:
         self.screen = pyte.Screen(columns, rows)
         self.stream = pyte.ByteStream(self.screen)
         self.raw = b""
-        self.program = pexpect.spawn(argv[0], argv[1:], dimensions=(rows, columns), env=environment, timeout=PATIENCE_S, cwd=str(ROOT))
+        self.program = pexpect.spawn(
+            argv[0], argv[1:], dimensions=(rows, columns), env=environment, timeout=PATIENCE_S, cwd=str(ROOT)
+        )
         self.program.delaybeforesend = None
 
     def __enter__(self) -> Terminal:
@@ -97,4 +99,6 @@ def played(log: Path, *more: str, size: tuple[int, int] = (80, 24), **environmen
 
 def played_by_a_shell(log: Path, *more: str) -> Terminal:
     """played.py in a shell's terminal, which stays when the program dies; the shell then says "status N"."""
-    return Terminal(["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 60', "sh", sys.executable, PLAYED, str(log), *more])
+    return Terminal(
+        ["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 60', "sh", sys.executable, PLAYED, str(log), *more]
+    )

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-pytest.importorskip("prompt_toolkit", reason="the experimenter's screen needs prompt_toolkit: pip install 'hmdwarp[study]'")
+pytest.importorskip(
+    "prompt_toolkit", reason="the experimenter's screen needs prompt_toolkit: pip install 'hmdwarp[study]'"
+)
 
 from prompt_toolkit.utils import get_cwidth
 
@@ -24,7 +26,9 @@ SIZES = [(80, 24), (120, 40), (60, 20), (100, 21)]
 
 
 def text_of(scene: Scene, size: tuple[int, int]) -> str:
-    return "\n".join("".join(text for style, text in row if style != "[SetCursorPosition]") for row in page(scene, *size))
+    return "\n".join(
+        "".join(text for style, text in row if style != "[SetCursorPosition]") for row in page(scene, *size)
+    )
 
 
 def styles_of(scene: Scene, words: str) -> set[str]:
@@ -38,7 +42,15 @@ def test_what_is_looked_for_is_there_in_every_size(size):
                   "pitch   +3°", "roll   +0°", "line two", "p pause", "s stop", "? help"):  # fmt: skip
         assert words in text, words
     text = text_of(Scene(ASKING, Entry(mode="answer", text="3.2")), size)
-    for words in ("ASKING", "How good was the picture?", "1 very good", "6 insufficient", "entered 3.25", "answer > 3.2", "Enter"):
+    for words in (
+        "ASKING",
+        "How good was the picture?",
+        "1 very good",
+        "6 insufficient",
+        "entered 3.25",
+        "answer > 3.2",
+        "Enter",
+    ):
         assert words in text, words
 
 
@@ -77,7 +89,9 @@ def test_nothing_is_left_of_a_break_that_ends_when_somebody_says_so():
 
 
 def test_what_is_undone_does_not_look_done():
-    assert styles_of(Scene(SHOWING, Entry()), "██") == {"class:bar"} and styles_of(Scene(SHOWING, Entry()), "░░") == {"class:rest"}
+    assert styles_of(Scene(SHOWING, Entry()), "██") == {"class:bar"} and styles_of(Scene(SHOWING, Entry()), "░░") == {
+        "class:rest"
+    }
 
 
 def test_no_black_is_bold():
@@ -116,7 +130,9 @@ QUESTIONS = st.builds(
 )  # fmt: skip
 def test_every_page_fills_its_window_exactly(state, journal, width, height, mode, typed, note, ascii_only):
     """Whatever is in it: a row one cell too long would push all below it down, a control character would move the cursor."""
-    entry = Entry(mode=mode, text="".join(c for c in typed if c.isprintable()), note="".join(c for c in note if c.isprintable()))
+    entry = Entry(
+        mode=mode, text="".join(c for c in typed if c.isprintable()), note="".join(c for c in note if c.isprintable())
+    )
     rows = page(Scene(state, entry, journal, 0.0, ASCII if ascii_only else Scene(state, entry).glyphs), width, height)
     assert len(rows) == height
     for row in rows:
@@ -133,7 +149,9 @@ def test_the_scale_marks_what_is_entered_where_it_is():
     for question, value in ((GRADE, 1.0), (GRADE, 3.5), (GRADE, 6.0), (SICK, 15.0)):
         row = scale(attrs.evolve(question, entered=value), 61, Scene(SHOWING, Entry()).glyphs)
         before = len(row[0][1])
-        assert row[1][0] == "class:entered" and before == round((value - question.least) / (question.most - question.least) * 60)
+        assert row[1][0] == "class:entered" and before == round(
+            (value - question.least) / (question.most - question.least) * 60
+        )
     plain_row = scale(GRADE, 61, ASCII)[0][1]
     assert [plain_row.index(str(n)) for n in range(1, 7)] == [0, 12, 24, 36, 48, 60]
 

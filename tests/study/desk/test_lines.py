@@ -31,7 +31,9 @@ def told(tmp_path, commands: str, *more: str) -> tuple[list[tuple[str, object]],
 
 
 def test_lines_through_pipes(tmp_path):
-    asked, said = told(tmp_path, "help\nanswer 3,25\nanswer 9\ndance\npause\nremark it slipped\nstop\n", "--states", "asking")
+    asked, said = told(
+        tmp_path, "help\nanswer 3,25\nanswer 9\ndance\npause\nremark it slipped\nstop\n", "--states", "asking"
+    )
     assert asked == [("answer", 3.25), ("pause", None), ("remark", "it slipped"), ("stop", None)]
     for words in ("no screen for the experimenter: stdin is not a terminal", "trial 3 of 12: asking", "asked: How good was the picture?",
                   "1 very good", "9 is not on the scale", "'dance' is no command", "leave this question"):  # fmt: skip

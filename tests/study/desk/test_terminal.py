@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("prompt_toolkit", reason="the experimenter's screen needs prompt_toolkit: pip install 'hmdwarp[study]'")
+pytest.importorskip(
+    "prompt_toolkit", reason="the experimenter's screen needs prompt_toolkit: pip install 'hmdwarp[study]'"
+)
 pytest.importorskip("pexpect", reason="these tests drive a pseudo-terminal by pexpect")
 pytest.importorskip("pyte", reason="these tests read a screen by pyte")
 
@@ -141,11 +143,15 @@ def test_however_the_program_ends_the_terminal_is_restored_and_what_was_said_is_
         for word in words:
             terminal.until(word)
         terminal.until_holds(lambda: terminal.modes() == before)
-        terminal.until_holds(lambda: b"status %d" % status in terminal.raw)  # the shell may say it on the page that is about to go
+        terminal.until_holds(
+            lambda: b"status %d" % status in terminal.raw
+        )  # the shell may say it on the page that is about to go
         assert left_the_page(terminal)
 
 
-@pytest.mark.parametrize(("deed", "words"), [("print", ["a print in red", "a driver's own words"]), ("warn", ["a warning of a library"])])
+@pytest.mark.parametrize(
+    ("deed", "words"), [("print", ["a print in red", "a driver's own words"]), ("warn", ["a warning of a library"])]
+)
 def test_what_is_printed_meanwhile_stands_in_the_journal_and_is_printed_afterwards(log, deed, words):
     with played(log, "--do", deed) as terminal:
         for word in words:

@@ -37,7 +37,14 @@ def test_a_wrong_answer_is_refused_with_what_is_wanted(text, words):
 
 
 def test_times():
-    assert [clock(s) for s in (-1, 0, 59.99, 65, 3600, 3723.5)] == ["0:00", "0:00", "0:59", "1:05", "1:00:00", "1:02:03"]
+    assert [clock(s) for s in (-1, 0, 59.99, 65, 3600, 3723.5)] == [
+        "0:00",
+        "0:00",
+        "0:59",
+        "1:05",
+        "1:00:00",
+        "1:02:03",
+    ]
 
 
 def test_lines_as_commands():
@@ -135,7 +142,10 @@ def test_pasting_goes_into_an_open_line_and_never_acts_as_keys():
     assert pressed(entry, SHOWING, "enter") == [("remark", "two lines[31m")]
 
 
-@given(st.lists(st.one_of(st.sampled_from(["enter", "escape", "backspace", "clear"]), st.characters()), max_size=40), st.data())
+@given(
+    st.lists(st.one_of(st.sampled_from(["enter", "escape", "backspace", "clear"]), st.characters()), max_size=40),
+    st.data(),
+)
 def test_whatever_is_typed_answers_are_on_the_scale_and_about_what_is_on(keys, data):
     entry = Entry()
     for key in keys:

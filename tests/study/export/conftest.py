@@ -81,7 +81,9 @@ def write_trace(path: Path, seed: int, samples: int = 40) -> PoseTrack:
 
 def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, until: int | None = None):
     """A session: every answer is told by the seed. until: trials before it is stopped."""
-    session = store.begin(design, None, code, origin, facts={"hmdwarp": "0.0", "headset": "test-hmd", "trace": f"secret-of-{code}"})
+    session = store.begin(
+        design, None, code, origin, facts={"hmdwarp": "0.0", "headset": "test-hmd", "trace": f"secret-of-{code}"}
+    )
     rng = np.random.default_rng(seed)
     showing = None
     for step in steps_of(design, session.order, session.part):
@@ -90,17 +92,29 @@ def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, un
         if isinstance(step, Show):
             showing = store.begin_showing(session, step, dict(step.condition.settings))
             write_trace(store.traces / showing.trace, 100 * seed + step.trial)
-            actual = {"latency_ms_median": 401.5 + step.trial, "pictures": 90, "hole_share_mean": None, "warp": "forward", "size": "96x120"}
+            actual = {
+                "latency_ms_median": 401.5 + step.trial,
+                "pictures": 90,
+                "hole_share_mean": None,
+                "warp": "forward",
+                "size": "96x120",
+            }
             showing = store.end_showing(session, showing, actual, complete=True)
         elif isinstance(step, Ask):
             values = step.scale.values()
-            value = None if step.trial == 2 and seed == 1 and step.scale.kind == "rating" else values[rng.integers(len(values))]
+            value = (
+                None
+                if step.trial == 2 and seed == 1 and step.scale.kind == "rating"
+                else values[rng.integers(len(values))]
+            )
             store.answer(session, step, value, 1.25, "participant", showing if step.about else None)
             if step.trial == 1 and step.scale.kind == "rating":
                 store.answer(session, step, step.scale.least, 0.5, "participant", showing)
     store.record(session, "remark", "trial/1", by="experimenter", text=f"{NASTY} {code}")
     complete = until is None
-    return store.end(session, "complete" if complete else "stopped", why="" if complete else "asked for by the participant")
+    return store.end(
+        session, "complete" if complete else "stopped", why="" if complete else "asked for by the participant"
+    )
 
 
 @pytest.fixture(scope="module")

@@ -49,14 +49,18 @@ def test_every_name_is_one_of_the_specifications(tree):
 
 
 def test_a_validator_of_others_takes_every_name(tree):
-    validator = pytest.importorskip("bids_validator", reason="bids_validator is not installed (pip install bids_validator)").BIDSValidator()
+    validator = pytest.importorskip(
+        "bids_validator", reason="bids_validator is not installed (pip install bids_validator)"
+    ).BIDSValidator()
     for path in files(tree):
         assert validator.is_bids(f"/{path.relative_to(tree).as_posix()}"), path
 
 
 def test_what_must_be_there_is(tree):
     about = loaded(tree / "dataset_description.json")
-    assert {"Name", "BIDSVersion", "DatasetType", "GeneratedBy"} <= set(about) and about["GeneratedBy"][0]["Name"] == "hmdwarp"
+    assert {"Name", "BIDSVersion", "DatasetType", "GeneratedBy"} <= set(about) and about["GeneratedBy"][0][
+        "Name"
+    ] == "hmdwarp"
     people = table(tree / "participants.tsv")
     assert list(people[0])[0] == "participant_id"
     assert {row["participant_id"] for row in people} == {path.name for path in tree.glob("sub-*")}
@@ -99,7 +103,16 @@ def test_poses_are_as_they_were_recorded(tree, store):
             channels = table(path.with_name(path.name.replace("_motion", "_channels")))
             assert len(channels) == data.shape[1] == len(CHANNELS)
             assert [one["type"] for one in channels] == ["LATENCY", *["POS"] * 3, *["ORNT"] * 4]
-            assert [one["component"] for one in channels] == ["n/a", "x", "y", "z", "quat_x", "quat_y", "quat_z", "quat_w"]
+            assert [one["component"] for one in channels] == [
+                "n/a",
+                "x",
+                "y",
+                "z",
+                "quat_x",
+                "quat_y",
+                "quat_z",
+                "quat_w",
+            ]
             count += 1
     assert count == 4 + 3 + 4
 
@@ -108,7 +121,9 @@ def test_rates_tell_how_uneven_samples_are(tmp_path):
     track = write_trace(tmp_path / "a.csv", 1, samples=400)
     steps = np.diff(track.time_ns)
     rates = Rates.of(track)
-    assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps)) and rates.effective_hz == pytest.approx(399e9 / steps.sum())
+    assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps)) and rates.effective_hz == pytest.approx(
+        399e9 / steps.sum()
+    )
     # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from its middle, half of it on either side.
     assert 0.02 < rates.uneven < 0.15
     even = track.evolve(time_ns=np.arange(400) * 11_111_111, max_gap_ns=10**9)
@@ -128,8 +143,22 @@ def test_no_date_and_no_code_is_in_any_byte(tree):
     """The tests' clock says 2031-07-23, 16:41; so do the traces' headers."""
     for path in tree.parent.rglob("*"):
         data = path.read_bytes() if path.is_file() else b""
-        for word in (b"2031-0", b"16:41", b"16:42", b"Alpha-1", b"Beta-2", b"Gamma-3", b"Pilot-4", b"secret-of", b"Recorder of"):
-            assert word not in data and word.decode() not in path.name, (path.name, word, data[max(0, data.find(word) - 40):][:80])
+        for word in (
+            b"2031-0",
+            b"16:41",
+            b"16:42",
+            b"Alpha-1",
+            b"Beta-2",
+            b"Gamma-3",
+            b"Pilot-4",
+            b"secret-of",
+            b"Recorder of",
+        ):
+            assert word not in data and word.decode() not in path.name, (
+                path.name,
+                word,
+                data[max(0, data.find(word) - 40) :][:80],
+            )
 
 
 def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design, tmp_path):

@@ -30,7 +30,9 @@ def test_it_says_what_it_wrote(study, tmp_path):
 
 
 def test_pilots_are_asked_for(study, tmp_path):
-    assert "1 participant (a pilot, who tried the study out) in 1 session, " in run("export", *study, "--out", tmp_path / "out", "--pilot")
+    assert "1 participant (a pilot, who tried the study out) in 1 session, " in run(
+        "export", *study, "--out", tmp_path / "out", "--pilot"
+    )
     with pytest.raises(InputError, match="one after the other"):
         run("export", *study, "--out", tmp_path / "both", "--pilot", "--simulated")
     assert run("export", *study, "--out", tmp_path / "quiet", "--quiet", "--no-parquet") == ""

@@ -25,7 +25,9 @@ VALUES = {
     WHOLE: st.integers(-(2**53), 2**53),
     FLAG: st.booleans(),
 }
-TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1).filter(lambda text: text != "n/a")
+TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1).filter(
+    lambda text: text != "n/a"
+)
 ROW = st.fixed_dictionaries({c.name: st.none() | VALUES.get(c.type, TEXTS) for c in COLUMNS})
 
 
@@ -40,7 +42,9 @@ def test_a_table_as_tsv_has_a_line_for_each_row_and_reads_back_but_for_white_spa
     assert text.count("\n") == len(rows) + 1
     flat = [{k: (" ".join(v.split()) or None) if isinstance(v, str) else v for k, v in row.items()} for row in rows]
     kept = [row for row in flat if "n/a" not in row.values()]  # white space around n/a makes it n/a
-    assert [row for row, was in zip(read_table(text, COLUMNS, "\t"), flat, strict=True) if "n/a" not in was.values()] == kept
+    assert [
+        row for row, was in zip(read_table(text, COLUMNS, "\t"), flat, strict=True) if "n/a" not in was.values()
+    ] == kept
 
 
 def test_points_are_points_whatever_the_locale():
@@ -65,7 +69,12 @@ def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
     assert len(rows) == 2 * 3 and all(row["kind"] == "rating" for row in rows)
     of = {(row["participant"], row["trial"]): row for row in rows}
     revised = of[subs["Alpha-1"], 1]
-    assert (revised["value"], revised["revision"], revised["seconds_to_answer"], revised["why_missing"]) == (1.0, 2, 0.5, None)
+    assert (revised["value"], revised["revision"], revised["seconds_to_answer"], revised["why_missing"]) == (
+        1.0,
+        2,
+        0.5,
+        None,
+    )
     assert revised["actual_latency_ms_median"] == 402.5 and revised["presentation"] == 1
     silent, stopped = of[subs["Alpha-1"], 2], of[subs["Beta-2"], 3]
     assert (silent["value"], silent["why_missing"]) == (None, "cannot say")
@@ -81,7 +90,9 @@ def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
             late = row["condition"] != "reference"
             assert row["latency_ms"] == (400 if late else 0) and row["reference"] == (not late)
             assert row.get("guard") == (1.5 if row["condition"] == "warped" else None)
-            assert row["fill"] == ("interpolate" if row["condition"] == "warped" else "none")  # the default of a live run
+            assert row["fill"] == (
+                "interpolate" if row["condition"] == "warped" else "none"
+            )  # the default of a live run
     assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:18], "guard", *LONG_COLUMNS[18:]]
 
 
@@ -114,7 +125,10 @@ def test_the_three_tables_say_the_same(store, design, tmp_path):
     table = parquet.read_table(out / "ratings.parquet")
     assert [[field_text(v) for v in row.values()] for row in table.to_pylist()] == [list(row.values()) for row in comma]
     assert table.schema.field("value").type == "double" and table.schema.field("trial").type == "int64"
-    assert table.schema.field("latency_ms").metadata[b"units"] == b"ms" and table.schema.metadata[b"title"] == b"Does a warp help?"
+    assert (
+        table.schema.field("latency_ms").metadata[b"units"] == b"ms"
+        and table.schema.metadata[b"title"] == b"Does a warp help?"
+    )
 
 
 def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design, tmp_path, monkeypatch):
@@ -137,7 +151,9 @@ def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store
             mine = [row for row in rows if row["participant"] == session.sub and row["phase"] == phase]
             values = {row["item"]: row["value"] for row in mine if row["kind"] == "questionnaire"}
             scores = {row["item"]: row["value"] for row in mine if row["kind"] == "score"}
-            assert list(values) == [item.key for item in vrsq.items] and list(scores) == [one.name for one in vrsq.scores]
+            assert list(values) == [item.key for item in vrsq.items] and list(scores) == [
+                one.name for one in vrsq.scores
+            ]
             if session.status == "stopped" and phase == "after":
                 assert set(values.values()) | set(scores.values()) == {"n/a"}
                 continue
@@ -162,7 +178,9 @@ def test_remarks_stay_at_home_unless_asked_for_and_read_back_as_typed(store, des
     plain = export(store.contents(), design, tmp_path / "plain").folder
     assert all(b"Maria" not in path.read_bytes() for path in plain.rglob("*") if path.is_file())
     told = export(store.contents(), design, tmp_path / "told", ExportOptions(remarks=True)).folder
-    assert {row["text"] for row in read(told / "remarks.csv", ",")} == {f"{NASTY} {code}" for code in ("Alpha-1", "Beta-2", "Gamma-3")}
+    assert {row["text"] for row in read(told / "remarks.csv", ",")} == {
+        f"{NASTY} {code}" for code in ("Alpha-1", "Beta-2", "Gamma-3")
+    }
 
 
 def test_revisions_are_a_table_of_their_own(store, design, tmp_path):
@@ -207,4 +225,6 @@ def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(
     for name in ("ratings.csv", "sickness.tsv", "questionnaires.tsv"):
         assert (before / name).read_bytes() == (made.folder / name).read_bytes()
     told = json.loads((made.folder / "columns.json").read_text(encoding="utf-8"))
-    assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(made.told)
+    assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(
+        made.told
+    )

@@ -74,7 +74,9 @@ def test_drift_and_what_was_before_are_in_the_ratings():
 def test_shares_of_missing_ratings_and_dropouts():
     """2000 people: 4 standard errors of a share p are 4 sqrt(p (1 - p) / 2000)."""
     made = cohort(2000, ratings=rating(missing=0.1), dropout=0.05, sickness=SicknessModel())
-    assert np.mean([one == "complete" for one in made.why]) == pytest.approx(0.95**3, abs=0.032)  # after the last trial nobody leaves
+    assert np.mean([one == "complete" for one in made.why]) == pytest.approx(
+        0.95**3, abs=0.032
+    )  # after the last trial nobody leaves
     for place in range(4):
         went_on = made.trials > place
         assert np.mean(went_on) == pytest.approx(0.95**place, abs=0.032)
@@ -90,7 +92,13 @@ def test_orders_stay_balanced_whoever_leaves():
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.integers(0, 10_000), st.sampled_from(["fms", "misc", "acr"]), st.sampled_from([1, 2, 3]), st.booleans(), st.booleans())
+@given(
+    st.integers(0, 10_000),
+    st.sampled_from(["fms", "misc", "acr"]),
+    st.sampled_from([1, 2, 3]),
+    st.booleans(),
+    st.booleans(),
+)
 def test_the_stop_rule_is_that_of_a_session(seed, name, every, practice, by_rise):
     """Session by session, with the answers one after the other, as study run asks them."""
     scale = load_scale(name)
@@ -121,7 +129,9 @@ def test_made_up_ratings_are_those_of_the_cohort():
     made, found = cohort(9, seed=4), simulate_study(DESIGN, MODEL, 9, 4)
     assert len(found.rows) == 9 * 4 and found.origin == "simulated" and len(found.sittings) == 9
     table = found.table(PART, "grade")
-    wanted = made.per_condition("grade")[:, [[one.name for one in DESIGN.parts[0].conditions].index(name) for name in table.conditions]]
+    wanted = made.per_condition("grade")[
+        :, [[one.name for one in DESIGN.parts[0].conditions].index(name) for name in table.conditions]
+    ]
     np.testing.assert_array_equal(table.values, wanted)
     assert all((row.value is None) == bool(row.why_missing) for row in found.rows)
     assert all(row.previous == "" for row in found.rows if row.place == 1)
@@ -134,7 +144,9 @@ def test_somebody_in_a_session_answers_as_in_a_study_without_one():
     somebody = Simulated(model, DESIGN, PART, DESIGN.seed, 77, order)
     for step in steps_of(DESIGN, order, PART):
         if isinstance(step, Ask) and step.phase == "trial":
-            wanted = made.answers["grade"][0, step.trial - 1] if step.scale.name == "grade" else made.sickness[0, step.trial]
+            wanted = (
+                made.answers["grade"][0, step.trial - 1] if step.scale.name == "grade" else made.sickness[0, step.trial]
+            )
             assert somebody.answer(step, step.trial) == (None if np.isnan(wanted) else wanted)
 
 

@@ -70,7 +70,9 @@ def test_draws_are_uniform_and_belong_to_their_person():
     """20,000 values; a right generator gives p below 1e-4 once in 10,000 seeds, and this seed is fixed."""
     tables = np.concatenate([table_of(1, 0, "run", person, 20) for person in range(1000)])
     assert kstest(tables, "uniform").pvalue > 1e-4
-    assert abs(np.corrcoef(tables.reshape(1000, 20), rowvar=False) - np.eye(20)).max() < 0.15  # 4.7 standard errors of 1/sqrt(1000)
+    assert (
+        abs(np.corrcoef(tables.reshape(1000, 20), rowvar=False) - np.eye(20)).max() < 0.15
+    )  # 4.7 standard errors of 1/sqrt(1000)
     assert (table_of(1, 0, "run", 5, 20)[:7] == table_of(1, 0, "run", 5, 7)).all()
     places = itertools.product((1, 2), (0, 1), ("run", "other"), (0, 2**64 - 1))
     assert len({table_of(*place, 1)[0] for place in places}) == 16
@@ -104,7 +106,12 @@ def test_a_file_is_read_with_its_defaults():
     [
         ("schema = 1", "schema = 2", 1, "schema is 2: wanted 1"),
         ("noise_sd = 0.5", "noise_sd = -1", 4, "rating.grade.noise_sd is -1: wanted a number of at least 0"),
-        ("noise_sd = 0.5", "missing = 1.5", 4, "rating.grade.missing is 1.5: wanted a number of at least 0 and at most 1"),
+        (
+            "noise_sd = 0.5",
+            "missing = 1.5",
+            4,
+            "rating.grade.missing is 1.5: wanted a number of at least 0 and at most 1",
+        ),
         ("noise_sd = 0.5", "noise = 0.5", 4, "unknown key rating.grade.noise: did you mean rating.grade.noise_sd"),
         ("b = 3.5", 'b = "late"', 7, "rating.grade.means.b is 'late': wanted a finite number"),
         ("b = 3.5", "b = nan", 7, "wanted a finite number"),
@@ -129,7 +136,9 @@ def test_no_text_gives_another_error(text):
 
 def test_what_the_study_needs_and_the_model_lacks_is_named():
     design, model = load_design("quick"), model_from_text(TEXT, "people.toml")
-    with pytest.raises(InputError, match=r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"):
+    with pytest.raises(
+        InputError, match=r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"
+    ):
         from hmdwarp.study.respondents.cohort import Population
 
         Population(model, design, design.parts[0].name)

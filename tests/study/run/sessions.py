@@ -69,7 +69,9 @@ def study(folder: Path, more: str = "") -> Path:
 
 def whole(folder: Path, blind: str = "both") -> Path:
     """One with everything in it that may come between trials."""
-    return study(folder, WHOLE.format(blind=blind).replace("[questionnaires]\nbefore = [\"fms\"]\n", "[questionnaires]\n"))
+    return study(
+        folder, WHOLE.format(blind=blind).replace('[questionnaires]\nbefore = ["fms"]\n', "[questionnaires]\n")
+    )
 
 
 def press(plate: Card, name: str) -> Command:
@@ -108,7 +110,9 @@ class Person:
             return (press(plate, "agree"),)
         if isinstance(plate, Card) and plate.title == "Menu":
             return (press(plate, "continue"),)
-        if isinstance(plate, Card) and (plate.title in ("Ready?", "We stop here") or "whenever you like" in " ".join(plate.lines)):
+        if isinstance(plate, Card) and (
+            plate.title in ("Ready?", "We stop here") or "whenever you like" in " ".join(plate.lines)
+        ):
             return (Command("confirm"),)
         return ()
 
@@ -188,7 +192,16 @@ class Ran:
     error: BaseException | None = None
 
 
-def run(monkeypatch, gpu, path: Path, person: Person | None = None, desk: Table | None = None, respondent=None, at=None, **options) -> Ran:
+def run(
+    monkeypatch,
+    gpu,
+    path: Path,
+    person: Person | None = None,
+    desk: Table | None = None,
+    respondent=None,
+    at=None,
+    **options,
+) -> Ran:
     """One run of the program. at: of Seat. options: of RunSession, participant P1 and a desktop where nothing else is said; back_after: of
     the display."""
     back_after = options.pop("back_after", 0)
@@ -196,7 +209,9 @@ def run(monkeypatch, gpu, path: Path, person: Person | None = None, desk: Table 
     monkeypatch.setattr(program, "open_display", lambda *_, **__: ran.display)
     options = {"participant": "P1", "source": "desktop", **options}
     try:
-        ran.session = program.run_session(RunSession(study=str(path), **options), ran.said.append, desk=ran.desk, respondent=respondent)
+        ran.session = program.run_session(
+            RunSession(study=str(path), **options), ran.said.append, desk=ran.desk, respondent=respondent
+        )
     except BaseException as error:
         ran.error = error
     finally:

@@ -76,8 +76,14 @@ def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
         "answer", "pause", "break", "pause", "again", "answer", "pause", "skip", "answer",
     ]  # fmt: skip
     answers = [(one.key, one.revision, one.value) for one in contents(path).answers]
-    assert answers == [("trial/1/grade/grade", 1, 2.0), ("trial/1/grade/grade", 2, 2.0), ("trial/2/grade/grade", 1, None)]
-    assert presentations(path, "trial/2") == [(1, True)]  # a question that was interrupted is asked anew, and nothing is shown for it
+    assert answers == [
+        ("trial/1/grade/grade", 1, 2.0),
+        ("trial/1/grade/grade", 2, 2.0),
+        ("trial/2/grade/grade", 1, None),
+    ]
+    assert presentations(path, "trial/2") == [
+        (1, True)
+    ]  # a question that was interrupted is asked anew, and nothing is shown for it
 
 
 def test_the_last_question_again_keeps_both_answers_and_goes_on(monkeypatch, gpu, tmp_path):
@@ -92,7 +98,11 @@ def test_the_last_question_again_keeps_both_answers_and_goes_on(monkeypatch, gpu
     ran = run(monkeypatch, gpu, path, Person(own), at_phase("showing", "trial 2 of 2", Command("again")))
     assert ran.session.status == COMPLETE
     answers = [(one.key, one.revision, one.value) for one in contents(path).answers]
-    assert answers == [("trial/1/grade/grade", 1, 5.0), ("trial/1/grade/grade", 2, 2.0), ("trial/2/grade/grade", 1, 1.0)]
+    assert answers == [
+        ("trial/1/grade/grade", 1, 5.0),
+        ("trial/1/grade/grade", 2, 2.0),
+        ("trial/2/grade/grade", 1, 1.0),
+    ]
     showings = {one.showing for one in contents(path).answers[:2]}
     assert len(showings) == 1  # both are about the same showing
     assert presentations(path, "trial/2") == [(1, False), (2, True)]
@@ -107,10 +117,17 @@ def test_again_before_anything_was_asked_changes_nothing(monkeypatch, gpu, tmp_p
 
 @pytest.mark.parametrize(
     ("phase", "step"),
-    [("reading", "consent"), ("showing", "practice"), ("asking", "practice"), ("showing", "trial 2 of 2"), ("break", "break")],
+    [
+        ("reading", "consent"),
+        ("showing", "practice"),
+        ("asking", "practice"),
+        ("showing", "trial 2 of 2"),
+        ("break", "break"),
+    ],
 )
 def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
     path = whole(tmp_path)
+
     def waits(plate):
         busy = {"reading": getattr(plate, "title", "") == "Before we begin", "asking": isinstance(plate, QuestionPlate)}
         return () if busy.get(phase) else None
@@ -127,7 +144,10 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
 
 @pytest.mark.parametrize(
     ("phase", "commands", "answers"),
-    [("asking", [Command("answer", 3.0), Command("stop")], [3.0]), ("showing", [Command("pause"), Command("stop")], [])],
+    [
+        ("asking", [Command("answer", 3.0), Command("stop")], [3.0]),
+        ("showing", [Command("pause"), Command("stop")], []),
+    ],
 )
 def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tmp_path, phase, commands, answers):
     """Both are there at one refresh, as after one that took long: the answer is kept, and the end is not passed over."""
@@ -169,7 +189,9 @@ def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tm
 
 def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
-    person = Person(lambda plate: [press(plate, "refuse")] if getattr(plate, "title", "") == "Before we begin" else None)
+    person = Person(
+        lambda plate: [press(plate, "refuse")] if getattr(plate, "title", "") == "Before we begin" else None
+    )
     ran = run(monkeypatch, gpu, path, person)
     assert ran.session.status == STOPPED
     assert events(path, "refused") == [("refused", "consent")]
@@ -233,7 +255,9 @@ def test_what_comes_after_an_answer_does_not_answer_the_next_question(monkeypatc
     given = iter([[Command("answer", 3.0), Command("answer", 4.0), Command("remark", "twice")]])
     desk = Table(lambda state: next(given, ()) if state.phase == "asking" else ())
     path = study(tmp_path)
-    ran = run(monkeypatch, gpu, path, Person(lambda plate: () if getattr(plate, "heading", "") == "trial 1" else None), desk)
+    ran = run(
+        monkeypatch, gpu, path, Person(lambda plate: () if getattr(plate, "heading", "") == "trial 1" else None), desk
+    )
     assert ran.session.status == COMPLETE
     assert [one.value for one in contents(path).answers] == [3.0, 2.0]
     assert ("remark", "trial/1/grade/grade") in events(path, "remark")

@@ -58,7 +58,10 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     assert program.returncode == status
     name = signal.Signals(number).name
     assert f"participant P1 (pilot), session 1, part main: interrupted: ended by {name}" in out
-    assert f"go on with: hmdwarp study run {path} --participant P1 --resume --pilot --source offscreen --trace walk --desk lines" in out
+    assert (
+        f"go on with: hmdwarp study run {path} --participant P1 --resume --pilot --source offscreen --trace walk --desk lines"
+        in out
+    )
     assert "Traceback" not in err
     assert "nothing unfinished" not in err  # something unfinished is there, and is to be gone on with
     stored = contents(path, pilot=True)
@@ -87,7 +90,10 @@ def test_a_session_answered_at_the_desk_line_by_line(tmp_path):
         program.communicate()
     assert out.startswith("participant P1 (pilot), session 1, part main: complete\n")
     assert "2 answers, 1 of them about trials" in out
-    assert [(one.value, one.by) for one in contents(path, pilot=True).answers] == [(3.25, "experimenter"), (None, "experimenter")]
+    assert [(one.value, one.by) for one in contents(path, pilot=True).answers] == [
+        (3.25, "experimenter"),
+        (None, "experimenter"),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,9 @@ def check_complete(path) -> None:
 @pytest.mark.parametrize("after", [False, True], ids=["before it is written", "after it was written"])
 def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path, after):
     """A fault of ours at each of them in turn: what was answered before stays, and the session is gone on with to its end."""
-    monkeypatch.setattr(sessions, "TEXT", sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05"))
+    monkeypatch.setattr(
+        sessions, "TEXT", sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05")
+    )
     with pytest.MonkeyPatch.context() as patch:
         faults = Faults(patch, None, after)
         (tmp_path / "all").mkdir()
@@ -123,7 +125,10 @@ def test_a_rating_whose_trial_was_seen_in_another_sitting_is_given_after_seeing_
         if count > 5:
             raise closing()
 
-    person.looks, usual = lambda plate: until_asked(plate) or () if getattr(plate, "heading", "") else usual(plate), person.looks
+    person.looks, usual = (
+        lambda plate: until_asked(plate) or () if getattr(plate, "heading", "") else usual(plate),
+        person.looks,
+    )
     assert run(monkeypatch, gpu, path, person).session.status == INTERRUPTED
     assert [(one.key, one.complete) for one in contents(path).showings] == [("trial/1", True)]
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
@@ -264,7 +269,11 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
 @pytest.mark.parametrize(
     ("was", "now", "told"),
     [
-        ({}, {"simulate": "quick"}, "participant P1 is a person here, not a simulated: leave --pilot and --simulate away"),
+        (
+            {},
+            {"simulate": "quick"},
+            "participant P1 is a person here, not a simulated: leave --pilot and --simulate away",
+        ),
         ({}, {"pilot": True}, "participant P1 is a person here, not a pilot"),
         ({"pilot": True}, {}, "give --pilot to go on"),
     ],
@@ -284,8 +293,6 @@ def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
     ran = run(monkeypatch, gpu, study(tmp_path), participant="new")
     assert ran.said[0].startswith(f"participant {ran.session.code}, ")
     assert len(ran.session.code) == 5
-
-
 
 
 def test_where_a_recorded_head_lies_is_not_kept(gpu, tmp_path):

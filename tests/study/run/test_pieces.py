@@ -41,7 +41,16 @@ def columns(**known: list[float]):
 
 
 def summary(**live) -> dict:
-    beside = {"seconds": 0.2, "missed": 1, "over": 1, "timed": 2, "lost": [], "notices": {}, "source": "desktop", **live}
+    beside = {
+        "seconds": 0.2,
+        "missed": 1,
+        "over": 1,
+        "timed": 2,
+        "lost": [],
+        "notices": {},
+        "source": "desktop",
+        **live,
+    }
     texts = dict.fromkeys(("warp", "fill", "scene", "lens", "headset", "hmdwarp"), "x")
     machine = {"gl_renderer": "r", "gl_version": "4.3"}
     return {"frames": 3, "live": beside, "effects": ["a", "b"], "size": [4, 5], "machine": machine, **texts}
@@ -79,7 +88,12 @@ def test_what_was_shown_by_hand():
 
 def test_one_eye_and_one_picture_are_enough():
     one = actual_of(summary(seconds=0.0, timed=0), columns(hole_share_0=[0.5, math.nan, math.nan], age_ms=[7.0]))
-    assert (one["hole_share_mean"], one["rate_hz"], one["latency_ms_sd"], one["over_budget_share"]) == (0.5, None, None, None)
+    assert (one["hole_share_mean"], one["rate_hz"], one["latency_ms_sd"], one["over_budget_share"]) == (
+        0.5,
+        None,
+        None,
+        None,
+    )
 
 
 def test_what_nobody_measured_is_nothing_and_no_nan():
@@ -113,7 +127,10 @@ def test_a_simulated_pilot_is_a_pilot():
 
 def test_what_goes_on_is_typed_as_a_shell_takes_it():
     options = RunSession(study="my study.toml", participant="new", store="data here", new_session=True)
-    assert options.command("P7", "main", several=False) == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here'"
+    assert (
+        options.command("P7", "main", several=False)
+        == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here'"
+    )
     assert "--part main" in options.command("P7", "main", several=True)
 
 
@@ -149,7 +166,10 @@ def test_a_link_that_lets_nothing_through_is_told(monkeypatch, gpu, tmp_path):
 
     monkeypatch.setattr(trial, "PATIENCE_S", 0.1)
     path = study(tmp_path)
-    path.write_text(path.read_text(encoding="utf-8").replace('scene = "planes"', 'scene = "planes"\nbandwidth = 0.001'), encoding="utf-8")
+    path.write_text(
+        path.read_text(encoding="utf-8").replace('scene = "planes"', 'scene = "planes"\nbandwidth = 0.001'),
+        encoding="utf-8",
+    )
     ran = run(monkeypatch, gpu, path)
     assert isinstance(ran.error, InputError)
     assert "trial/1: no frame came within 0.1 s: see what loss and bandwidth let through" in str(ran.error)

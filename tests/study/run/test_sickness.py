@@ -96,7 +96,10 @@ def test_at_the_stop_rule_the_session_ends_kindly_and_says_why(monkeypatch, gpu,
     assert [one.key for one in stored.answers][-1] == "after/acr/quality"  # asked all the same
     kinds = [event.kind for event in stored.events]
     assert kinds[-3:] == ["sick", "answer", "end"]
-    assert [plate.title for plate in ran.display.plates if hasattr(plate, "title")][-2:] == ["We stop here", "Thank you"]
+    assert [plate.title for plate in ran.display.plates if hasattr(plate, "title")][-2:] == [
+        "We stop here",
+        "Thank you",
+    ]
     assert any("the stop rule" in text for text in ran.desk.said)
     assert ran.said[0].startswith("participant P1, session 1, part main: sick: ")
 

@@ -35,7 +35,8 @@ def test_everything_happens_in_the_order_of_the_plan_and_is_stored_at_once(one):
     path, ran = one
     kinds = [f"{event.kind} {event.key}".strip() for event in contents(path).events]
     trial_1, trial_2 = (
-        [f"showing trial/{n}", f"shown trial/{n}", f"answer trial/{n}/grade/grade", f"answer trial/{n}/fms/fms"] for n in (1, 2)
+        [f"showing trial/{n}", f"shown trial/{n}", f"answer trial/{n}/grade/grade", f"answer trial/{n}/fms/fms"]
+        for n in (1, 2)
     )
     practice = ["showing practice", "shown practice", "answer practice/fms/fms"]
     after = ["answer after/acr/quality", "end"]
@@ -80,7 +81,11 @@ def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
     """A black wait as long as the latency would tell it: the lead is equally long for all, and frames are under way at its end."""
     _, ran = one
     labels = ran.display.labels
-    leads = [number for number, label in enumerate(labels) if isinstance(label, Card) and re.match("Trial|Practice", label.title)]
+    leads = [
+        number
+        for number, label in enumerate(labels)
+        if isinstance(label, Card) and re.match("Trial|Practice", label.title)
+    ]
     runs = np.split(np.array(leads), np.flatnonzero(np.diff(leads) > 1) + 1)
     assert len(runs) == 3
     assert len({len(one) for one in runs}) == 1
@@ -101,7 +106,9 @@ def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(mo
     handed = run(monkeypatch, gpu, study(tmp_path)).display.handed
     waits = []
     for number in (1, 2):
-        plated = next(k for k, (_, _, label) in enumerate(handed) if getattr(label, "title", "") == f"Trial {number} of 2")
+        plated = next(
+            k for k, (_, _, label) in enumerate(handed) if getattr(label, "title", "") == f"Trial {number} of 2"
+        )
         first = next(k for k in range(plated, len(handed)) if handed[k][1])
         waits.append((handed[first][0] - handed[plated][0]) * 1e-6)
     assert waits[0] == pytest.approx(waits[1], abs=PERIOD_MS)
@@ -114,7 +121,9 @@ def test_nobody_sees_what_is_on(one):
     assert "hmdwarp - study small - trial 1 of 2" in titles
     seen = [*titles, *map(repr, ran.display.plates), *map(repr, ran.desk.states), *ran.desk.said, *ran.said]
     assert all(isinstance(plate, str | Card | QuestionPlate) for plate in ran.display.plates)
-    told = re.compile("|".join([*NAMES, *(rf"\b{latency}\b" for latency in LATENCIES_MS), "rotation", "warp", "latency", "planes"]))
+    told = re.compile(
+        "|".join([*NAMES, *(rf"\b{latency}\b" for latency in LATENCIES_MS), "rotation", "warp", "latency", "planes"])
+    )
     for text in seen:
         assert not told.search(text.replace("hmdwarp", "")), text
 
@@ -131,7 +140,9 @@ def test_the_desk_knows_the_condition_unless_the_plan_hides_it(monkeypatch, gpu,
     ran = run(monkeypatch, gpu, study(tmp_path, f'blind = "{blind}"'), desk=desk)
     told = {state.condition for state in desk.states} - {""}
     assert told == (set(NAMES) if is_told else set())
-    assert not any(name in repr(plate) + title for name in NAMES for plate in ran.display.plates for title in ran.display.titles)
+    assert not any(
+        name in repr(plate) + title for name in NAMES for plate in ran.display.plates for title in ran.display.titles
+    )
 
 
 def test_the_desk_is_told_what_it_can_show(one):
@@ -159,7 +170,11 @@ def test_a_trial_can_be_replayed_from_its_recording(one, tmp_path):
     assert len(trace.track) == showing.actual["pictures"]
     assert "hmdwarp study" in file.read_text(encoding="utf-8").partition("\n#")[2]
     settings = {"scene": "planes", "latency_ms": 0.0, "warp": "rotation", "fill": "none", "size": (48, 60)}
-    result = replay(RunOptions(trace=str(file), against="", metrics_every=10**6, images=0, workers=0, out=tmp_path / "out", **settings))
+    result = replay(
+        RunOptions(
+            trace=str(file), against="", metrics_every=10**6, images=0, workers=0, out=tmp_path / "out", **settings
+        )
+    )
     assert result is not None
     assert (tmp_path / "out" / "summary.json").exists()
 
@@ -167,7 +182,10 @@ def test_a_trial_can_be_replayed_from_its_recording(one, tmp_path):
 def test_each_trial_begins_with_the_recording_s_beginning(one):
     """On a display that follows a recorded head, every condition is seen with the same motion."""
     path, _ = one
-    traces = [load_trace(str(path.with_name("small-data") / "traces" / showing.trace)).track for showing in contents(path).showings]
+    traces = [
+        load_trace(str(path.with_name("small-data") / "traces" / showing.trace)).track
+        for showing in contents(path).showings
+    ]
     for other in traces[1:]:
         assert np.allclose(traces[0].position_m, other.position_m, atol=1e-9)
 

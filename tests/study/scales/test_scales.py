@@ -54,7 +54,9 @@ def test_the_most_an_ssq_can_come_to():
 
 def test_the_most_a_vrsq_can_come_to():
     """Kim and others 2018: per cent of the most."""
-    assert most_scored(load_scale("vrsq")) == pytest.approx({"oculomotor": 100, "disorientation": 100, "total": 100}, abs=1e-12)
+    assert most_scored(load_scale("vrsq")) == pytest.approx(
+        {"oculomotor": 100, "disorientation": 100, "total": 100}, abs=1e-12
+    )
 
 
 # The published table of Kennedy and others, a line for each item: in which of N, O, D it counts.
@@ -148,15 +150,40 @@ def test_unknown_names_and_absent_files(tmp_path):
         (GRADE, 'title = "School grade"', 'title = "School grade"\nfoo = 1', "unknown key foo: known are"),
         (GRADE, "step = 0.25", "step = 0.25\nsteps = 1", "unknown key answer.steps: did you mean answer.step?"),
         (GRADE, "step = 0.25", "step = ", "this is no TOML"),
-        (GRADE, "[[item]]", '[[score]]\nname = "x"\n[[item]]', "score is for questionnaires: a rating is its own score"),
+        (
+            GRADE,
+            "[[item]]",
+            '[[score]]\nname = "x"\n[[item]]',
+            "score is for questionnaires: a rating is its own score",
+        ),
         (SSQ, 'key = "fatigue"', 'key = "headache"', "item.key is 'headache' a second time"),
-        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1, 17]", "score.items is [1, 17]: wanted numbers of questions, from 1 to 16"),
+        (
+            SSQ,
+            "[1, 6, 7, 8, 9, 15, 16]",
+            "[1, 17]",
+            "score.items is [1, 17]: wanted numbers of questions, from 1 to 16",
+        ),
         (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1, 1]", "score.items is [1, 1]"),
         (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1.5]", "score.items is [1.5]"),
         (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[]", "score.items is []"),
-        (SSQ, 'name = "oculomotor"', 'name = "nausea"', "score.name is 'nausea': wanted a word of letters, digits and _ that no other"),
-        (SSQ, 'of = ["nausea", ', 'of = ["nausia", ', "score.of names 'nausia': wanted scores that stand above this one (nausea, ocu"),
-        (SSQ, 'of = ["nausea", "oculomotor", "disorientation"]', "", "'total': wanted either items, numbers of questions from 1 on, or of"),
+        (
+            SSQ,
+            'name = "oculomotor"',
+            'name = "nausea"',
+            "score.name is 'nausea': wanted a word of letters, digits and _ that no other",
+        ),
+        (
+            SSQ,
+            'of = ["nausea", ',
+            'of = ["nausia", ',
+            "score.of names 'nausia': wanted scores that stand above this one (nausea, ocu",
+        ),
+        (
+            SSQ,
+            'of = ["nausea", "oculomotor", "disorientation"]',
+            "",
+            "'total': wanted either items, numbers of questions from 1 on, or of",
+        ),
         (SSQ, "weight = 3.74", "weight = 3.74\nof_what = 3", "score.of_what is 3: wanted sums or scores"),
     ],
 )
@@ -171,7 +198,11 @@ def test_a_bad_value_is_named_with_its_line(tmp_path, text, found, put, says):
 
 @pytest.mark.parametrize(
     ("found", "put", "line"),
-    [("step = 0.25", "step = 0.3", 9), ('6 = "insufficient"', '7 = "worse"', 18), ('key = "grade"', 'key = "the grade"', 21)],
+    [
+        ("step = 0.25", "step = 0.3", 9),
+        ('6 = "insufficient"', '7 = "worse"', 18),
+        ('key = "grade"', 'key = "the grade"', 21),
+    ],
 )
 def test_the_line_is_right(tmp_path, found, put, line):
     broken = GRADE.replace(found, put)

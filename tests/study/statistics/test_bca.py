@@ -47,7 +47,9 @@ def test_it_is_the_interval_of_all_resamples_but_for_a_step(differences, step, s
 
 def test_it_is_scipys_on_numbers_without_ties():
     differences = np.random.default_rng(3).gamma(2.0, 1.0, 30)
-    expected = stats.bootstrap((differences,), np.mean, n_resamples=20_000, method="BCa", rng=np.random.default_rng(5)).confidence_interval
+    expected = stats.bootstrap(
+        (differences,), np.mean, n_resamples=20_000, method="BCa", rng=np.random.default_rng(5)
+    ).confidence_interval
     # The standard error of a 2.5 % quantile of 20,000 draws of a mean with deviation s is about 0.02 s; 5 of both together.
     error = differences.std() / np.sqrt(30) * 0.02 * np.sqrt(2) * 5
     assert bca(differences) == pytest.approx(tuple(expected), abs=error)

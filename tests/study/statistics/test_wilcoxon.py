@@ -22,9 +22,17 @@ def by_enumeration(differences) -> Fraction:
     steps = [round(4 * d) for d in differences if d]
     if not steps:
         return Fraction(1)
-    ranks = [2 * sum(abs(o) < abs(s) for o in steps) + sum(abs(o) == abs(s) for o in steps) + 1 for s in steps]  # doubled midranks
-    found = max(sum(r for r, s in zip(ranks, steps, strict=True) if s > 0), sum(r for r, s in zip(ranks, steps, strict=True) if s < 0))
-    sums = [sum(r for r, positive in zip(ranks, signs, strict=True) if positive) for signs in itertools.product((0, 1), repeat=len(ranks))]
+    ranks = [
+        2 * sum(abs(o) < abs(s) for o in steps) + sum(abs(o) == abs(s) for o in steps) + 1 for s in steps
+    ]  # doubled midranks
+    found = max(
+        sum(r for r, s in zip(ranks, steps, strict=True) if s > 0),
+        sum(r for r, s in zip(ranks, steps, strict=True) if s < 0),
+    )
+    sums = [
+        sum(r for r, positive in zip(ranks, signs, strict=True) if positive)
+        for signs in itertools.product((0, 1), repeat=len(ranks))
+    ]
     return min(Fraction(1), 2 * Fraction(sum(one >= found for one in sums), len(sums)))
 
 
@@ -56,7 +64,9 @@ def test_order_and_unit_do_not_matter_and_signs_only_mirror(differences, random,
 @pytest.mark.parametrize("sizes", [(1, 2, 3, 4, 5, 6), (1, 1, 2, 2, 2, 3, 3), (1,) * 7])
 def test_p_is_a_p(sizes):
     """Under the null every sign is a fair coin: no level is undercut more often than it says, whatever the ties."""
-    ps = np.array([wilcoxon_exact(np.multiply(sizes, signs)).p for signs in itertools.product((-1, 1), repeat=len(sizes))])
+    ps = np.array(
+        [wilcoxon_exact(np.multiply(sizes, signs)).p for signs in itertools.product((-1, 1), repeat=len(sizes))]
+    )
     for level in np.unique(ps):
         assert (ps <= level).mean() <= level
 

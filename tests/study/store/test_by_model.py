@@ -69,7 +69,11 @@ class StoreByModel(RuleBasedStateMachine):
             assert refused
             return None
         assert not refused and session.number == len(known) + 1 and session.id not in self.told
-        held = [one.row for one in self.told.values() if (one.origin, one.part) == (origin, part) and one.status not in (STOPPED, SICK)]
+        held = [
+            one.row
+            for one in self.told.values()
+            if (one.origin, one.part) == (origin, part) and one.status not in (STOPPED, SICK)
+        ]
         rows = {"one": 4, "two": 2}[part]
         assert held.count(session.row) == min(held.count(row) for row in range(rows)), "the least filled order"
         self.told[session.id] = Told(code, origin, part, session.row)
@@ -78,7 +82,11 @@ class StoreByModel(RuleBasedStateMachine):
     def is_on(self, session):
         return session is not None and session.id in self.told and self.told[session.id].status == "running"
 
-    @rule(session=running, number=st.integers(0, 8), value=st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)))
+    @rule(
+        session=running,
+        number=st.integers(0, 8),
+        value=st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)),
+    )
     def answer(self, session, number, value):
         if self.is_on(session):
             ask = asks(session)[number % len(asks(session))]
@@ -162,7 +170,9 @@ class StoreByModel(RuleBasedStateMachine):
             }
             answers = [((one.session, one.key, one.revision), one.value) for one in found.answers]
             assert len(dict(answers)) == len(answers)
-            assert dict(answers) == {(id_, *key): value for id_, one in told.items() for key, value in one.answers.items()}
+            assert dict(answers) == {
+                (id_, *key): value for id_, one in told.items() for key, value in one.answers.items()
+            }
             showings = {(one.session, one.key, one.presentation): one.complete for one in found.showings}
             assert showings == {(id_, *key): value for id_, one in told.items() for key, value in one.showings.items()}
             remarks = [(one.session, one.data["text"]) for one in found.events if one.kind == "remark"]
@@ -171,4 +181,6 @@ class StoreByModel(RuleBasedStateMachine):
 
 
 TestStoreByModel = StoreByModel.TestCase
-TestStoreByModel.settings = settings(max_examples=40, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck))
+TestStoreByModel.settings = settings(
+    max_examples=40, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
+)

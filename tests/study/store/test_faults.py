@@ -62,7 +62,9 @@ with Store(folder / "data") as again:
     print(json.dumps([told, confirmed, kept, [one.value for one in again.contents().answers]]))
 """
     (kind, message), confirmed, kept, after = json.loads(answered(code, tmp_path / "disk", before=own_mounts()))
-    assert kind == "MachineError" and "no room is left" in message and "everything that was confirmed is kept" in message, message
+    assert (
+        kind == "MachineError" and "no room is left" in message and "everything that was confirmed is kept" in message
+    ), message
     assert len(confirmed) > 5 and kept == confirmed and after == [*confirmed, 7]
 
 
@@ -248,7 +250,12 @@ sys.stdin.read()
     process = child(code, tmp_path / "data", stdin=subprocess.PIPE)
     helper = int(process.stdout.readline())
     try:
-        for act in (lambda s: begun(s, "P02"), lambda s: s.resume("P01"), lambda s: s.withdraw("P01"), lambda s: s.measured(1, {})):
+        for act in (
+            lambda s: begun(s, "P02"),
+            lambda s: s.resume("P01"),
+            lambda s: s.withdraw("P01"),
+            lambda s: s.measured(1, {}),
+        ):
             with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError) as error:
                 act(store)
             wanted = rf"a session of this study is running already \(since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+\)"
@@ -288,7 +295,10 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
         raise OSError(38, "Function not implemented")
 
     monkeypatch.setattr("hmdwarp.study.store.lock.fcntl.flock", refuse)
-    with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError, match="cannot lock files .*network drives"):
+    with (
+        Store(tmp_path / "data", create=True) as store,
+        pytest.raises(MachineError, match="cannot lock files .*network drives"),
+    ):
         begun(store)
 
 
@@ -367,5 +377,9 @@ for ask in asks(session)[:5]:
         assert synced, between
     creation = [line for line in parts[0].splitlines() if "fsync(" in line]
     synced = [line.split("<")[1].split(">")[0] for line in creation]
-    assert {str(tmp_path), str(tmp_path / "data"), str(tmp_path / "data" / "traces")} <= set(synced), "what is new in folders too"
-    assert [path for path in synced if path.endswith("_trial-0_1.csv")], "a head's trace, before its showing is said to be complete"
+    assert {str(tmp_path), str(tmp_path / "data"), str(tmp_path / "data" / "traces")} <= set(synced), (
+        "what is new in folders too"
+    )
+    assert [path for path in synced if path.endswith("_trial-0_1.csv")], (
+        "a head's trace, before its showing is said to be complete"
+    )

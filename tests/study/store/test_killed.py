@@ -54,5 +54,8 @@ def check(folder, kept, kills) -> None:
     assert there == told, "an answer and its line in the journal are one"
     assert [value for value, *_ in there] == sorted(value for value, *_ in there)
     db = sqlite3.connect(folder / FILE)
-    assert db.execute("PRAGMA integrity_check").fetchone() == ("ok",) and db.execute("PRAGMA foreign_key_check").fetchall() == []
+    assert (
+        db.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        and db.execute("PRAGMA foreign_key_check").fetchall() == []
+    )
     db.close()

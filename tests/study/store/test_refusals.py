@@ -39,10 +39,14 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path, code):
     with Store(tmp_path / "data", create=True) as store:
         begun(store, "P01")
     with Store(tmp_path / "data", create=True) as store:
-        with pytest.raises(InputError, match=r"session 1 of part 'one' interrupted\): --resume goes on with it, --new-session begins"):
+        with pytest.raises(
+            InputError, match=r"session 1 of part 'one' interrupted\): --resume goes on with it, --new-session begins"
+        ):
             begun(store, code)
         store.end(store.resume(code), COMPLETE)
-        with pytest.raises(InputError, match=r"session 1 of part 'one' complete\): --new-session begins another") as error:
+        with pytest.raises(
+            InputError, match=r"session 1 of part 'one' complete\): --new-session begins another"
+        ) as error:
             begun(store, code)
         assert "--resume" not in str(error.value)
         assert len(store.contents().sessions) == 1
@@ -125,7 +129,9 @@ def test_what_may_be_mended_in_a_plan_is_kept_with_the_session(tmp_path):
     with Store(tmp_path / "data", create=True, say=said.append) as store:
         whole(store, "P01")
         assert not said
-        mended = TEXT.replace("too late?", "too late for whom?").replace("every = 2\nseconds = 1", "every = 3\nseconds = 9")
+        mended = TEXT.replace("too late?", "too late for whom?").replace(
+            "every = 2\nseconds = 1", "every = 3\nseconds = 9"
+        )
         session = store.begin(design(mended), "one", "P02", "person")
         assert session.plan == mended and "both are kept" in said[0]
         assert store.contents().sessions[0].plan == TEXT
@@ -206,7 +212,11 @@ def test_a_place_that_cannot_be_is_told_before(tmp_path):
     (tmp_path / "file").write_text("x")
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "paper.tex").write_text("x")
-    for name, why in (("file", "cannot be made"), ("file/below", "file may not be written to"), ("other", "something else")):
+    for name, why in (
+        ("file", "cannot be made"),
+        ("file/below", "file may not be written to"),
+        ("other", "something else"),
+    ):
         with Store(tmp_path / name, create=True) as store, pytest.raises(InputError, match=why):
             store.would_begin(design(), "one", "P01", "person")
     with Store(tmp_path / "a" / "b" / "c", create=True) as store:

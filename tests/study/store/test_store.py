@@ -36,7 +36,9 @@ def test_a_whole_session_comes_back_as_it_was_told(store, tmp_path):
     assert ended.plan == design().text and ended.facts == {"gpu": "llvmpipe", "seed": 5}
     assert [one.key for one in found.answers] == [step.key for step in asks(session)]
     assert {one.value for one in found.answers} == {2.25} and {one.seconds for one in found.answers} == {1.5}
-    assert [one.key for one in found.showings] == [step.key for step in shows(session)] and all(one.complete for one in found.showings)
+    assert [one.key for one in found.showings] == [step.key for step in shows(session)] and all(
+        one.complete for one in found.showings
+    )
     by_id = {one.id: one for one in found.showings}
     assert all(by_id[one.showing].trial == one.trial for one in found.answers)
     assert [one.settings for one in found.showings] == [step.condition.settings for step in shows(session)]
@@ -140,7 +142,15 @@ def test_a_rating_that_is_no_number_is_a_fault_of_ours(store):
 
 
 def test_facts_take_the_numbers_of_numpy_and_no_infinity(store):
-    session = begun(store, facts={"size": np.array([96, 120]), "rate": np.float32(90), "hole": float("nan"), "p": (1, {"q": float("inf")})})
+    session = begun(
+        store,
+        facts={
+            "size": np.array([96, 120]),
+            "rate": np.float32(90),
+            "hole": float("nan"),
+            "p": (1, {"q": float("inf")}),
+        },
+    )
     assert session.facts == {"size": [96, 120], "rate": 90.0, "hole": None, "p": [1, {"q": None}]}
     with pytest.raises(TypeError, match="object"):
         json_.to_json({"what": object()})

@@ -44,7 +44,9 @@ def filled(store: Store, numbers: range) -> list[str]:
 
 def everything(folder) -> bytes:
     """The bytes of all files, and their names."""
-    return b"\n".join(path.name.encode() + b":" + (path.read_bytes() if path.is_file() else b"") for path in sorted(folder.rglob("*")))
+    return b"\n".join(
+        path.name.encode() + b":" + (path.read_bytes() if path.is_file() else b"") for path in sorted(folder.rglob("*"))
+    )
 
 
 def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
@@ -53,14 +55,18 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
         before = store.contents()
         data = everything(tmp_path / "data")
         for number, sub in enumerate(subs):
-            assert sub.encode() in data and all(mark in data for mark in told_of(number)), "the test looks for what is there"
+            assert sub.encode() in data and all(mark in data for mark in told_of(number)), (
+                "the test looks for what is there"
+            )
         erased = withdraw(store, "P2")
         assert "1 session, " in erased.words() and "5 head traces" in erased.words()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
             assert subs[2].encode() not in data and not [mark for mark in told_of(2) if mark in data], when
             store.close()
-        assert not [mark for number in (0, 1, 3, 4) for mark in (*told_of(number), subs[number].encode()) if mark not in data]
+        assert not [
+            mark for number in (0, 1, 3, 4) for mark in (*told_of(number), subs[number].encode()) if mark not in data
+        ]
     with Store(tmp_path / "data") as store:
         after = store.contents()
         gone = next(one.id for one in before.sessions if one.code == "P2")
@@ -199,7 +205,9 @@ def test_killed_before_each_step(tmp_path, step, count):
     process.communicate(timeout=60)
     assert process.returncode == -signal.SIGKILL
     with Store(tmp_path / "data") as reader:
-        assert [one.code for one in reader.contents().sessions] == ["P0", "P2"], "marked first: nobody reads them from then on"
+        assert [one.code for one in reader.contents().sessions] == ["P0", "P2"], (
+            "marked first: nobody reads them from then on"
+        )
     check_finished(tmp_path / "data", subs)
 
 
@@ -229,5 +237,8 @@ def test_killed_at_any_moment(tmp_path):
 
 
 def test_the_steps_killed_at_are_those_there_are():
-    assert all(hasattr(erasing, name) for name in ("_erase_traces", "_overwrite", "_erase_rows", "_clean", "_empty_log", "_check_bytes"))
+    assert all(
+        hasattr(erasing, name)
+        for name in ("_erase_traces", "_overwrite", "_erase_rows", "_clean", "_empty_log", "_check_bytes")
+    )
     assert design().name == "late"

@@ -42,8 +42,12 @@ def test_it_erases_and_says_what_it_cannot_reach(study):
     assert again.returncode == 2 and "has withdrawn already" in again.stderr and again.stderr.count("\n") == 1
 
 
-@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")  # of pexpect's fork, where a test left threads
-@pytest.mark.parametrize(("answer", "left", "told"), [("y", ["P02"], "has withdrawn; erased"), ("n", ["P01", "P02"], "Nothing was")])
+@pytest.mark.filterwarnings(
+    "ignore:This process .* is multi-threaded:DeprecationWarning"
+)  # of pexpect's fork, where a test left threads
+@pytest.mark.parametrize(
+    ("answer", "left", "told"), [("y", ["P02"], "has withdrawn; erased"), ("n", ["P01", "P02"], "Nothing was")]
+)
 def test_it_asks_on_a_terminal(study, answer, left, told):
     pexpect = pytest.importorskip("pexpect")
     words = ["-m", "hmdwarp", "study", "withdraw", str(study), "p01"]
@@ -77,6 +81,9 @@ def test_a_file_that_became_wrong_keeps_nobody_from_withdrawing(study):
 
 
 def test_no_data_and_no_such_participant(study, tmp_path):
-    for words, told in (((study, "P99"), "P99 is not known here"), ((study, "P01", "--store", tmp_path / "x"), "no data of a study there")):
+    for words, told in (
+        ((study, "P99"), "P99 is not known here"),
+        ((study, "P01", "--store", tmp_path / "x"), "no data of a study there"),
+    ):
         done = ran(*words, "--yes")
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
