@@ -339,7 +339,7 @@ import resource, sys
 from pathlib import Path
 from hmdwarp.errors import MachineError
 from hmdwarp.run.live import LiveOptions, run
-from run.live.offscreen import OffscreenDisplay, closed_at
+from tests.run.live.offscreen import OffscreenDisplay, closed_at
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))
 try:
