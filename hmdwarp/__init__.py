@@ -20,7 +20,7 @@ _HOME = {
     "MachineError": "errors",
     "Pose": "geometry",
     "PoseTrack": "poses",
-    "RunOptions": "pipeline.options",
+    "RunOptions": "run",
     "View": "geometry",
     "WarpMap": "geometry",
     "WarpedImage": "image.warping",

@@ -30,7 +30,8 @@ from run.live.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Tick
 from hmdwarp.gpu.context import Gpu
-from hmdwarp.run.live import LiveOptions, run
+from hmdwarp.run import LiveOptions
+from hmdwarp.run.live import run
 
 LIMIT_MS = 0.5  # median, both eyes
 CASES: dict[str, dict[str, Any]] = {

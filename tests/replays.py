@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.loop import Refresh
-from hmdwarp.pipeline.options import RunOptions
+from hmdwarp.run import RunOptions
 from hmdwarp.run.replay import ReplayResult, replay
 from hmdwarp.run.rig import Rig, build_rig
 

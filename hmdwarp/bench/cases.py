@@ -13,8 +13,8 @@ from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
 from ..frames.frame import Needs
 from ..link import Link, LinkOptions
 from ..pipeline.build import refreshes_of
-from ..pipeline.options import RunOptions
 from ..poses import PoseTrack
+from ..run.options import RunOptions
 from ..run.rig import Timetable, timetable
 from ..scenes import Scene
 from ..scenes.effects import asked_effects

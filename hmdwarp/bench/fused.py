@@ -52,7 +52,8 @@ def pairs_of(rig: Rig, warps: list[str], lens: str) -> list[_Pair]:
 
 class PanelTruth:
     """What the panel should show: the scene without latency, drawn and sent through the lens at several times the resolution, averaged
-    in linear light. Call with what the passes are given."""
+    in linear light. Call with what the passes are given.
+    """
 
     def __init__(self, rig: Rig, lens: str) -> None:
         self._rig = rig
@@ -68,7 +69,7 @@ class PanelTruth:
         self._lens = plan.lens(rig.gpu, rig.headset, self._size)
 
     def __call__(self, inputs: PassInputs) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
-        """sRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
+        """SRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
         self._rig.server.draw(inputs.shown, self._size, self._target, inputs.shown_ns)
         self._lens.run(self._shown, inputs.shown.fov, inputs.eye, self._panel)
         self._rig.gpu.gl.memory_barrier()

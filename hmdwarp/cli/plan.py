@@ -2,90 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from . import _options as o
+from ..errors import InputError
+from ..options import Option
+from ..pipeline.options import AUTO, PipelineOptions
+from ..run.options import DESKTOP, OPENXR, LiveOptions
+from ._options import Said, takes
 
 if TYPE_CHECKING:
     from ..client.plan import Plan, Step
     from ..headsets import Headset
-    from ..pipeline.options import PipelineOptions
 
 REPLAY = "replay"
-Source = Annotated[str, typer.Option("--source", help="Who shows it: replay, or live: openxr or desktop.")]
+_SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
 
 
-def plan(
-    scene: o.Scene = "room",
-    latency: o.Latency = 200.0,
-    warp: o.ChosenWarp = "forward",
-    budget: o.Budget = None,
-    bench: o.Bench = None,
-    fill: o.ChosenFill = None,
-    effects: o.Effects = "auto",
-    lens: o.Lens = None,
-    headset: o.Headset = "rift-dk1",
-    size: o.Size = None,
-    rate: o.Rate = None,
-    guard: o.Guard = 1.0,
-    wide: o.Wide = False,
-    fused: o.Fused = False,
-    scanout: o.Scanout = 0.0,
-    follow_scanout: o.FollowScanout = True,
-    source: Source = REPLAY,
-) -> None:
-    """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
+@takes(PipelineOptions, _SOURCE)
+def plan(said: Said) -> None:
+    """Print the passes that would run for these choices, in order and with reasons, and the bytes of a frame. Starts nothing."""
     from ..headsets import load_headset
-    from ..pipeline.options import AUTO, fill_for, parse_size
     from ..pipeline.planning import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
 
-    chosen, kind, told = load_headset(headset), *_driver(source)
-    options = kind(
-        scene=scene,
-        latency_ms=latency,
-        warp=warp,
-        fill=fill_for(warp, fill, fused, wide),
-        effects=effects,
-        lens="none" if lens is None and told else o.lens_for(lens, headset),
-        headset=headset,
-        size=None if size is None else parse_size(size),
-        rate_hz=rate,
-        guard=guard,
-        fused=fused,
-        scanout_ms=scanout,
-        follow_scanout=follow_scanout,
-        budget_ms=budget,
-        bench=bench,
-    )
-    if warp == AUTO:
+    source, headset = said["source"], load_headset(said["headset"])
+    kind, told = _driver(source)
+    if said["lens"] is None and told:
+        said["lens"] = "none"
+    options = kind.of(said)
+    if options.guard == AUTO:
+        raise InputError("guard auto looks at a whole trace, and a plan has none: give a number")
+    if options.warp == AUTO:
         _auto(options, told)
         return
-    built = build_plan_for(options, chosen, load_scene(scene), **told)
-    weights = _weights(options, chosen, [built])
+    built = build_plan_for(options, headset, load_scene(options.scene), **told)
+    weights = _weights(options, headset, [built])
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
-    in_columns([*weights, *_assumed(source, headset)])
+    in_columns([*weights, *_assumed(source, options.headset)])
 
 
-def _driver(source: str) -> tuple[Callable[..., PipelineOptions], dict[str, str]]:
-    """The options of whoever shows it, and what the plan is told of that. Errors: InputError for a source that is not known."""
+def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
+    """Return the driver's options, and what it tells the plan. Errors: InputError for an unknown source."""
     from ..display.openxr import WHO
-    from ..errors import InputError
-    from ..pipeline.options import PipelineOptions
-    from ..run.live.options import DESKTOP, OPENXR, LiveOptions
 
     if source not in (REPLAY, OPENXR, DESKTOP):
         raise InputError(f"source '{source}': wanted {REPLAY}, {OPENXR} or {DESKTOP}")
-    options = PipelineOptions if source == REPLAY else partial(LiveOptions, source=source)
-    return options, {"distorts": WHO, "takes_depth": WHO} if source == OPENXR else {}
+    kind = PipelineOptions if source == REPLAY else LiveOptions
+    return kind, {"distorts": WHO, "takes_depth": WHO} if source == OPENXR else {}
 
 
 def _assumed(source: str, headset: str) -> list[tuple[str, str]]:

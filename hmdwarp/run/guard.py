@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from ..geometry import Fov, Pose
 from ..headsets import Headset, load_headset
 from ..pipeline.build import expected_age_ns
-from ..pipeline.options import AUTO, RunOptions
+from ..pipeline.options import AUTO
 from ..poses import PoseSample, PoseTrack, load_trace
 from ..poses.predict import predict
 from ..poses.quaternions import conjugate, rotate
+from .options import RunOptions
 from .rig import Timetable, timetable
 
 QUANTILE = 0.95
@@ -86,7 +87,8 @@ def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
     """(n,) how many times as large, in tangents, each picture must be drawn: 1 for a head that has not moved, infinite where the middle of
-    a side lies beside or behind the drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4)."""
+    a side lies beside or behind the drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
+    """
     needed = np.ones(len(drawn[0]))
     for eye, view in enumerate(headset.views(Pose())):
         fov, head_from_eye = headset.fov(eye), view.pose.position_m

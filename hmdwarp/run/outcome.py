@@ -30,7 +30,8 @@ OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "report.html",
 @attrs.frozen(eq=False)
 class ReplayResult:
     """What a replay measured. rows: two for each refresh, keyed as frames.csv; summary: as summary.json; against: the same for the
-    compared warp, or None."""
+    compared warp, or None.
+    """
 
     folder: Path
     summary: dict[str, Any]

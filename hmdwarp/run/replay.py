@@ -15,12 +15,13 @@ from ..metrics.pool import QualityPool, worker_count
 from ..metrics.regions import pooled
 from ..metrics.summary import aggregate
 from ..pipeline.loop import Refresh
-from ..pipeline.options import AUTO, RunOptions
+from ..pipeline.options import AUTO
 from ..report.files import OutputFolder
 from ..report.video import VideoWriter
 from .guard import settled
 from .log import Row, RunLog
 from .measuring import AGAINST, MAIN, Probe
+from .options import RunOptions
 from .outcome import OWNED, ReplayResult, outcome_of, write_outcome
 from .rig import Rig, build_rig
 from .trial import ladder_for
@@ -58,7 +59,8 @@ def replay(
 
 def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, dict]:
     """What a replay measures, as metrics.summary.aggregate has it, without writing anything. Errors: as replay; InputError for warp "auto",
-    which takes what the machine has time for, and for a video."""
+    which takes what the machine has time for, and for a video.
+    """
     if options.warp == AUTO or options.video:
         raise InputError("measured without being written is a warp that is chosen, and no video")
     with build_rig(options) as rig, QualityPool(worker_count(options.workers), rig.pixels_per_degree) as pool:

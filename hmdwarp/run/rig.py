@@ -19,13 +19,13 @@ from ..headsets import Headset, load_headset
 from ..link.codec import check_codec
 from ..pipeline.build import Pipeline, Timing, build_pipeline, expected_age_ns, latency_ns, refreshes_of
 from ..pipeline.loop import Loop, PoseRequest
-from ..pipeline.options import RunOptions
 from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseSample, PoseTrack, RecordedSource, load_trace
 from ..poses.predict import PREDICTORS, predict
 from ..registry import unknown_name
 from ..scenes import Scene, load_scene
+from .options import RunOptions
 
 if TYPE_CHECKING:
     from ..auto.adaptive import AdaptiveCompensator

@@ -17,11 +17,12 @@ from ..client.variants import every_warp
 from ..errors import PlanError
 from ..headsets import Headset, load_headset
 from ..metrics.pool import QualityPool, worker_count
-from ..pipeline.options import AUTO, PipelineOptions, RunOptions
+from ..pipeline.options import AUTO, PipelineOptions
 from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import guarded_size, memory_bytes
 from ..scenes import load_scene
 from .bench_levels import Ladder, ladder_from_file
+from .options import RunOptions
 from .rig import Rig, build_rig
 
 INSTANTS, ROUNDS = 3, 2  # of the run, evenly spread; timed runs of both eyes at each

@@ -16,7 +16,9 @@ import attrs
 from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..pipeline.options import AUTO, PipelineOptions, RunOptions, number, parse_size
+from ..options import Number
+from ..pipeline.options import AUTO, PipelineOptions, parse_size
+from ..run import RunOptions
 from ..run.replay import figures
 from ..version import __version__
 from .design.settings import live_options
@@ -30,9 +32,10 @@ Say = Callable[[str], None]
 @attrs.frozen(kw_only=True)
 class MeasureOptions:
     """every: pictures are measured at every n-th refresh. size: (w, h) of one eye, None for as it was shown. again: also what was measured
-    before in the same way. pilot: rehearsals instead of sessions. workers: as RunOptions."""
+    before in the same way. pilot: rehearsals instead of sessions. workers: as RunOptions.
+    """
 
-    every: int = attrs.field(default=10, validator=number("every", least=1))
+    every: int = attrs.field(default=10, validator=Number(least=1))
     size: tuple[int, int] | None = None
     again: bool = False
     pilot: bool = False

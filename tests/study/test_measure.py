@@ -8,9 +8,9 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
+from hmdwarp.run import RunOptions
 from hmdwarp.run.replay import figures, replay
 from hmdwarp.run.rig import build_rig
 from hmdwarp.study.design.read import design_from_text

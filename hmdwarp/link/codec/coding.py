@@ -5,20 +5,27 @@ from __future__ import annotations
 import attrs
 
 from ...errors import InputError
+from ...options import Declared, names_in, option
 
 _CRFS = (0, 51)
 
 
 @attrs.frozen
-class Coding:
-    """codec: a name of CODECS. crf: constant quality; or bitrate_mbit: Mbit/s of one eye's colour; neither: the codec's own quality.
+class Coding(Declared):
+    """Which codec frames are encoded by, and how well.
 
-    Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that is out of bounds.
+    Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that
+    is out of bounds.
     """
 
-    codec: str = "none"
-    crf: int | None = None
-    bitrate_mbit: float | None = None
+    # A name of CODECS.
+    codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
+    # Constant quality; or the bit rate below; neither: the codec's own quality.
+    crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)
+    # Of one eye's colour.
+    bitrate_mbit: float | None = option(
+        None, "Bit rate of one eye's colour, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):
@@ -28,7 +35,7 @@ class Coding:
 
 
 def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
-    """Errors: InputError for both at a time, or one that is out of bounds."""
+    """Raise InputError for both at a time, or one that is out of bounds."""
     if crf is not None and bitrate_mbit is not None:
         raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: wanted a quality or a rate, not both")
     if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:

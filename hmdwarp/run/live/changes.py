@@ -12,7 +12,7 @@ from ...display.controls import control
 from ...errors import InputError
 from ...pipeline.options import AUTO
 from ...scenes import scenes
-from .options import BOTH, FLAT, LiveOptions
+from ..options import BOTH, FLAT, LiveOptions
 
 LATENCY_STEP_MS, GUARD_STEP = 50.0, 0.25
 

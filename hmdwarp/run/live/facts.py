@@ -10,7 +10,7 @@ import attrs
 from ...display import Display
 from ...geometry import Pose
 from ...scenes.effects import effect_names
-from .options import LiveOptions
+from ..options import LiveOptions
 
 if TYPE_CHECKING:
     from .host import Stage

@@ -20,13 +20,14 @@ from ...poses.predict import PREDICTORS
 from ...registry import unknown_name
 from ...scenes import Scene, load_scene
 from ..bench_levels import Ladder, ladder_from_file
-from .options import LiveOptions
+from ..options import LiveOptions
 from .recent import Recent
 
 
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     """The scene, after everything that can be told wrong without a display. scene: where it is loaded already.
-    Errors: InputError and its kin."""
+    Errors: InputError and its kin.
+    """
     if options.predict not in PREDICTORS:
         raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
     check_codec(options.coding.codec)

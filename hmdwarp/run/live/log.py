@@ -18,13 +18,13 @@ from ...report.files import OutputFolder
 from ...report.live_page import render_live_report
 from ...report.live_told import live_lines
 from ..log import stage_columns
+from ..options import LiveOptions
 from ..outcome import OWNED
 from .changes import values
 from .events import Events
 from .facts import Facts, facts_of
 from .holes import HoleCounter
 from .lines import Lines
-from .options import LiveOptions
 from .outcome import COLUMNS, Counts, Fates, summary_of
 from .pauses import Pauses
 from .pictures import Pictures

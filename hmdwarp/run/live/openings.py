@@ -10,7 +10,7 @@ from ...display import Display, DisplayOptions
 from ...display.controls import CONTROLS, Control
 from ...errors import MachineError
 from ...poses import load_trace
-from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
+from ..options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
 
 Watching = Callable[[str], AbstractContextManager[None]]
 

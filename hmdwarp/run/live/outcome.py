@@ -44,7 +44,8 @@ _RESPONSE_EVERY = 8  # adding up its parts takes 10 us
 @attrs.define(eq=False)
 class Counts:
     """Refreshes: missed: that went by without a new picture. waiting: with nothing to show yet. unseen: when nobody would have seen it.
-    over: whose passes and drawing together took longer than a refresh, of timed."""
+    over: whose passes and drawing together took longer than a refresh, of timed.
+    """
 
     missed: int = 0
     waiting: int = 0

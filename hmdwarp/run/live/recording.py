@@ -4,42 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 import attrs
 
 from ...display import Closed, Lost
 from ...errors import MachineError
-from ...pipeline.options import number
 from ...poses import Origin, PoseSample
 from ...poses.synth import RATE_HZ, synthesise
+from ..options import DESKTOP, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
 from .ending import Ending
-from .options import DESKTOP, OPENXR, LiveOptions, one_of
 from .recorder import LEAST, Recorder
 from .returning import come_back
 from .run import live
 from .watchdog import Watchdog
 
-SYNTHETIC = "synthetic"
-SOURCES = (OPENXR, DESKTOP, SYNTHETIC)
 BY = "hmdwarp record"
 Say = Callable[[str], None]
-
-
-@attrs.frozen(kw_only=True)
-class RecordOptions:
-    """source: whose head. out: the trace to write; it must not be there yet. seconds: how long; None until Ctrl-C, of a made-up head the
-    length its kind has. rate_hz: how often; None for the display's, of a made-up head 90. kind: of the made-up motion.
-    scene: what the window shows. reconnect_s, hang_s: as LiveOptions. Errors: InputError for what cannot be meant."""
-
-    source: str = attrs.field(validator=one_of("source", SOURCES))
-    out: Path = attrs.field(converter=Path)
-    seconds: float | None = attrs.field(default=None, validator=number("seconds", " s", above=True))
-    rate_hz: float | None = attrs.field(default=None, validator=number("rate", " Hz", least=1, most=1000))
-    kind: str = "look-around"
-    scene: str = "room"
-    reconnect_s: float = attrs.field(default=60.0, validator=number("reconnect", " s"))
-    hang_s: float = attrs.field(default=5.0, validator=number("hang", " s", least=0.1))
 
 
 @attrs.frozen

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 from ...display import Closed, Command, Display
+from ..options import LiveOptions
 from .changes import choices, values
 from .commands import CommandHandler
 from .driver import AfterRefresh, Driver, FrameHandler, Say
@@ -13,7 +14,6 @@ from .ending import Ending
 from .host import Stage, checked_scene
 from .log import LiveLog, LiveResult
 from .openings import open_display
-from .options import LiveOptions
 from .recorder import Recorder
 from .watchdog import Watchdog
 

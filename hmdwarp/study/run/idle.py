@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from ...run.live import LiveOptions
+from ...run import LiveOptions
 
 
 @attrs.frozen

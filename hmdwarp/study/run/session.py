@@ -9,7 +9,7 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...run.live import LiveOptions
+from ...run import LiveOptions
 from ...run.live.driver import Driver
 from ...run.live.ending import Ending
 from ...run.live.openings import open_display

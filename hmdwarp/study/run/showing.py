@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from ...display import Label
-from ...run.live import LiveOptions
+from ...run import LiveOptions
 from ...run.live.driver import Driver
 from ...run.live.ending import Ending
 from ...run.live.host import Stage

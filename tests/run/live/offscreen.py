@@ -15,7 +15,8 @@ from hmdwarp.gpu.context import Gpu
 from hmdwarp.poses import PoseSample, PoseTrack
 from hmdwarp.poses.looped import LoopedSource
 from hmdwarp.poses.synth import synthesise
-from hmdwarp.run.live import LiveOptions, run
+from hmdwarp.run import LiveOptions
+from hmdwarp.run.live import run
 
 SIZE, RATE_HZ, PERIOD_NS = (96, 120), 100.0, 10_000_000
 READ_NS, SUBMITTED_NS = (

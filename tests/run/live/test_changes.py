@@ -10,7 +10,7 @@ import pytest
 from hmdwarp.display import Command
 from hmdwarp.display.controls import CONTROLS, control
 from hmdwarp.errors import InputError
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 from hmdwarp.run.live.changes import changed, choices, values
 
 OURS = [one.name for one in CONTROLS if not one.of_display]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from hmdwarp.display import Command
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 from hmdwarp.run.live import commands as obeying
 from hmdwarp.run.live.changes import choices
 from hmdwarp.run.live.commands import CommandHandler

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.display import Lost, Tick
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 from hmdwarp.run.live.driver import Driver, FrameHandler
 from hmdwarp.run.live.ending import Ending
 from hmdwarp.run.live.host import Stage

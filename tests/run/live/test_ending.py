@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 from hmdwarp.run.live.ending import Ending
 
 from .offscreen import OffscreenDisplay, run_on

@@ -10,7 +10,7 @@ import pytest
 import hmdwarp.pipeline.sizes
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 from hmdwarp.run.live.changes import changed
 from hmdwarp.run.live.host import Stage
 

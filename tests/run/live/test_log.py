@@ -18,9 +18,9 @@ from replays import contents, rows_of
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu.textures import download, flip_rows
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.report.schema import FRAME_COLUMNS, validate_summary
-from hmdwarp.run.live import LiveOptions, log
+from hmdwarp.run import LiveOptions, RunOptions
+from hmdwarp.run.live import log
 from hmdwarp.run.live.log import LiveLog
 from hmdwarp.run.live.thinned import Thinned
 from hmdwarp.run.replay import replay
@@ -338,7 +338,8 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from hmdwarp.errors import MachineError
-from hmdwarp.run.live import LiveOptions, run
+from hmdwarp.run import LiveOptions
+from hmdwarp.run.live import run
 from tests.run.live.offscreen import OffscreenDisplay, closed_at
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))

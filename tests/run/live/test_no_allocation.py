@@ -10,7 +10,7 @@ import pytest
 from gl_clock import counting_made
 
 from hmdwarp.display.status import KEPT
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 
 from .offscreen import OffscreenDisplay, run_on
 

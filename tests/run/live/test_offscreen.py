@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 
 from .offscreen import OffscreenDisplay, closed_at, run_on
 

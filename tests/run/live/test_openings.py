@@ -15,7 +15,8 @@ from display.virtual_screen import VirtualScreen
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.link.codec import Coding
-from hmdwarp.run.live import LiveOptions, run
+from hmdwarp.run import LiveOptions
+from hmdwarp.run.live import run
 from hmdwarp.run.live.openings import display_options, open_display
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -159,7 +160,7 @@ def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong,
 def test_briefly_it_is_one_clause(tmp_path):
     """As the desk of a study says it: how to get a runtime is no concern of a session that has begun."""
     program = (
-        "from contextlib import nullcontext; from hmdwarp.run.live import LiveOptions; from hmdwarp.run.live.openings import open_display\n"
+        "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live.openings import open_display\n"
         "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"
     )
     done = python("-c", program, screen=True, tmp_path=tmp_path)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from run.live.offscreen import PERIOD_NS, RATE_HZ
 
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
+from hmdwarp.run import RunOptions
 from hmdwarp.run.replay import replay
 from hmdwarp.study.asking import Card, QuestionPlate
 from hmdwarp.study.run.actual import NUMBERS, TEXTS
