@@ -1,7 +1,9 @@
-"""Shader files to programs: includes flattened, defines put in, compiler messages turned back into file and line.
+"""Shader files to programs.
 
-moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on Mesa; so the text is
-flattened here, every file at most once, and the line map is kept on the side.
+Flatten includes, add defines, translate compiler messages to file and line.
+
+moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on
+Mesa. So the text is flattened here, every file at most once, and the line map is kept beside it.
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ class Flattened:
         return "\n".join(self.lines) + "\n"
 
     def translate(self, message: str) -> str:
-        """A compiler message with `0:14` replaced by `warps/forward.comp:9`."""
+        """Return a compiler message with `0:14` replaced by `warps/forward.comp:9`."""
 
         def origin(match: re.Match[str]) -> str:
             number = int(match.group(1)) - 1
@@ -47,9 +49,10 @@ class Flattened:
 
 
 def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
-    """The text of shader `path` (relative to shaders/) with its includes, each file once, and `defines` on top.
+    """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
-    `#include NAME` takes the file that the define NAME holds; such a define is not put into the text.
+    path: relative to shaders/, or absolute for a shader of another package. `#include NAME` takes
+    the file that the define NAME holds; such a define is not put into the text.
     Errors: ShaderError for a missing file or include, naming the including line.
     """
     defines = dict(defines or {})
@@ -89,7 +92,11 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
 
 
 class Uniforms:
-    """Sets uniforms by name, strictly: a name the shader text does not declare is an error, one optimised away is fine."""
+    """Strict setter of uniforms by name.
+
+    A name that the shader text does not declare is an error; a uniform that the compiler optimised
+    away is fine.
+    """
 
     _DECLARED = re.compile(r"uniform\s+\w+\s+([^;]+);")
 
@@ -102,28 +109,37 @@ class Uniforms:
             for part in match.group(1).split(",")
         }
         self._members: dict[str, moderngl.Uniform | None] = {name: program.get(name, None) for name in names}
-        self._written: dict[str, object] = {}  # what cannot have changed since: told by identity, which costs nothing
+        self._written: dict[
+            str, object
+        ] = {}  # values that cannot have changed, compared by identity, which costs nothing
         self._last: dict[str, bytes] = {}
         self._settled: dict[str, object] | None = None
 
     def declares(self, name: str) -> bool:
-        """Whether the shader's text has a uniform of that name."""
+        """Tell whether the shader's text has a uniform of that name."""
         return name in self._members
 
     def set(self, **values: object) -> None:
-        """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once.
+        """Set numbers, vectors and matrices; float64 is rounded here, once.
 
-        The same number, tuple or read-only array as the last time is not written again; a tuple is one of numbers.
-        Errors: ShaderError for a name the shader's text does not have, and for a value that does not fit.
+        Matrices are row-major NumPy, as written in the formulas. The same number, tuple or
+        read-only array as the last time is not written again; a tuple holds numbers.
+        Errors: ShaderError for a name the shader's text lacks, and for a value that does not fit.
         """
         self._set(values, strict=True)
 
     def set_declared(self, **values: object) -> None:
-        """`set` for what the shader's text declares, the rest left out: for shaders that share one set of values."""
+        """Set what the shader's text declares and ignore the rest.
+
+        For shaders that share one set of values.
+        """
         self._set(values, strict=False)
 
     def settle(self, values: dict[str, object]) -> None:
-        """`set_declared` for what stays: the same dict as the last time, which must hold the same then, is not gone through again."""
+        """Set constant values like `set_declared`.
+
+        Skip the same dict as the last time, unchanged by then.
+        """
         if self._settled is not values:
             self._set(values, strict=False)
             self._settled = values
@@ -171,7 +187,7 @@ _last_packed: dict[
 
 
 def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
-    """`_bytes_of` an array that nobody can write to, so that the same object gives the same bytes."""
+    """Return `_bytes_of` a read-only array, so that the same object gives the same bytes."""
     known, *how, data = _last_packed.get(name, (None, None, None, b""))
     if known is not value or how != [dtype, matrix]:
         data = _bytes_of(value, dtype, matrix)
@@ -180,13 +196,16 @@ def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
 
 
 def _bytes_of(value: np.ndarray, dtype: type, matrix: bool) -> bytes:
-    """As GLSL has it: matrices column by column."""
+    """Return the bytes as GLSL has them: matrices column by column."""
     array = np.swapaxes(value, -1, -2) if matrix else value
     return np.ascontiguousarray(array, dtype=dtype).tobytes()
 
 
 class Compute:
-    """A compute shader with strict uniforms; run() covers a grid of pixels, rounding the work groups up."""
+    """A compute shader with strict uniforms.
+
+    run() covers a grid of pixels, rounding the work groups up.
+    """
 
     def __init__(self, gl: moderngl.Context, path: str, defines: Mapping[str, object]) -> None:
         flat = flatten(path, defines)
@@ -205,9 +224,9 @@ class Compute:
         self.program.run(*self.groups(width, height), 1)
 
     def groups(self, width: int, height: int = 1) -> tuple[int, int]:
-        """Work groups that cover width x height pixels; a shader that does ROWS pixels an invocation needs fewer.
+        """Return the work groups that cover width x height pixels; fewer for a shader with ROWS.
 
-        Errors: InputError beyond the GL limit, where a dispatch would be dropped without a word.
+        Errors: InputError beyond the GL limit, where a dispatch would be dropped without a message.
         """
         groups = -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
@@ -241,21 +260,22 @@ def _group_size(text: str) -> tuple[int, int]:
 
 
 class ShaderLibrary:
-    """Compiled programs of one context, each (path, defines) compiled once. `compiled` counts them for the tests."""
+    """Compiled programs of one context, each (path, defines) compiled once."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl, self._cache = gl, {}
 
     @property
     def compiled(self) -> int:
+        """How many were compiled, for the tests."""
         return len(self._cache)
 
     def compute(self, path: str, **defines: object) -> Compute:
-        """The compute shader `path`, relative to shaders/."""
+        """Return the compute shader `path`: relative to shaders/, or absolute."""
         return self._get((path,), defines, lambda: Compute(self._gl, path, defines))
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
-        """The vertex + fragment program of the two paths."""
+        """Return the vertex and fragment program of the two paths."""
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
     def _get(self, paths, defines, make):

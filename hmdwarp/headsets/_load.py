@@ -1,4 +1,4 @@
-"""Headset files (.toml) to Headset objects."""
+"""Read headset files (.toml)."""
 
 from __future__ import annotations
 
@@ -18,16 +18,19 @@ _FOLDER = Path(__file__).parent
 
 
 def headset_names() -> list[str]:
-    """Names of the shipped headsets, sorted."""
+    """Return the names of the shipped headsets, sorted."""
     return sorted(p.stem for p in _FOLDER.glob("*.toml"))
 
 
 def load_headset(name: str) -> Headset:
-    """A shipped headset by name, or one's own .toml file by path. Errors: InputError naming the file and what is wrong in it."""
+    """Load a shipped headset by name, or the user's own .toml file by path.
+
+    Errors: InputError naming the file and its fault.
+    """
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not path.is_file():
         if name.endswith(".toml"):
-            raise InputError(f"headset file {name} is not there")
+            raise InputError(f"headset file {name} does not exist")
         raise unknown_name("headset", name, headset_names())
     try:
         return _headset(
