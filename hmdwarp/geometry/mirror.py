@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .pose import frozen_vector
+from .pose import frozen3
 from .view import View
 
 Array = NDArray[np.float64]
@@ -23,9 +23,9 @@ class Mirror:
     (radius_m > 0) is the ball around centre; right and up are then 0.
     """
 
-    centre_m: Array = attrs.field(converter=frozen_vector(3))
-    right_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
-    up_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    centre_m: Array = attrs.field(converter=frozen3)
+    right_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    up_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     radius_m: float = 0.0
     reflectivity: float = 1.0  # at normal incidence, 0 to 1; more at grazing angles, see `fresnel`
 
@@ -78,7 +78,7 @@ def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
     for i, mirror in enumerate(mirrors):
         rows[0, i] = *(eye_from_world @ (mirror.centre_m - view.pose.position_m)), mirror.radius_m
         for row, half in ((1, mirror.right_m), (2, mirror.up_m)):
-            length = np.linalg.norm(half)
+            length = float(np.linalg.norm(half))
             rows[row, i] = *(eye_from_world @ half / max(length, 1e-30)), length
         reflectivity[i] = mirror.reflectivity
     named = dict(zip(("mirror_centre", "mirror_right", "mirror_up"), rows, strict=True))

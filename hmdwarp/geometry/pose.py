@@ -15,32 +15,25 @@ Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
 
 
-def frozen_vector(length: int):
-    """Return an attrs converter to a read-only float64 array of `length` finite numbers.
-
-    Errors: InputError.
-    """
-
-    def convert(value: ArrayLike) -> Vector:
-        try:
-            array = np.array(value, dtype=np.float64)
-        except (TypeError, ValueError) as error:  # text, ragged lists
-            raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
-        # The sum is quick, and finite unless a number is not; only sums beyond 1e308 must be looked
-        # at one by one.
-        if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
-            raise InputError(f"wanted {length} finite numbers, found {value!r}")
-        array.setflags(write=False)
-        return array
-
-    return convert
+def _frozen(value: ArrayLike, length: int) -> Vector:
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:  # text, ragged lists
+        raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
+    # The sum is quick, and finite unless a number is not; sums beyond 1e308 need a second look.
+    if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
+        raise InputError(f"wanted {length} finite numbers, found {value!r}")
+    array.setflags(write=False)
+    return array
 
 
-_four_numbers = frozen_vector(4)
+def frozen3(value: ArrayLike) -> Vector:
+    """Return three finite numbers as a read-only float64 array. Errors: InputError."""
+    return _frozen(value, 3)
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
-    given = _four_numbers(value)
+    given = _frozen(value, 4)
     x, y, z, w = given.tolist()
     largest = max(abs(x), abs(y), abs(z), abs(w))
     if largest == 0:
@@ -106,7 +99,7 @@ class Pose:
     Errors: InputError for values that are not finite and for a zero quaternion.
     """
 
-    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion)
     _unit: Quaternion = attrs.field(init=False, repr=False)  # the orientation as SciPy takes it: normalised once more
     _matrix: NDArray[np.float64] | None = attrs.field(init=False, repr=False, default=None)
@@ -128,11 +121,12 @@ class Pose:
     @property
     def rotation_matrix(self) -> NDArray[np.float64]:
         """The orientation as a 3x3 matrix, read-only."""
-        if self._matrix is None:
+        matrix = self._matrix
+        if matrix is None:
             matrix = _matrix(self._unit)
             matrix.flags.writeable = False
             object.__setattr__(self, "_matrix", matrix)
-        return self._matrix
+        return matrix
 
     def transform(self, points: ArrayLike) -> Vector:
         """Points (..., 3) in b, in metres, to the same points in a."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from .pose import Pose, frozen_vector
+from .pose import Pose, frozen3
 
 
 @attrs.frozen(eq=False)
@@ -16,11 +16,11 @@ class RigidState:
 
     pose: Pose
     # of the body's origin
-    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     # about that origin, right-handed around its direction
-    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     # of the origin; gravity for thrown bodies
-    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
 
     def after(self, age_ns: int) -> Pose:
         """Return world_from_body `age_ns` later, at constant acceleration and angular velocity."""

@@ -72,7 +72,6 @@ class WarpMap:
 def _cameras(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), read-only."""
     pixel_from_eye = fov.pixel_from_tangent(size) @ _FLIP_Z
-    both = pixel_from_eye, np.linalg.inv(pixel_from_eye)
-    for matrix in both:
-        matrix.flags.writeable = False
-    return both
+    eye_from_pixel = np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
+    pixel_from_eye.flags.writeable = eye_from_pixel.flags.writeable = False
+    return pixel_from_eye, eye_from_pixel

@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import moderngl
 
@@ -18,13 +19,14 @@ HOW_TO_GET_GL = (
 )
 
 
-def _failures_of(backends: list[dict[str, str]]) -> tuple[moderngl.Context | None, list[str]]:
-    failures = []
-    for settings in backends:
+def _first_context(backends: list[str]) -> tuple[moderngl.Context | None, list[str]]:
+    failures: list[str] = []
+    for backend in backends:
+        settings: dict[str, Any] = {"backend": backend} if backend else {}
         try:
             return moderngl.create_context(standalone=True, require=WANTED, **settings), failures
         except Exception as error:  # moderngl raises bare Exception here
-            failures.append(f"{settings.get('backend', 'window system')}: {error}")
+            failures.append(f"{backend or 'window system'}: {error}")
     return None, failures
 
 
@@ -33,8 +35,10 @@ def create_context() -> moderngl.Context:
 
     Errors: MachineError that says what was tried and what to install.
     """
-    backends = [{"backend": "egl"}] if os.name == "posix" else []
-    context, failures = _failures_of([*backends, {}] if os.name != "posix" or os.environ.get("DISPLAY") else backends)
+    backends = ["egl"] if os.name == "posix" else []
+    if os.name != "posix" or os.environ.get("DISPLAY"):
+        backends.append("")
+    context, failures = _first_context(backends)
     if context is None:
         raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
     context.gc_mode = "context_gc"

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Protocol, TypeVar, cast
 
 import moderngl
 import numpy as np
@@ -91,6 +92,17 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
     return out
 
 
+class Member(Protocol):
+    """A uniform of a linked program; moderngl publishes no types for `fmt` and `matrix`."""
+
+    fmt: str  # its last letter is the scalar's type
+    matrix: bool
+    value: object
+
+    def write(self, data: bytes) -> None:
+        """Set the value as GLSL stores it."""
+
+
 class Uniforms:
     """Strict setter of uniforms by name.
 
@@ -108,7 +120,9 @@ class Uniforms:
             for match in self._DECLARED.finditer(declared)
             for part in match.group(1).split(",")
         }
-        self._members: dict[str, moderngl.Uniform | None] = {name: program.get(name, None) for name in names}
+        self._members: dict[str, Member | None] = {
+            name: cast("Member | None", program.get(name, None)) for name in names
+        }
         self._written: dict[
             str, object
         ] = {}  # values that cannot have changed, compared by identity, which costs nothing
@@ -149,14 +163,13 @@ class Uniforms:
         for name, value in values.items():
             if written.get(name, written) is value:
                 continue
-            member = members.get(name, members)
-            if member is members:
-                if strict:
-                    raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
-            elif member is not None:
+            member = members.get(name)
+            if member is not None:
                 self._write(name, member, value)
+            elif strict and name not in members:
+                raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
 
-    def _write(self, name: str, member: moderngl.Uniform, value: object) -> None:
+    def _write(self, name: str, member: Member, value: object) -> None:
         self._written.pop(name, None)
         if self._settled is not None and name in self._settled:
             self._settled = None
@@ -173,7 +186,7 @@ class Uniforms:
         if constant:
             self._written[name] = value
 
-    def _write_array(self, name: str, member: moderngl.Uniform, value: np.ndarray, constant: bool) -> None:
+    def _write_array(self, name: str, member: Member, value: np.ndarray, constant: bool) -> None:
         how = (_DTYPES[member.fmt[-1]], member.matrix)
         data = _packed(name, value, *how) if constant else _bytes_of(value, *how)
         if self._last.get(name) != data:
@@ -256,14 +269,19 @@ class Draw:
 def _group_size(text: str) -> tuple[int, int]:
     sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", text))
     defines = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", text))
-    return tuple(int(defines.get(sizes.get(axis, "1"), sizes.get(axis, "1"))) for axis in "xy")  # type: ignore[return-value]
+    x, y = (sizes.get(axis, "1") for axis in "xy")
+    return int(defines.get(x, x)), int(defines.get(y, y))
+
+
+Program = TypeVar("Program", Compute, Draw)
 
 
 class ShaderLibrary:
     """Compiled programs of one context, each (path, defines) compiled once."""
 
     def __init__(self, gl: moderngl.Context) -> None:
-        self._gl, self._cache = gl, {}
+        self._gl = gl
+        self._cache: dict[tuple[object, ...], Any] = {}
 
     @property
     def compiled(self) -> int:
@@ -278,7 +296,7 @@ class ShaderLibrary:
         """Return the vertex and fragment program of the two paths."""
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
-    def _get(self, paths, defines, make):
+    def _get(self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Program]) -> Program:
         key = (*paths, *sorted(defines.items()))
         if key not in self._cache:
             self._cache[key] = make()

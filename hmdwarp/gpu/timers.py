@@ -109,7 +109,7 @@ class GpuStage:
         self._query.__enter__()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
-        self._query.__exit__(error, *rest)
+        self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
         if error is None:
             self._timer._pending.append((self._name, self._query))
         else:

@@ -44,7 +44,8 @@ def load_headset(name: str) -> Headset:
 
 def _headset(data: Table) -> Headset:
     panel, fov_deg = data.table("panel"), data.table("fov_deg")
-    size_m = panel.numbers("eye_size_m", 2)
+    width_m, height_m = panel.numbers("eye_size_m", 2)
+    size_m = width_m, height_m
     lens = data.table("lens") if "lens" in data else None
     made = Headset(
         name=data.text("name"),
@@ -64,7 +65,8 @@ def _headset(data: Table) -> Headset:
 def _lens(data: Table, size_m: tuple[float, float]) -> RadialLens:
     if data.text("model") != "radial":
         raise InputError(f"unknown lens model '{data.text('model')}': known is radial")
-    axis, unit_m = data.numbers("axis_from_centre_m", 2), data.number("unit_m")
+    x, y = data.numbers("axis_from_centre_m", 2)
+    axis, unit_m = (x, y), data.number("unit_m")
     corner = np.array(size_m) / 2 + np.abs(axis)
     return RadialLens(
         axis_from_centre_m=axis,

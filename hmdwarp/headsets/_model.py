@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 
 import attrs
@@ -23,7 +24,7 @@ def _refuse_unless_positive(**values: float) -> None:
             raise InputError(f"{name} is {value:g}: wanted a number above 0")
 
 
-def _whole_pixels(size: tuple[float, float]) -> tuple[int, int]:
+def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
     if not all(side >= 1 and float(side).is_integer() for side in size):
         raise InputError(f"eye_size_px is {size[0]:g} x {size[1]:g}: wanted whole pixels, 1 or more")
     return int(size[0]), int(size[1])
@@ -105,7 +106,7 @@ class RadialLens:
             below = radius_function(middle) < wanted
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         r = (low + high) / 2
-        seen = wanted <= radius_function(np.float64(self.reach)) * (1 + 1e-12)
+        seen = wanted <= radius_function(np.array(self.reach)) * (1 + 1e-12)
         scale = np.divide(r, wanted, out=np.full_like(r, 1 / k[0]), where=wanted > 0)
         return np.where(seen[..., None], tangent / self.tangent_per_unit * scale[..., None], np.nan)
 
@@ -145,7 +146,8 @@ class Headset:
 
         Each eye sits half the pupil distance to its side.
         """
-        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)  # type: ignore[return-value]
+        left, right = (View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)
+        return left, right
 
     @cached_property
     def _eyes(self) -> tuple[tuple[Pose, Fov], ...]:
