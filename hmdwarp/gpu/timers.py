@@ -96,7 +96,10 @@ class StageTimer:
 
 
 class GpuStage:
-    """A stage timed by a query. A class: contextlib's generators cost 3 us each, a refresh has ten."""
+    """A stage timed by a query.
+
+    A class, because contextlib's generators cost 3 us each and a refresh has ten.
+    """
 
     __slots__ = ("_name", "_query", "_timer")
 
