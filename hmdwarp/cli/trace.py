@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..options import Option
-from ..poses.formats import FORMATS
+from ..poses.formats import formats
 from ..poses.options import TraceOptions
 from ._options import Said, takes
 
@@ -61,9 +61,9 @@ def convert(said: Said) -> None:
     from ..report.files import write_stream
 
     to, out = said["to"], said["out"]
-    target = FORMATS.get(to)
+    target = formats.get(to)
     if not target.writes:
-        able = ", ".join(f.name for f in FORMATS if f.writes)
+        able = ", ".join(f.name for f in formats if f.writes)
         raise InputError(f"format {to} is read, not written: wanted one of {able}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)

@@ -12,7 +12,7 @@ import attrs
 from ..errors import InputError
 from ..options import Declared, Option, option
 from .bandwidth import QUEUE_MS, Bandwidth
-from .delays import DELAYS, DelayModel
+from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
@@ -23,7 +23,7 @@ _MOST_SEED = 2**63
 def parse_jitter(text: str) -> DelayModel:
     """'uniform:20' to its model; '' to a constant delay. Errors: InputError."""
     name, _, argument = text.strip().partition(":")
-    return DELAYS.get(name.strip() or "constant").parse(argument.strip())
+    return delay_models.get(name.strip() or "constant").parse(argument.strip())
 
 
 def parse_loss(text: str) -> GilbertElliott | None:
@@ -116,7 +116,7 @@ class LinkOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about.
 
-        said: jitter: NAME:MS with a name of DELAYS, such as uniform:20, normal:15. delay_trace: a
+        said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace: a
         file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
         `GilbertElliott`; a number alone: that share of frames, each by itself; none. bandwidth:
         Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
@@ -129,7 +129,7 @@ class LinkOptions(Declared):
             raise InputError(
                 f"jitter '{said['jitter']}' beside a delay trace: the trace says every delay; leave one of them out"
             )
-        return {**super().values_of(said), "delay": DELAYS.get("trace").parse(str(path))}
+        return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
 
     @property
     def is_plain(self) -> bool:

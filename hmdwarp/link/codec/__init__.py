@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from .codecs import CODECS, Codec, check_codec
+from .codecs import Codec, check_codec, codecs
 from .coding import Coding
 from .errors import Undecodable
 
@@ -29,7 +29,7 @@ _HOME = {
 }
 
 __all__ = [
-    "CODECS", "STEP", "Codec", "Coding", "Decoder", "DepthDecoder", "DepthEncoder", "Encoder", "Packet", "Picture", "Undecodable",
+    "codecs", "STEP", "Codec", "Coding", "Decoder", "DepthDecoder", "DepthEncoder", "Encoder", "Packet", "Picture", "Undecodable",
     "check_codec", "packed_bytes",
 ]  # fmt: skip
 

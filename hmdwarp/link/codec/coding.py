@@ -18,7 +18,7 @@ class Coding(Declared):
     is out of bounds.
     """
 
-    # A name of CODECS.
+    # A name of codecs.
     codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
     # Constant quality; or the bit rate below; neither: the codec's own quality.
     crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)

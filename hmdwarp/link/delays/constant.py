@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import InputError
-from . import DELAYS, DelayModel
+from . import DelayModel, delay_models
 
 if TYPE_CHECKING:
     import numpy as np
 
 
-@DELAYS.register
+@delay_models.register
 @attrs.frozen
 class ConstantDelay(DelayModel):
     """The latency and nothing else."""
