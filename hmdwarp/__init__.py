@@ -26,7 +26,7 @@ _HOME = {
     "WarpedImage": "image.warping",
     "inverse_depth_from_clip": "geometry",
     "load_trace": "poses",
-    "replay": "run.replay",
+    "replay": "run",
     "warp_image": "image.warping",
 }
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.loop import Refresh
 from hmdwarp.run import RunOptions
-from hmdwarp.run.replay import ReplayResult, replay
-from hmdwarp.run.rig import Rig, build_rig
+from hmdwarp.run.replay_run import ReplayResult, replay
+from hmdwarp.run.replay_setup import ReplaySetup, set_up_replay
 
 SMALL = {
     "trace": "look-around",
@@ -53,17 +53,15 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def each_refresh(options: RunOptions, look: Callable[[Rig, int, Refresh], None]) -> None:
-    """The loop alone, without measuring and files: look(rig, number, refresh) at every shown refresh."""
-    with build_rig(options) as rig:
-        number = 0
-        for instant_ns, shown in rig.timetable.instants():
-            rig.loop.draw(instant_ns)
-            if shown:
-                refresh = rig.loop.show(instant_ns)
+def each_refresh(options: RunOptions, look: Callable[[ReplaySetup, int, Refresh], None]) -> None:
+    """The loop alone, without measuring and files: look(setup, number, refresh) at every shown refresh."""
+    with set_up_replay(options) as setup:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            if number >= 0:
+                refresh = setup.loop.show(instant_ns)
                 assert refresh is not None
-                look(rig, number, refresh)
-                number += 1
+                look(setup, number, refresh)
 
 
 @attrs.frozen(eq=False)
@@ -79,14 +77,14 @@ def seen(options: RunOptions, every: int = 1) -> list[Seen]:
     """Both eyes of every n-th refresh in linear light."""
     found: list[Seen] = []
 
-    def look(rig: Rig, number: int, refresh: Refresh) -> None:
+    def look(setup: ReplaySetup, number: int, refresh: Refresh) -> None:
         if number % every:
             return
         for result in refresh.eyes:
-            truth = rig.server.draw(result.view, rig.size)
+            truth = setup.server.draw(result.view, setup.size)
             textures = (result.shown.texture, truth.colour, result.warped.texture)
             shown, right, warped = (download(texture).astype(np.float32) for texture in textures)
-            rig.server.pool(rig.size).release(truth.colour)
+            setup.server.pool(setup.size).release(truth.colour)
             found.append(Seen(shown, right, warped[..., 3]))
 
     each_refresh(options, look)

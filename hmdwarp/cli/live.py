@@ -17,9 +17,9 @@ def live(said: Said) -> None:
 
 def run(options: LiveOptions, quiet: bool) -> None:
     """Run it and print what came out."""
-    from ..run.live.run import live as go
+    from ..run import live as go
 
     result = go(options, sayer(quiet))
     if not quiet:
-        for line in result.told():
+        for line in result.describe():
             typer.echo(line)

@@ -8,7 +8,7 @@ import typer
 
 from ..errors import InputError
 from ..options import Option
-from ..pipeline.options import AUTO, PipelineOptions
+from ..pipeline.options import PipelineOptions
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import Said, takes
 
@@ -33,9 +33,7 @@ def plan(said: Said) -> None:
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
-    if options.guard == AUTO:
-        raise InputError("guard auto looks at a whole trace, and a plan has none: give a number")
-    if options.warp == AUTO:
+    if options.chooses_warp:
         _auto(options, told)
         return
     built = build_plan_for(options, headset, load_scene(options.scene), **told)
@@ -74,8 +72,8 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
     from ..auto.levels import best_within
     from ..headsets import load_headset
     from ..pipeline.planning import plans_for
-    from ..run.bench_levels import ladder_from_file
-    from ..run.trial import INSTANTS, candidates
+    from ..run import levels_from_file
+    from ..run.short_bench import INSTANTS, candidates
     from ..scenes import load_scene
     from ._show import in_columns, paragraph
 
@@ -88,7 +86,7 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
             f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time."
         )
         return
-    found = ladder_from_file(options.bench, options, None)
+    found = levels_from_file(options.bench, options, None)
     first = best_within(found.levels, options.budget_ms)
     typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
     marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
@@ -113,7 +111,7 @@ def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> l
     from ..pipeline.sizes import eye_sizes
 
     rate_hz = options.rate_hz or headset.refresh_hz
-    needs, sizes = needs_of(plans), eye_sizes(options.guard, headset, options.size or headset.eye_size_px)
+    needs, sizes = needs_of(plans), eye_sizes(options.guard_factor, headset, options.size or headset.eye_size_px)
     parts = eye_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
     told = ", ".join(f"{name} {2 * count / 1e6:.1f} MB" for name, count in parts.items())
     at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"

@@ -10,6 +10,6 @@ from ._show import sayer
 @takes(RecordOptions, QUIET)
 def record(said: Said) -> None:
     """Record a head while it moves; each pose is on the disk within a second. A window shows the scene."""
-    from ..run.live.recording import record as go
+    from ..run import record as go
 
     go(RecordOptions.of(said), sayer(said["quiet"]))

@@ -17,7 +17,7 @@ def replay(said: Said) -> None:
 def _run(options: RunOptions, quiet: bool) -> None:
     from ..report.tables import summary_table
     from ..report.way import told_lines
-    from ..run.replay import replay as run
+    from ..run import replay as run
     from ._show import console, steps
 
     with steps("refreshes", quiet=quiet) as (progress, screen):

@@ -56,15 +56,22 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
     """Errors: as check_room, for the most frames there are at a time."""
-    check_room(gpu, needs, sizes, options.guard, frames_held(options, rate_hz, needs), options.latency_ms)
+    check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
-@attrs.frozen
-class Timing:
-    """When things happen. rate_hz: of the display's refreshes; link_latency_ns: what the link delays by."""
+@attrs.frozen(eq=False)
+class Target:
+    """Where the pictures of a run go."""
 
+    # Belongs to the caller.
+    gpu: Gpu
+    eyes: Eyes
+    # Of the display's refreshes.
     rate_hz: float
+    # Delay of the link.
     link_latency_ns: int
+    # Headset whose lens the plans correct, if they do.
+    lens_of: Headset | None = None
 
 
 @attrs.define(eq=False)
@@ -115,23 +122,21 @@ class Pipeline:
 
 
 def build_pipeline(
-    gpu: Gpu,
     options: PipelineOptions,
     scene: Scene,
-    eyes: Eyes,
+    target: Target,
     plans: Sequence[Plan],
     requested: PoseRequest,
-    timing: Timing,
-    lens_of: Headset | None = None,
     levels: tuple[QualityLevel, ...] = (),
 ) -> Pipeline:
-    """Compile and allocate all of it. plans: one, or that of each rung. lens_of: whose lens the plans correct, if they do.
+    """Compile and allocate all of it.
 
+    plans: one, or that of each quality level.
     Errors: InputError for sizes the GPU cannot do, MachineError where there is no room.
     """
-    needs = requested.needs
-    sizes = eye_sizes(requested.guard, eyes, requested.size)
-    check_held(gpu, options, needs, sizes, timing.rate_hz)
+    needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
+    sizes = eye_sizes(requested.guard, target.eyes, requested.size)
+    check_held(gpu, options, needs, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -139,7 +144,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.past, needs.past_spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, timing, plans, history, server)
+        channel = _channel(options, sizes, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -147,26 +152,25 @@ def build_pipeline(
                 compensators.append(_compensator(gpu, plan, lens_of, sizes, geometry))
                 unfinished.callback(compensators[-1].close)
             unfinished.pop_all()
-        auto = (
-            AdaptiveCompensator(Governor(levels, options.budget_ms), dict(zip(levels, compensators, strict=True)))
-            if levels
-            else None
-        )
+        auto = None
+        if levels and options.budget_ms is not None:
+            governor = Governor(levels, options.budget_ms)
+            auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
         compensator = auto or compensators[0]
-        loop = Loop(requested, server, channel, history, compensator, eyes)
+        loop = Loop(requested, server, channel, history, compensator, target.eyes)
         parts = (gpu, server, geometry, channel, loop, auto, lens_of)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, timing: Timing, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
     reads = {name for plan in plans for name in plan.layers}
     weight = 2 * sum(eye_bytes(needs_of(plans), sizes, reads).values())
     coder = None
     if not codecs.get(options.coding.codec).is_none:
-        coder = Coder(options.coding, sizes.rendered, timing.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    return Channel(options.network, timing.link_latency_ns, coder, weight, history.offer, server.recycle)
+        coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
+    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, server.recycle)
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

@@ -153,7 +153,7 @@ class PipelineOptions(Declared):
     horizon_ms: float = option(100.0, "Milliseconds to predict ahead at most.", unit="ms", valid=Number())
 
     def __attrs_post_init__(self) -> None:
-        if self.warp == AUTO:
+        if self.chooses_warp:
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
@@ -173,6 +173,18 @@ class PipelineOptions(Declared):
         if "lens" in said and said["lens"] is None:
             values["lens"] = _own_lens(values.get("headset", attrs.fields(cls).headset.default))
         return values
+
+    @property
+    def chooses_warp(self) -> bool:
+        """Whether the run chooses warp and fill itself, to keep to its budget."""
+        return self.warp == AUTO
+
+    @property
+    def guard_factor(self) -> float:
+        """The guard as a number. Errors: InputError while it is "auto"."""
+        if isinstance(self.guard, str):
+            raise InputError("guard auto looks at a whole trace first: give a number, or replay a recording")
+        return self.guard
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""

@@ -8,7 +8,7 @@ from ..errors import InputError
 from ..headsets import Headset
 from ..scenes import Scene
 from ..scenes.effects import SceneEffect, asked_effects, effect_names
-from .options import AUTO, PipelineOptions
+from .options import PipelineOptions
 
 
 def plans_for(
@@ -19,7 +19,7 @@ def plans_for(
     **beyond: str,
 ) -> list[Plan]:
     """The plan of a run in a list; of a run that chooses by itself, that of each rung. beyond, errors: as build_plan_for."""
-    chosen = [options.with_pair(level.warp, level.fill) for level in levels] if options.warp == AUTO else [options]
+    chosen = [options.with_pair(level.warp, level.fill) for level in levels] if options.chooses_warp else [options]
     return [build_plan_for(one, headset, scene, **beyond) for one in chosen]
 
 

@@ -14,7 +14,7 @@ from ..metrics.job import Compared, QualityJob
 from ..metrics.pool import QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
-from .rig import Rig
+from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
 
 # The two things measured at a refresh: the asked-for warp and the one it is compared with.
@@ -30,33 +30,33 @@ class Probe:
     the refresh before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
-    def __init__(self, rig: Rig, pool: QualityPool, keep_every: int | None) -> None:
-        self._rig, self._pool, self._keep_every = rig, pool, keep_every
-        self._every = rig.options.metrics_every
+    def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
+        self._setup, self._pool, self._keep_every = setup, pool, keep_every
+        self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
         self._against = self._baseline()
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
         self.against_ms: dict[tuple[int, int], tuple[tuple[str, float], ...]] = {}
 
-        if rig.options.scanout_ms:
-            rig.notes.append(_about_scanout(rig))
+        if setup.options.scanout_ms:
+            setup.notes.append(_about_scanout(setup))
 
     def _without_lens(self) -> Compensator | None:
-        rig = self._rig
-        if not rig.plan.fused:
+        setup = self._setup
+        if not setup.plan.fused:
             return None
-        rig.notes.append(
+        setup.notes.append(
             "Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not counted."
         )
-        alone = attrs.evolve(rig.options, fused=False, lens="none", fill="none")
-        return rig.compensator(build_plan_for(alone, rig.headset, rig.scene))
+        alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
+        return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
 
     def _baseline(self) -> Compensator | None:
-        options = self._rig.options
+        options = self._setup.options
         if options.against in ("", options.warp):
             return None
-        return self._rig.compensator(plan_against(options.against))
+        return self._setup.compensator(plan_against(options.against))
 
     def wants(self, number: int) -> bool:
         """Whether refresh `number` is measured, or is the neighbour of a measured one."""
@@ -67,7 +67,9 @@ class Probe:
         for eye in range(len(refresh.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The neighbour of a measured refresh is read for flicker alone.
-            truth = draw_truth(self._rig.server, refresh.inputs[eye], self._rig.size, depth=number % self._every == 0)
+            truth = draw_truth(
+                self._setup.server, refresh.inputs[eye], self._setup.size, depth=number % self._every == 0
+            )
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
             result = self._before_lens(refresh, eye)
             self._take(number, eye, MAIN, rendered, result, picture, depth)
@@ -80,16 +82,16 @@ class Probe:
         self, number: int, eye: int, refresh: Refresh, truth: NDArray[np.uint8], depth: NDArray[np.float32] | None
     ) -> None:
         """The compared warp knows no effects: its late picture has everything drawn in, nothing as a layer."""
-        inputs, server = self._rig.loop.inputs(refresh, self._against.plan.needs)[eye], self._rig.server
+        inputs, server = self._setup.loop.inputs(refresh, self._against.plan.needs)[eye], self._setup.server
         whole = None
-        if self._rig.plan.effects:
+        if self._setup.plan.effects:
             whole = server.draw(inputs.rendered.view, inputs.rendered.size, time_ns=inputs.rendered.drawn_ns)
             inputs = attrs.evolve(
                 inputs, rendered=attrs.evolve(inputs.rendered, colour=whole.colour, inverse_depth=whole.inverse_depth)
             )
-            self._rig.gpu.timer.collect()
+            self._setup.gpu.timer.collect()
         other = self._against.run(inputs)
-        self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
+        self.against_ms[number, eye] = tuple(self._setup.gpu.timer.collect())
         self._take(number, eye, AGAINST, inputs.rendered, other, truth, depth)
         if whole is not None:
             server.pool(whole.size).release(whole.colour)
@@ -103,7 +105,7 @@ class Probe:
 
         Without warp "auto": its chain changes, so a share of the whole would mean nothing.
         """
-        if self._rig.auto is not None or not self._empty:
+        if self._setup.auto is not None or not self._empty:
             return {}
         left = {name: sum(shares) / len(shares) for name, shares in self._empty.items()}
         names = list(left)
@@ -114,7 +116,7 @@ class Probe:
         if self._unfused is None:
             return refresh.eyes[eye]
         made = self._unfused.run(refresh.inputs[eye])
-        self._rig.gpu.timer.collect()
+        self._setup.gpu.timer.collect()
         return made
 
     def _take(
@@ -146,10 +148,10 @@ class Probe:
         self._pool.submit((number, eye, which), job, keep=keep)
 
 
-def _about_scanout(rig: Rig) -> str:
-    how = "follows it row by row" if rig.plan.scanout else "shows all rows as in its middle"
+def _about_scanout(setup: ReplaySetup) -> str:
+    how = "follows it row by row" if setup.plan.scanout else "shows all rows as in its middle"
     told = [
-        f"The display scans out for {rig.options.scanout_ms:g} ms; warp '{rig.options.warp}' {how}.",
+        f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}.",
         f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in the middle of it.",
     ]
     return " ".join(told)

@@ -17,9 +17,8 @@ from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
 from ..options import Number
-from ..pipeline.options import AUTO, PipelineOptions, parse_size
-from ..run import RunOptions
-from ..run.replay import figures
+from ..pipeline.options import PipelineOptions, parse_size
+from ..run import RunOptions, figures
 from ..version import __version__
 from .design.settings import live_options
 from .store import Session, Showing, Store
@@ -122,7 +121,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     if not showing.trace or not (traces / showing.trace).is_file():
         raise InputError("its head was not recorded, or the recording is gone")
     live = live_options(showing.settings)
-    if live.warp == AUTO:
+    if live.chooses_warp:
         raise InputError("warp auto took what the machine had time for, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
     size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px

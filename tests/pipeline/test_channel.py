@@ -11,7 +11,7 @@ from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.gpu.textures import download
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run.replay_setup import set_up_replay
 
 NETWORKS = {
     "plain": {},
@@ -46,17 +46,17 @@ def test_every_frame_is_accounted_for(tmp_path, network, codec):
 def test_the_client_warps_what_has_arrived(codec):
     """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within the code's own bound."""
     seen = []
-    with build_rig(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as rig:
-        for instant_ns, shown in rig.timetable.instants():
-            rig.loop.draw(instant_ns)
-            refresh = rig.loop.show(instant_ns) if shown else None
+    with set_up_replay(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as setup:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            refresh = setup.loop.show(instant_ns) if number >= 0 else None
             if refresh is None:
                 continue
             eye = refresh.frame.eyes[0]
-            whole = rig.server.draw(eye.view, eye.size)
+            whole = setup.server.draw(eye.view, eye.size)
             before, after = (picture_from_linear(download(x.colour)).astype(float) for x in (whole, eye))
             depths = download(whole.inverse_depth), download(eye.inverse_depth)
-            rig.server.pool(eye.size).release(whole.colour)
+            setup.server.pool(eye.size).release(whole.colour)
             seen.append(-10 * np.log10(np.mean((before - after) ** 2) / 255**2))
             assert not np.array_equal(before, after)
             assert np.abs(depths[0] - depths[1]).max() <= 0.01 * depths[0].max()

@@ -18,9 +18,8 @@ from ...options import declared, options_of
 from ...pipeline.options import AUTO
 from ...pipeline.planning import plans_for
 from ...pipeline.sizes import guarded_size
-from ...run.bench_levels import ladder_from_file
-from ...run.live.host import checked_scene, refuse_one_eye
-from ...run.options import FLAT, LiveOptions
+from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
+from ...run.options import FLAT
 from ...scenes import Scene
 from ...server.draw import MIRRORS
 from ...tables import told
@@ -71,13 +70,13 @@ def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> 
     headset = load_headset(options.headset)
     _check_guard(options, headset)
     scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
-    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _rungs(options, headset))
+    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _levels(options, headset))
     refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
     return options
 
 
 def _check_guard(options: LiveOptions, headset: Headset) -> None:
-    width, height = guarded_size(options.guard, headset, options.size or headset.eye_size_px)  # type: ignore[arg-type]
+    width, height = guarded_size(options.guard_factor, headset, options.size or headset.eye_size_px)
     if max(width, height) > _MOST_PIXELS:
         found = f"guard {options.guard:g} makes frames of {width}x{height} pixels"
         raise InputError(f"{found}: wanted at most {_MOST_PIXELS} on each side, as most GPUs have it")
@@ -90,13 +89,12 @@ def _lens(options: LiveOptions, headset: Headset) -> str:
     return "radial" if headset.lens is not None else "none"
 
 
-def _rungs(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
-    """What warp auto chooses from."""
-    if options.warp != AUTO:
+def _levels(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
+    """Return what warp auto chooses from."""
+    if options.bench is None:
         return ()
-    return ladder_from_file(
-        options.bench, attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px), None
-    ).rungs
+    sized = attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px)
+    return levels_from_file(options.bench, sized, None).levels
 
 
 def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:

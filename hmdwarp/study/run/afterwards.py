@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from ...errors import HmdwarpError
-from ...run.live.recorder import Recorder
+from ...run.recorder import Recorder
 from ..design import Design
 from ..store import INTERRUPTED, PERSON, Session, Store
 from .options import RunSession
@@ -15,7 +15,8 @@ from .options import RunSession
 
 class Afterwards:
     """session: None as long as there is none. recording: of the trial under way. quiet: an error tells it all. told: as run_session has
-    it."""
+    it.
+    """
 
     def __init__(
         self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...display import Command, Label
-from ...run.live.driver import FrameHandler
+from ...run.driver import FrameHandler
 from ..asking import Asked, Card, Menu, Reading, Resting, hints_for
 from ..steps import Ask, Pause, Read, Step
 from .room import Room
@@ -123,7 +123,8 @@ class Break(StepHandler):
 
 class MenuWatch(StepHandler):
     """The menu, which the experimenter's pause opens too. during: what it came in between. chosen: of asking.CONTINUE, BREAK, AGAIN,
-    SKIP, STOP."""
+    SKIP, STOP.
+    """
 
     phase = "paused"
 
@@ -200,7 +201,7 @@ class Standing(FrameHandler):
         self._left -= 1
         return self._plate
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """As Watch.obey."""
         self._room.tell(self._step, lambda: {"phase": self._phase})
         return False

@@ -10,10 +10,10 @@ import attrs
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
 from ...run import LiveOptions
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
-from ...run.live.openings import open_display
-from ...run.live.watchdog import Watchdog
+from ...run.driver import Driver
+from ...run.ending import Ending
+from ...run.live_run import open_display
+from ...run.watchdog import Watchdog
 from ...scenes import load_scene
 from ..asking import CONTROLS, hints_for
 from ..design import Design

@@ -10,11 +10,11 @@ import attrs
 
 from ...display import Label
 from ...run import LiveOptions
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
-from ...run.live.host import Stage
-from ...run.live.log import LiveLog
-from ...run.live.recorder import Recorder
+from ...run.driver import Driver
+from ...run.ending import Ending
+from ...run.host import PipelineHost
+from ...run.live_log import LiveLog
+from ...run.recorder import Recorder
 from ...scenes import Scene
 from ..steps import Show
 from ..store import Showing
@@ -61,7 +61,7 @@ class Shower:
                 stage = self._stage(step)
                 stack.callback(stage.close)
                 stack.callback(log.leave)
-                recorder.begin(room.display)
+                recorder.begin(room.display.about, room.display.rate_hz)
                 log.begin(room.display, stage)
                 watch = Trial(room, step, self.plate_of(step), plated_ns, log, self.under_way)
                 log.status.heading = room.status.heading
@@ -75,10 +75,10 @@ class Shower:
             self.recording = None
         return self._ended(showing, log, complete), watch
 
-    def _stage(self, step: Show) -> Stage:
+    def _stage(self, step: Show) -> PipelineHost:
         """New for every trial, even with the settings of the one before: nothing of that is remembered."""
         options = self.options_of(step)
-        return Stage(self.room.display, options, self.scenes[options.scene])
+        return PipelineHost(self.room.display, options, self.scenes[options.scene])
 
     def _ended(self, showing: Showing, log: LiveLog, complete: bool) -> Showing:
         room = self.room

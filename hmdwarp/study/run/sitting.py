@@ -9,8 +9,8 @@ from contextlib import suppress
 import attrs
 
 from ...display import Closed
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
+from ...run.driver import Driver
+from ...run.ending import Ending
 from ..asking import AGAIN, BREAK, CONTINUE, SKIP, STOP, Hints
 from ..steps import Ask, Pause, Read, Show, Step
 from ..store import COMPLETE, STOPPED, Showing
@@ -152,7 +152,8 @@ class Sitting:
 
     def _pursue(self, make: Callable[[], StepHandler]):
         """Until it came to its end, however often something came in between; each time anew. A question that the menu leaves
-        unanswered has come to its end."""
+        unanswered has come to its end.
+        """
         while True:
             watch = make()
             self._drive(watch)
@@ -206,7 +207,8 @@ class Sitting:
 
     def _end_if_sick(self) -> None:
         """At the stop rule: the session goes over to what is asked after it, each of which may be left out, and ends. An answer that was
-        a slip can be given again before."""
+        a slip can be given again before.
+        """
         if self._is_sick or not self._why_sick():
             return
         try:

@@ -13,7 +13,7 @@ from .watch import LOST, StepHandler
 
 if TYPE_CHECKING:
     from ...pipeline.loop import Refresh
-    from ...run.live.log import LiveLog
+    from ...run.live_log import LiveLog
 
 LEAD_S = 1.0  # black with the number, at least, before frames get under way: eyes rest, and building a pipeline takes no longer mostly
 SETTLED_S = 0.25  # beyond the longest latency: frames that come late now and then
@@ -22,7 +22,8 @@ PATIENCE_S = 30.0  # how long the first frame may take
 
 def under_way_s(latencies_ms: list[float]) -> float:
     """How long frames are under way before the first picture, the same for all trials of a study: a wait as long as the latency, or as
-    building the pipeline takes, would tell which condition comes."""
+    building the pipeline takes, would tell which condition comes.
+    """
     return max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S
 
 
@@ -70,9 +71,9 @@ class Trial(StepHandler):
     def take(self, by: str, command: Command) -> None:
         """Nobody changes a trial."""
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """As Watch.obey."""
-        super().obey(commands)
+        super().handle(commands)
         if not self.pictures:
             self._lead()
         return False
@@ -91,7 +92,7 @@ class Trial(StepHandler):
                 f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through"
             )
 
-    def went(self, why: str) -> None:
+    def on_display_lost(self, why: str) -> None:
         """It is shown again, from its start: what was rated must have been seen undisturbed."""
         super().went(why)
         self.intent = LOST

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...display import Command
-from ...run.live.driver import FrameHandler
+from ...run.driver import FrameHandler
 from ..steps import Step
 from .room import Room
 from .voices import BREAK, INTENTS, REMARK, STOP
@@ -54,9 +54,10 @@ class StepHandler(FrameHandler):
         """As Watch.over."""
         return bool(self.intent) or self.finished()
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """As Watch.obey. What comes after the end of a step is not for the next one: it was meant for this. But who wants to stop, or to
-        rest, is not passed over for having asked at the refresh at which a step ended."""
+        rest, is not passed over for having asked at the refresh at which a step ended.
+        """
         room = self.room
         late, room.late = room.late, []
         for by, command in (*late, *room.voices.heard(commands, self.step, room.shown, self.asked_s)):
@@ -94,6 +95,6 @@ class StepHandler(FrameHandler):
         """As Watch.arrived."""
         self.room.head = refresh.head
 
-    def went(self, why: str) -> None:
+    def on_display_lost(self, why: str) -> None:
         """As Watch.went."""
         self.room.record(LOST, self.step, why=why)

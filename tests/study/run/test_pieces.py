@@ -15,7 +15,7 @@ from hmdwarp.geometry import Pose
 from hmdwarp.study.run.actual import NOTHING, NUMBERS, actual_of
 from hmdwarp.study.run.options import RunSession
 from hmdwarp.study.run.telling import turned_deg
-from hmdwarp.study.run.trial import under_way_s
+from hmdwarp.study.run.short_bench import under_way_s
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study

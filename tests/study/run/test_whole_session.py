@@ -6,11 +6,11 @@ import re
 
 import numpy as np
 import pytest
-from run.live.offscreen import PERIOD_NS, RATE_HZ
+from run.offscreen import PERIOD_NS, RATE_HZ
 
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions
-from hmdwarp.run.replay import replay
+from hmdwarp.run.replay_run import replay
 from hmdwarp.study.asking import Card, QuestionPlate
 from hmdwarp.study.run.actual import NUMBERS, TEXTS
 
@@ -96,13 +96,13 @@ def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(mo
     """As long as building takes no longer than LEAD_S, from the plate to the first picture it is equally long."""
     from hmdwarp.study.run import showing
 
-    class Slow(showing.Stage):
+    class Slow(showing.PipelineHost):
         def __init__(self, display, options, scene) -> None:
             super().__init__(display, options, scene)
             if options.warp == "rotation":
                 display._at_ns += round(0.6 * LEAD_S * 1e9)
 
-    monkeypatch.setattr(showing, "Stage", Slow)
+    monkeypatch.setattr(showing, "PipelineHost", Slow)
     handed = run(monkeypatch, gpu, study(tmp_path)).display.handed
     waits = []
     for number in (1, 2):
