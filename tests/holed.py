@@ -11,7 +11,7 @@ from worlds import World, read
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.plan import CLIENT_MODEL
 from hmdwarp.client.variants import parse_fills
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry.wide import wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 
@@ -28,7 +28,7 @@ class Holed:
         self.inverse_depth = np.maximum(world.inverse_depth, 0).astype(np.float32).astype(np.float64)
         self.empty(holes)
         given = world.inputs(None)
-        self.inputs = attrs.evolve(given, rendered=attrs.evolve(given.rendered, wide=self._wide(gpu)))
+        self.inputs = attrs.evolve(given, rendered=given.rendered.having(wide=self._wide(gpu)))
 
     def _wide(self, gpu) -> EyeImage:
         """Another picture of the same eye, wider and of any size."""

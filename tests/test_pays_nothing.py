@@ -9,7 +9,7 @@ import pytest
 from costs import Costs, costs_of
 
 from hmdwarp.client.effects import effects
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs
 from hmdwarp.resources import folder
 from hmdwarp.scenes import scenes
 from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, effect_names
@@ -29,7 +29,7 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkey
     costs = costs_of(monkeypatch, scene=scene, fill="interpolate")
     assert costs.shaders == BASE_SHADERS
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
-    assert costs.layers == {"rendered.colour": 96 * 80 * 8, "rendered.inverse_depth": 96 * 80 * 4}
+    assert costs.layers == {"rendered.colour": 2 * 96 * 80 * 8, "rendered.inverse_depth": 2 * 96 * 80 * 4}
     assert costs.sent == 2 * 96 * 80 * 12
     # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each has colour and depth for two eyes.
     # The client has a canvas for the warp and one for the fill, for each eye.

@@ -16,7 +16,7 @@ from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import CLIENT_DEPTH
 from hmdwarp.client.variants import every_warp, parse_warp
 from hmdwarp.client.warps import Warp, warps
-from hmdwarp.frames.frame import EyeImage, Layer
+from hmdwarp.frames import EyeImage, Surface
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
@@ -129,10 +129,10 @@ class World:
         settings = entry.Settings()
         if "rendered.cube" in entry.reads:
             self.bring_cube(gpu)
-        if "rendered.layers" in entry.reads:
-            self.layers = self.layers or tuple(self._behind(k + 1) for k in range(entry.needs(settings).layers))
-            uploaded = tuple(Layer(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
-            self.rendered = attrs.evolve(self.rendered, layers=uploaded)
+        if "rendered.peeled" in entry.reads:
+            self.layers = self.layers or tuple(self._behind(k + 1) for k in range(entry.needs(settings)["peeled"]))
+            uploaded = tuple(Surface(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
+            self.rendered = self.rendered.having(peeled=uploaded)
         if "rendered.others" in entry.reads:
             self.others = self.others or tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(
@@ -145,7 +145,7 @@ class World:
             side = max(self.size) + 2
             colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))
             self.cube = np.dstack([colour, np.ones(colour.shape[:2])]).astype(np.float16).astype(np.float64)
-        self.rendered = attrs.evolve(self.rendered, cube=self._colour_texture(gpu, self.cube))
+        self.rendered = self.rendered.having(cube=self._colour_texture(gpu, self.cube))
 
     def look_along_a_face(self, gpu, index: int, margin: int = 0) -> np.ndarray:
         """Show what the cube holds in one face, less `margin` of its pixels on each side; returns that picture."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import attrs
 import moderngl
 
-from ..frames.frame import EyeImage, Needs
+from ..frames import EyeImage, Needs, Surface
 from ..geometry import WarpMap
 from ..gpu.textures import COLOUR, Canvas, allocate
 
@@ -47,23 +47,25 @@ class Carry:
 
 
 def _swapped(image: EyeImage, picture_of: PictureOf) -> EyeImage:
-    layers = tuple(attrs.evolve(layer, colour=picture_of(as_image(image, layer))) for layer in image.layers)
-    return attrs.evolve(image, colour=picture_of(image), layers=layers)
+    peeled = tuple(
+        attrs.evolve(surface, colour=picture_of(as_image(image, surface))) for surface in image.get("peeled", ())
+    )
+    return attrs.evolve(image, colour=picture_of(image)).having(peeled=peeled or None)
 
 
-def as_image(image: EyeImage, layer) -> EyeImage:
-    """A layer as an image of its own."""
-    return EyeImage(image.view, layer.colour, layer.inverse_depth, drawn_ns=image.drawn_ns)
+def as_image(image: EyeImage, surface: Surface) -> EyeImage:
+    """Return a surface of a layer as an image of its own."""
+    return EyeImage(image.view, surface.colour, surface.inverse_depth, drawn_ns=image.drawn_ns)
 
 
 def images_given(needs: Needs) -> int:
     """How many late images of one eye there are with these needs at most: the newest one and all others."""
-    return 1 + needs.past + needs.other_eye
+    return 1 + needs.others.count
 
 
 def pictures_read(needs: Needs) -> int:
     """How many pictures with depth of one eye a warp with these needs reads at most."""
-    return (1 + needs.layers) * images_given(needs)
+    return (1 + needs.get("peeled", 0)) * images_given(needs)
 
 
 class ShownDepth:

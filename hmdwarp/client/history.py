@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..frames.frame import Frame
+    from ..frames import Frame
 
 
 class History:

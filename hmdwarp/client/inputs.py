@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ..frames.frame import EyeImage
+from ..frames import EyeImage
 from ..geometry import View
 
 if TYPE_CHECKING:

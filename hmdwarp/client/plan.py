@@ -12,7 +12,8 @@ from operator import or_
 import attrs
 
 from ..errors import InputError, PlanError
-from ..frames.frame import Needs
+from ..frames import Needs
+from ..frames.layers import readable_names
 from ..scenes.effects import SceneEffect
 from .effects import Effect, EffectPass, LatePass, effects
 from .fills import Fill, fills
@@ -20,20 +21,8 @@ from .lens import LensPass, lenses
 from .variants import Choice, fill_text, parse_fills, parse_warp
 from .warps import Warp
 
-# What a frame brings along, what the client can make by itself, and what the passes hand on.
+# What every frame has, what the client can make by itself, and what the passes hand on.
 PICTURE = ("rendered.colour", "rendered.inverse_depth")
-LATE = (
-    *PICTURE,
-    "rendered.layers",
-    "rendered.cube",
-    "rendered.others",
-    "rendered.ids",
-    "rendered.velocity",
-    "rendered.reflection",
-    "rendered.transparent",
-    "rendered.overlay",
-    "rendered.wide",
-)
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
 PANEL = "panel.colour"
@@ -130,7 +119,8 @@ class Plan:
     @property
     def layers(self) -> tuple[str, ...]:
         """What a frame must carry for this plan, in the order it is first read."""
-        return tuple(dict.fromkeys(name for step in self.steps for name in step.reads if name in LATE))
+        known = readable_names()
+        return tuple(dict.fromkeys(name for step in self.steps for name in step.reads if name in known))
 
 
 def needs_of(plans: Iterable[Plan]) -> Needs:
@@ -139,7 +129,7 @@ def needs_of(plans: Iterable[Plan]) -> Needs:
     Errors: InputError for plans that want their older frames unequally far apart: one run keeps one kind.
     """
     wanted = [plan.needs for plan in plans]
-    spacings = {needs.past_spacing_ns for needs in wanted if needs.past}
+    spacings = {needs.others.spacing_ns for needs in wanted if needs.others.past}
     if len(spacings) > 1:
         told = " and ".join(f"{ns / 1e6:g} ms" for ns in sorted(spacings))
         raise InputError(f"older frames {told} apart in one run: give all warps that use older frames the same spacing")
@@ -153,7 +143,7 @@ def build_plan(
     lens: str,
     *,
     client_geometry: bool,
-    brings: tuple[str, ...] = LATE,
+    brings: tuple[str, ...] | None = None,
     fused: bool = False,
     scanout: bool = False,
     forced: Collection[str] = (),
@@ -163,8 +153,8 @@ def build_plan(
 ) -> Plan:
     """The plan for the named passes; warp and fill may carry settings (`mesh:cut=slope`), fills may be a chain (`memory+pyramid`).
 
-    declared: what is to be compensated. client_geometry: whether the client has the scene's triangles to draw from. brings: what late
-    pictures come with. fused: warp and lens in one resample; what is composited after the warp stays in the late picture then. scanout:
+    declared: what is to be compensated. client_geometry: whether the client has the scene's triangles to draw from. brings: what rendered
+    pictures come with, None for every layer. fused: warp and lens in one resample; what is composited after the warp stays in the late picture then. scanout:
     the display shows its rows one after the other; a warp that cannot follow shows them as in the middle of it. forced, forbidden: names
     of effects that are declared though the scene has none, and not declared though it has: only for the reasons told. distorts,
     takes_depth: who, after this plan, corrects the lens, and who asks for the shown picture's depth; "" for nobody.
@@ -203,7 +193,7 @@ def build_plan(
         draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
         draft.leave_out("lens", f"lens 'none' was asked for: {chosen_lens.summary}")
-    _refuse_unwritten(draft.steps, brings, client_geometry)
+    _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
     compensated = reduce(or_, (effect.flag for one in passes for effect in one.effects), SceneEffect.NONE)
     return Plan(
         compensated,

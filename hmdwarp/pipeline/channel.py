@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import picture_from_linear
+from ..frames.layers import PACKED
 from ..gpu.textures import download, upload
 from ..link.codec import Coding, Decoder, Encoder, Packet, Undecodable, packed_bytes
 from ..metrics.image import psnr_db
@@ -20,7 +21,7 @@ from ..metrics.image import psnr_db
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frames.frame import EyeImage, Frame
+    from ..frames import Frame
     from ..link import Link, LinkOptions, TransitStats
 
 KEPT = 1 << 17  # figures of so many frames: half an hour at 60 Hz, and no more in a run of hours
@@ -123,12 +124,12 @@ class Coder:
         pictures = [(picture_from_linear(download(eye.colour)), download(eye.inverse_depth)) for eye in frame.eyes]
         started = time.perf_counter_ns()
         packets = tuple(encoder.encode(*picture) for encoder, picture in zip(self._encoders, pictures, strict=True))
-        frame.took_ms["encode"] = _milliseconds_since(started)
+        frame.timings_ms["encode"] = _milliseconds_since(started)
         looked_at = self._encoded % LOOK_EVERY == 0
         self._encoded += 1
-        self._encode_ms.append(frame.took_ms["encode"])
+        self._encode_ms.append(frame.timings_ms["encode"])
         size = sum(len(packet.colour) + self._sends_depth * len(packet.depth) for packet in packets)
-        size += sum(packed_bytes(download(layer)) for layer in _other_layers(frame.eyes))
+        size += sum(layer.coded_bytes(data, _packed) for layer, data in frame.contents() if layer.coding == PACKED)
         before = tuple(colour for colour, _ in pictures) if looked_at else ()
         return EncodedFrame(frame, packets, before), size, all(packet.key for packet in packets)
 
@@ -143,8 +144,8 @@ class Coder:
                 failed = True  # the other eye's stream must hear of this frame too
         if failed:
             return False
-        encoded.frame.took_ms["decode"] = _milliseconds_since(started)
-        self._decode_ms.append(encoded.frame.took_ms["decode"])
+        encoded.frame.timings_ms["decode"] = _milliseconds_since(started)
+        self._decode_ms.append(encoded.frame.timings_ms["decode"])
         for eye, picture in zip(encoded.frame.eyes, pictures, strict=True):
             upload(eye.colour, picture.rgba())
             upload(eye.inverse_depth, picture.inverse_depth)
@@ -158,14 +159,8 @@ class Coder:
         return {"codec": self._codec, **{name: median(values) if values else None for name, values in figures.items()}}
 
 
-def _other_layers(eyes: tuple[EyeImage, ...]) -> list[moderngl.Texture]:
-    """All but colour and inverse depth of the pictures themselves."""
-    return [
-        texture
-        for eye in eyes
-        for texture in eye.textures()
-        if texture is not eye.colour and texture is not eye.inverse_depth
-    ]
+def _packed(content: moderngl.Texture | NDArray) -> int:
+    return packed_bytes(content if isinstance(content, np.ndarray) else download(content))
 
 
 def _milliseconds_since(started_ns: int) -> float:

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
 
-from ..client.weight import EyeSizes, eye_bytes
 from ..errors import InputError, MachineError
-from ..frames.frame import Needs
+from ..frames import EyeSizes, Needs, frame_bytes
 from ..geometry import Eyes, Pose, guarded_eyes
-from ..geometry.cube import cube_size
-from ..geometry.wide import wide_size
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
 
@@ -33,15 +29,7 @@ def _named(eyes: Eyes) -> str:
 
 def eye_sizes(guard: float, eyes: Eyes, size: Size) -> EyeSizes:
     """What one eye's pictures measure, the larger eye's where they differ. size: as shown. Errors: as guarded_size."""
-    views = eyes.views(Pose())
-    cubes = [cube_size(view.fov, size) for view in views]
-    return EyeSizes(
-        guarded_size(guard, eyes, size), size, max(cubes), _largest([wide_size(view.fov, size) for view in views])
-    )
-
-
-def _largest(sizes: Sequence[Size]) -> Size:
-    return max(w for w, _ in sizes), max(h for _, h in sizes)
+    return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())))
 
 
 def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: int, latency_ms: float) -> None:
@@ -51,7 +39,7 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: in
     if max(rendered_size) > gpu.max_texture_size:
         found = f"guard {guard:g} makes frames of {rendered_size[0]}x{rendered_size[1]} pixels"
         raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
-    needed = frames * 2 * sum(eye_bytes(needs, sizes).values())
+    needed = frames * sum(frame_bytes(needs, sizes).values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
             f"latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, {needed / 1e9:.1f} GB, "

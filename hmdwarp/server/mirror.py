@@ -13,15 +13,14 @@ from ..geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ..gpu.scopes import drawing_into
 from .cube import draw_cube
 from .moving import Place
-from .passes import ScenePasses, clear_depth
-from .peel import SAME_SURFACE
+from .passes import SAME_SURFACE, ScenePasses, clear_depth
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
-from .sight import Visibility
+from .visibility import Visibility
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..frames.frame import EyeImage
+    from ..frames import EyeImage
     from ..geometry import Mirror
     from ..scenes import Mesh
     from ..scenes._mirrors import SceneMirror

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 import numpy as np
@@ -16,7 +16,6 @@ from .upload import SceneBuffers
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..frames.frame import Needs
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Mesh, Scene
@@ -32,8 +31,11 @@ class Place:
 
 
 class Moving(ABC):
-    """One thing that moves. buffers: its triangles."""
+    """One thing that moves."""
 
+    # The layer that says how it moves: the client of a frame with that layer moves it.
+    layer: ClassVar[str]
+    # Its triangles.
     buffers: SceneBuffers
 
     @abstractmethod
@@ -44,10 +46,6 @@ class Moving(ABC):
     def place(self, view: View) -> Place:
         """Of the view's eye at the instant set last."""
 
-    @abstractmethod
-    def moved_by_client(self, needs: Needs) -> bool:
-        """Whether frames with these needs tell how it moves."""
-
     def close(self) -> None:
         """Free its buffers."""
         self.buffers.close()
@@ -55,6 +53,8 @@ class Moving(ABC):
 
 class MovingBody(Moving):
     """All meshes of body number `number` (1 + its index)."""
+
+    layer = "ids"
 
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.number = meshes[0].body
@@ -69,12 +69,11 @@ class MovingBody(Moving):
     def place(self, view: View) -> Place:
         return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)
 
-    def moved_by_client(self, needs: Needs) -> bool:
-        return needs.ids
-
 
 class DeformingMesh(Moving):
     """One mesh whose vertices move by themselves: written anew for each instant that is drawn."""
+
+    layer = "velocity"
 
     def __init__(self, gpu: Gpu, scene: Scene, mesh: Mesh, textures: SceneTextures) -> None:
         self.buffers = SceneBuffers(gpu, [mesh], textures)
@@ -92,9 +91,6 @@ class DeformingMesh(Moving):
 
     def place(self, view: View) -> Place:
         return Place(eye_from_scene(view, self._origin_m), view.pose.position_m - self._origin_m)
-
-    def moved_by_client(self, needs: Needs) -> bool:
-        return needs.velocity
 
 
 def _checked(mesh: Mesh, what: str, found: NDArray) -> NDArray[np.float32]:

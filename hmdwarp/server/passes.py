@@ -13,15 +13,19 @@ from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
-from .sight import Draws, Visibility, draws_of
 from .upload import Batch, SceneBuffers
+from .visibility import Draws, Visibility, draws_of
 
+# A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves room for drivers that
+# round otherwise.
+SAME_SURFACE = 2.0**-16
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class ScenePasses:
     """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and what lies behind them all. colour: with it, else
-    inverse depth alone. peel: only what lies behind a picture already drawn, see shaders/lib/peel.glsl; its uniforms go into draw()."""
+    inverse depth alone. peel: only what lies behind a picture already drawn, see shaders/lib/peel.glsl; its uniforms go into draw().
+    """
 
     vertex: ClassVar[str] = "server/scene.vert"
 

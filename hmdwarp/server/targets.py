@@ -12,7 +12,8 @@ from ..gpu.textures import COLOUR, SCALAR, allocate
 @attrs.frozen(eq=False)
 class Target:
     """What one eye is drawn into: `colour` (rgba16f unless another kind was asked for) and `inverse_depth` r32f of the same size, None
-    where colour is all that is kept."""
+    where colour is all that is kept.
+    """
 
     colour: moderngl.Texture
     inverse_depth: moderngl.Texture | None

@@ -13,7 +13,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import check_size, flip_rows
 from ..scenes import Mesh, Scene, Texture
 from .projection import boxes_of
-from .sight import Visibility
+from .visibility import Chunks, Visibility
 
 SRGB8_ALPHA8 = 0x8C43
 CHUNK_TRIANGLES = 1024
@@ -25,20 +25,6 @@ class Batch:
 
     texture: moderngl.Texture
     double_sided: bool
-
-
-@attrs.frozen(eq=False)
-class Chunks:
-    """All chunks of a scene, in the order of the index buffer, batch by batch.
-
-    first, count: (n,) index ranges. batch: (n,) which batch each belongs to. boxes: (7, n) as projection.boxes_of has them, relative to
-    the scene's origin.
-    """
-
-    first: NDArray[np.int64]
-    count: NDArray[np.int64]
-    batch: NDArray[np.int64]
-    boxes: NDArray[np.float64]
 
 
 def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:

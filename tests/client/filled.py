@@ -8,7 +8,7 @@ from worlds import read
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
 from hmdwarp.scenes.effects import SceneEffect

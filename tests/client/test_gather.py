@@ -9,7 +9,7 @@ import pytest
 
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.warps import warps
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 

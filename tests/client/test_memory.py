@@ -21,7 +21,7 @@ from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps._composite import Picture
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, Canvas, allocate
 

@@ -12,7 +12,7 @@ from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps._mesh import MOST_SIDE, reach, steepest
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 

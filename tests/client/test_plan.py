@@ -18,10 +18,11 @@ from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, LATE, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
+from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
 from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
+from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.gpu.textures import SCALAR, allocate
@@ -59,7 +60,7 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_everything_read_was_written_before(choice):
     plan = plan_of(*choice)
-    known = {*LATE, *((CLIENT_MODEL,) if choice[3] else ())}
+    known = {*readable_names(), *((CLIENT_MODEL,) if choice[3] else ())}
     for step in plan.steps:
         assert set(step.reads) <= known, step.name
         known |= set(step.writes)
@@ -94,7 +95,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
 def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
     entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
-    wanted = {name for entry in entries for name in entry.reads if name in LATE}
+    wanted = {name for entry in entries for name in entry.reads if name in readable_names()}
     if any(step.name == "shown depth" for step in plan.steps):
         wanted.add("rendered.inverse_depth")
     assert set(plan.layers) == wanted
@@ -112,7 +113,7 @@ def test_reasons_speak_of_what_was_asked_for(warp):
 
 @pytest.mark.parametrize("registry", [warps, fills, lenses], ids=lambda r: r.kind)
 def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
-    known = {*LATE, CLIENT_DEPTH, CLIENT_MODEL, SHOWN, SHOWN_DEPTH, PANEL}
+    known = {*readable_names(), CLIENT_DEPTH, CLIENT_MODEL, SHOWN, SHOWN_DEPTH, PANEL}
     for entry in registry:
         assert entry.summary
         assert entry.source
@@ -227,7 +228,7 @@ def given_for(gpu, warp: str) -> PassInputs:
     world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
-    return attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, wide=world.rendered))
+    return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered))
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene

@@ -11,7 +11,7 @@ from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.poses import load_trace

@@ -6,7 +6,6 @@ import re
 from contextlib import suppress
 from itertools import combinations
 
-import attrs
 import pytest
 from client_scene import ClientScene
 from worlds import every_choice
@@ -18,7 +17,8 @@ from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display.present import Presenter
 from hmdwarp.errors import MachineError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Mirrored, Needs
+from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.context import Gpu
 from hmdwarp.gpu.memory_bandwidth import Copier
@@ -76,7 +76,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
         server.draw(view, (8, 6))
         server.draw_depth(view, (8, 6), depth)
-        server.draw_frame([view], 0, (8, 6), needs=Needs(layers=1))
+        server.draw_frame([view], 0, (8, 6), needs=Needs(peeled=1))
         _draw_every_content(gpu)
         with Copier(gpu, 16):
             pass
@@ -114,7 +114,8 @@ def _present(gpu: Gpu) -> None:
 
 def _draw_every_content(gpu: Gpu) -> None:
     """Every scene that has more than plain surfaces, whole and in layers."""
-    everything = Needs(**{field.name: field.type in (bool, "bool") for field in attrs.fields(Needs)})
+    amounts = {layer.name: True for layer in layers if layer.drawn_by not in ("", "peeled")}
+    everything = Needs(**amounts | {"reflection": Mirrored.PLANE | Mirrored.CURVED})
     for source in scenes:
         if source.effects:
             scene = source.build()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import attrs
 import numpy as np
 import pytest
 
 from hmdwarp.client.plan import build_plan
 from hmdwarp.colour import picture_from_linear
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.gpu.timers import StageTimer
@@ -173,4 +172,4 @@ def test_times_are_read_when_they_are_asked_for(gpu, monkeypatch):
 
 def test_needs_are_those_of_the_plan(gpu):
     with pipeline(gpu, OneEye(), warp="layered") as made:
-        assert made.requested.needs == attrs.evolve(Needs(), layers=made.plan.needs.layers) == made.plan.needs
+        assert made.requested.needs == Needs(peeled=made.plan.needs["peeled"]) == made.plan.needs

@@ -14,7 +14,7 @@ from ._sheets import OVER_KEEPING_COVERAGE, Sheets
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...geometry import View
     from ...scenes import Scene
 
@@ -38,10 +38,6 @@ class Cutouts(Part):
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
         return any(mesh.material.see_through for mesh in scene.meshes)
-
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return False
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if self._sheets is not None:

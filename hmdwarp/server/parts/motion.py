@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import attrs
 import moderngl
 import numpy as np
 
+from ...frames import BodyIds
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, MovingBody
-from ..passes import draw_chunks
-from ..peel import SAME_SURFACE
+from ..passes import SAME_SURFACE, draw_chunks
 from ..projection import clip_from_eye, visible
-from ..sight import draws_of
+from ..visibility import draws_of
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
 if TYPE_CHECKING:
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...gpu.shaders import Draw
-    from ...scenes import Scene
     from ..moving import Moving
 
 
@@ -40,25 +38,16 @@ class Motion(Part):
         self._of_bodies: _Numbers | None = None
         self._of_deforming: _Velocities | None = None
 
-    @classmethod
-    def in_scene(cls, scene: Scene) -> bool:
-        return False  # in the picture itself there is nothing of it
-
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.ids or needs.velocity
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if drawing.needs.ids:
+        if "ids" in drawing.needs:
             if self._of_bodies is None:
                 self._of_bodies = _Numbers(self.context, self._bodies)
-            ids = self._of_bodies.draw(eye)
             bodies = tuple(body.motion.state(drawing.time_ns) for body in self.context.scene.bodies)
-            eye = attrs.evolve(eye, ids=ids, bodies=bodies)
-        if drawing.needs.velocity:
+            eye = eye.having(ids=BodyIds(self._of_bodies.draw(eye), bodies))
+        if "velocity" in drawing.needs:
             if self._of_deforming is None:
                 self._of_deforming = _Velocities(self.context, self._deforming)
-            eye = attrs.evolve(eye, velocity=self._of_deforming.draw(eye))
+            eye = eye.having(velocity=self._of_deforming.draw(eye))
         return eye
 
     def close(self) -> None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import attrs
 import moderngl
 
-from ...frames.frame import Layer, Reflection
+from ...frames import Mirrored, Reflection, Surface
 from ...gpu.textures import COLOUR
 from ..mirror import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
 from ..targets import Target, TargetPool
@@ -17,7 +16,7 @@ from ._base import DrawContext, Drawing, Part
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ...scenes import Scene
     from ..mirror import Bounds
@@ -46,28 +45,20 @@ class Reflections(Part):
     def in_scene(cls, scene: Scene) -> bool:
         return bool(scene.mirrors)
 
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.reflections or needs.curved_reflections
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        needs = drawing.needs
-        layered = [
-            one
-            for one in self._surfaces
-            if (needs.curved_reflections if one.mirror.shape.is_curved else needs.reflections)
-        ]
+        needed = drawing.needs.get("reflection", Mirrored(0))
+        layered = [one for one in self._surfaces if _kind_of(one) in needed]
         baked = [one for one in self._surfaces if one not in layered]
         if baked:
             seen, surface = self._own("seen", eye.size), self._own("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
             self._compose_into(eye, baked, seen, surface)
-        if not self.wanted(needs):
+        if not needed:
             return eye
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(one.mirror.shape for one in layered)
-        return attrs.evolve(eye, reflection=Reflection(Layer(seen.colour, seen.inverse_depth), surface.colour, shapes))
+        return eye.having(reflection=Reflection(Surface(seen.colour, seen.inverse_depth), surface.colour, shapes))
 
     def _draw(
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
@@ -155,3 +146,7 @@ class Reflections(Part):
             self._mirrored.close()
         for pool in self._pools:
             pool.close()
+
+
+def _kind_of(surface: MirrorSurface) -> Mirrored:
+    return Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE

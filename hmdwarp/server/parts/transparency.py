@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import attrs
-
-from ...frames.frame import Layer, Transparent
+from ...frames import Surface, Transparent
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import SCALAR, allocate
 from ...scenes import is_cutout
-from ..peel import SAME_SURFACE
+from ..passes import SAME_SURFACE
 from . import parts
 from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
@@ -18,7 +16,7 @@ from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...gpu.shaders import Draw
     from ...scenes import Scene
 
@@ -46,13 +44,9 @@ class Transparency(Part):
     def in_scene(cls, scene: Scene) -> bool:
         return any(mesh.material.see_through for mesh in scene.meshes)
 
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.transparency
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if drawing.needs.transparency:
-            return attrs.evolve(eye, transparent=self._layer(eye))
+        if "transparent" in drawing.needs:
+            return eye.having(transparent=self._layer(eye))
         eye.inverse_depth.use(1)
         self._sheets.draw(
             self._colour(1), eye.view, eye.drawn_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE
@@ -65,7 +59,7 @@ class Transparency(Part):
         self._draw_depth(eye, veil.inverse_depth, 2)
         for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
             self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
-        return Transparent(Layer(veil.colour, veil.inverse_depth), passing)
+        return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
 
     def _draw_depth(self, eye: EyeImage, into: moderngl.Texture, tests: int) -> None:
         self._draw(self._program(tests, COLOUR=0), eye, into, (-1.0, 0.0, 0.0, 0.0), None)

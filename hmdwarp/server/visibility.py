@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -13,12 +12,23 @@ from numpy.typing import NDArray
 from ..geometry import Fov, Pose
 from .projection import clip_from_eye, nearest_first, side_planes, visible
 
-if TYPE_CHECKING:
-    from .upload import Chunks
-
 Array = NDArray[np.float64]
 Spans = tuple[tuple[int, int], ...]  # (first index, number of indices) of each draw call
 Draws = tuple[tuple[int, Spans], ...]  # (batch, its spans), in the order they are drawn
+
+
+@attrs.frozen(eq=False)
+class Chunks:
+    """All chunks of a scene, in the order of the index buffer, batch by batch.
+
+    first, count: (n,) index ranges. batch: (n,) which batch each belongs to. boxes: (7, n) as projection.boxes_of has them, relative to
+    the scene's origin.
+    """
+
+    first: NDArray[np.int64]
+    count: NDArray[np.int64]
+    batch: NDArray[np.int64]
+    boxes: NDArray[np.float64]
 
 
 def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:

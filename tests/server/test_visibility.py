@@ -12,8 +12,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.projection import boxes_of, clip_from_eye, eye_from_scene, visible
-from hmdwarp.server.sight import KEPT, Visibility, draws_of
-from hmdwarp.server.upload import Chunks
+from hmdwarp.server.visibility import KEPT, Chunks, Visibility, draws_of
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reference._rays import world_directions
 
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 from hmdwarp.server import Server
@@ -47,9 +47,9 @@ def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facin
 def peeled(gpu, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.ndarray, np.ndarray]]:
     """(colour, inverse depth) of the visible layer and `count` behind it."""
     server = Server(gpu, scene)
-    eye = server.draw_frame([view], 0, SIZE, needs=Needs(layers=count)).eyes[0]
-    assert len(eye.layers) == count
-    out = [(read(each.colour), read(each.inverse_depth)) for each in (eye, *eye.layers)]
+    eye = server.draw_frame([view], 0, SIZE, needs=Needs(peeled=count)).eyes[0]
+    assert len(eye["peeled"]) == count
+    out = [(read(each.colour), read(each.inverse_depth)) for each in (eye, *eye["peeled"])]
     server.close()
     return out
 
@@ -118,16 +118,16 @@ def test_in_the_room_each_layer_lies_behind_the_one_before(gpu):
 def test_the_picture_itself_is_the_same_with_layers_and_they_are_used_again(gpu):
     server, view = Server(gpu, load_scene("planes")), View(Pose((0, 1.6, 0)), FOV)
     alone = server.draw_frame([view], 0, SIZE).eyes[0]
-    frame = server.draw_frame([view, view], 0, SIZE, needs=Needs(layers=2))
-    assert alone.layers == ()
+    frame = server.draw_frame([view, view], 0, SIZE, needs=Needs(peeled=2))
+    assert "peeled" not in alone
     assert frame.eyes[0].colour.read() == alone.colour.read()
-    assert frame.eyes[0].layers[0].colour.read() == frame.eyes[1].layers[0].colour.read()
+    assert frame.eyes[0]["peeled"][0].colour.read() == frame.eyes[1]["peeled"][0].colour.read()
     pool = server.pool(SIZE)
     assert pool.live == 1 + 2 * 3
-    held = {layer.colour for eye in frame.eyes for layer in (eye, *eye.layers)}
+    held = {layer.colour for eye in frame.eyes for layer in (eye, *eye["peeled"])}
     server.recycle(frame)
-    again = server.draw_frame([view, view], 1, SIZE, needs=Needs(layers=2))
-    assert {layer.colour for eye in again.eyes for layer in (eye, *eye.layers)} == held
+    again = server.draw_frame([view, view], 1, SIZE, needs=Needs(peeled=2))
+    assert {layer.colour for eye in again.eyes for layer in (eye, *eye["peeled"])} == held
     server.recycle(again)
     assert (pool.live, pool.made) == (1, 7)
     server.close()
