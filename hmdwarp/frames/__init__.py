@@ -1,4 +1,7 @@
-"""Frames: what the server drew, with the exact views it was drawn for. The kinds of layers are registered in frames.layers."""
+"""Frames: what the server drew, with the exact views it was drawn for.
+
+The kinds of layers are registered in frames.layers.
+"""
 
 from .frame import EyeImage, Frame
 from .layers import EyeSizes

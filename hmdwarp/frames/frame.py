@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 class EyeImage:
     """One eye's picture and its view. Rows run bottom to top, as OpenGL has them.
 
-    Where nothing was drawn colour is (0, 0, 0, 0) and inverse depth is -1, so that a hole is neither averaged into its
-    neighbours nor scattered. The further layers (see frames.layers) are read like a mapping: `image["cube"]`,
-    `image.get("ids")`, `"wide" in image`.
+    Where nothing was drawn colour is (0, 0, 0, 0) and inverse depth is -1, so that a hole is
+    neither averaged into its neighbours nor scattered. The further layers (see frames.layers) are
+    read like a mapping: `image["cube"]`, `image.get("ids")`, `"wide" in image`.
     """
 
     view: View
@@ -82,11 +82,13 @@ class Frame:
     drawn_ns: int
     # What the scene called for.
     effects: SceneEffect = SceneEffect.NONE
-    # The world_from_head that the frame was drawn for, and its origin; None where only the views are known.
+    # The world_from_head that the frame was drawn for, and its origin; None where only the views
+    # are known.
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
     drawing: Lap | None = None
-    # Milliseconds of other work on its way by name (encode, decode), entered by whoever does the work.
+    # Milliseconds of other work on its way by name (encode, decode), entered by whoever does the
+    # work.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
 
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:

@@ -10,10 +10,11 @@ from .layers.others import Others
 
 
 class Needs(Mapping[str, Any]):
-    """How much of each layer a plan needs, by layer name: True, a number, or whatever the layer's file says.
+    """How much of each layer a plan needs, by layer name.
 
-    What is not needed is not there: `name in needs` says whether a layer is. Immutable and hashable.
-    `Needs(peeled=2, cube=True) | Needs(peeled=1)` is enough for both.
+    An amount is True, a number, or what the layer's file says. What is not needed is not there:
+    `name in needs` says whether a layer is. Immutable and hashable. `Needs(peeled=2, cube=True) |
+    Needs(peeled=1)` is enough for both.
     """
 
     __slots__ = ("_amounts",)
@@ -48,7 +49,7 @@ class Needs(Mapping[str, Any]):
         return self.get("others", Others())
 
     def serve(self, needed: Needs) -> bool:
-        """Return whether frames drawn for these needs are what a plan with the needs `needed` expects."""
+        """Return whether frames drawn for these needs suit a plan that needs `needed`."""
         return all(_serves(name, self, needed) for name in {*self, *needed})
 
 

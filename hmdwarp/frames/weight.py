@@ -1,4 +1,4 @@
-"""What a frame weighs uncompressed: for the plan, for the memory check, and for the link where nothing is encoded."""
+"""What a frame weighs uncompressed: for the plan, the memory check and a link without a codec."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from .needs import Needs
 def frame_bytes(
     needs: Needs, sizes: EyeSizes, reads: Collection[str] | None = None, *, eyes: int = 2
 ) -> dict[str, int]:
-    """Return the bytes of each layer of a frame by its readable name; what is not needed is not there.
+    """Return the bytes of each needed layer of a frame, by readable name.
 
-    reads: readable names; colour and inverse depth count only if they are among them, None for both.
+    reads: readable names; colour and inverse depth count only if they are among them, None for
+    both.
     """
     found = {}
     for layer in sorted(layers, key=lambda one: not one.always):

@@ -12,7 +12,7 @@ from .passes import ScenePasses, clear_depth
 def draw_cube(
     gl: moderngl.Context, passes: ScenePasses, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0
 ) -> None:
-    """Draw all six faces around the eye of `view` at that instant into a framebuffer of 3n x 2n pixels."""
+    """Draw all six faces around the eye of `view` into a framebuffer of 3n x 2n pixels."""
     side = framebuffer.size[0] // 3
     clear_depth(gl, framebuffer)
     for face, seen in zip(FACES, face_views(view, side), strict=True):

@@ -1,4 +1,4 @@
-"""Draws a scene for the eyes: linear colour, and inverse depth that is exact to the last float32 bits."""
+"""Draws a scene for the eyes: linear colour, and inverse depth exact to the last float32 bits."""
 
 from __future__ import annotations
 
@@ -28,10 +28,12 @@ MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
 class Server:
     """One scene on the GPU, uploaded once, drawn for any view and instant.
 
-    Rows of what it draws run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not missing.
-    What the scene has not, and nobody needs, is never compiled or allocated. mirrors: how plane mirrors are drawn in frames, "geometry"
-    (the scene once more, mirrored) or "screen" (rays marched through the picture itself; what it does not show is missing); draw(), which
-    is the truth, always takes the first. Errors: UnknownNameError for another word.
+    Rows run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not
+    missing. What neither the scene has nor a frame needs is never compiled or allocated.
+
+    mirrors: how frames show plane mirrors: "geometry" (the scene once more, mirrored) or "screen"
+    (rays marched through the picture itself; what it does not show is missing). draw(), which is
+    the truth, always takes the first. Errors: UnknownNameError for another word.
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY) -> None:
@@ -51,9 +53,10 @@ class Server:
         )
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """The whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth, into `into` or a target of the server's own.
+        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
 
-        Errors: InputError for a size of 0 or beyond the GL limit, or another than the target's.
+        into: the target, None for one of the server's own. Errors: InputError for a size of 0 or
+        beyond the GL limit, or for another size than the target's.
         """
         return self._draw(view, size, Drawing(view, size, time_ns), into)
 
@@ -67,7 +70,7 @@ class Server:
         return eye
 
     def _parts_for(self, needs: Needs) -> list[Part]:
-        """Those that the scene has, or that are asked for as layers; made when first needed."""
+        """Return the parts that the scene has or that draw a needed layer."""
         if needs not in self._chosen:
             needed = {layers.get(name).drawn_by for name in needs}
             chosen = [part for part in parts if part.name in needed or part.in_scene(self.scene)]
@@ -79,7 +82,7 @@ class Server:
         return self._chosen[needs]
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
-        """Inverse depth alone, into an r32f texture: what a client that has the geometry knows by itself."""
+        """Draw inverse depth alone into an r32f texture, as a client with the geometry can."""
         _check_same_size(into.size, size)
         if self._depth is None:
             self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
@@ -91,9 +94,10 @@ class Server:
     def draw_frame(
         self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None
     ) -> Frame:
-        """All eyes into pooled targets, each with its field of view enlarged by `guard` (see guarded_eyes), with what `needs` asks for.
+        """Draw all eyes, and the layers that are needed, into pooled targets.
 
-        The frame's views are the enlarged ones. Give the frame back with recycle(). Errors: InputError for a guard below 1, and for a
+        guard: how much each field of view is enlarged, see guarded_eyes; the frame has the enlarged
+        views. Give the frame back with recycle(). Errors: InputError for a guard below 1, and for a
         cube beyond the GL limit.
         """
         needs = needs if needs is not None else Needs()
@@ -107,7 +111,7 @@ class Server:
         return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns, self.scene.effects)
 
     def recycle(self, frame: Frame) -> None:
-        """Take the frame's textures back; whoever still looks at them will see a later frame."""
+        """Take the frame's textures back; they show a later frame from now on."""
         for eye in frame.eyes:
             self.pool(eye.size).release(eye.colour)
         for layer, data in frame.contents():
@@ -118,7 +122,7 @@ class Server:
             layer.release(data)
 
     def acquire(self, size: Size, kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
-        """A target from the pool of its kind; recycle() takes it back with the frame it is part of."""
+        """Return a target from the pool of its kind; recycle() takes it back with its frame."""
         return self._pool(size, kind, depth=depth).acquire()
 
     def pool(self, size: Size, *, depth: bool = True) -> TargetPool:
@@ -141,8 +145,9 @@ class Server:
         self._framebuffers.close()
         for pool in self._pools.values():
             pool.close()
-        for owner in (self._buffers, *self._moving):
-            owner.close()
+        self._buffers.close()
+        for moving in self._moving:
+            moving.close()
         self._textures.close()
 
 

@@ -21,7 +21,7 @@ from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps._composite import Picture
 from hmdwarp.errors import InputError
-from hmdwarp.frames import EyeImage
+from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, Canvas, allocate
 
@@ -154,7 +154,7 @@ def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
     else:
         texture = allocate(gpu.gl, SIZE, COLOUR)
         texture.write((moving[..., None] * np.array([0, 0, 0, 1.0])).astype(np.float16).tobytes(), alignment=1)
-    rendered = attrs.evolve(image, **{what: texture})
+    rendered = image.having(**{what: BodyIds(texture) if what == "ids" else texture})
     inputs = PassInputs(image, turned(0), drawn=rendered) if moved_on else PassInputs(rendered, turned(0))
     client.fill.run(inputs, client.empty, client.into)
     out = client.sees(seconds(drawn(gpu, scene_of(WALL), turned(-60)), 1), turned(0))

@@ -84,11 +84,11 @@ def test_little_more_is_drawn_than_is_seen(gpu):
         turn = math.radians(2 * k)
         view = View(Pose((0.3 * math.sin(turn), 1.6, 0.2), (0, math.sin(turn / 2), 0, math.cos(turn / 2))), fov)
         exact = visible(chunks.boxes, clip_from_eye(fov) @ eye_from_scene(view, server.scene.origin_m))
-        known = len(server._buffers.sights._known)
-        draws = server._buffers.sights.near(
+        known = len(server._buffers.visibility._known)
+        draws = server._buffers.visibility.near(
             view.pose.unit_quaternion, view.pose.position_m - server.scene.origin_m, fov
         )
-        cells += len(server._buffers.sights._known) != known
+        cells += len(server._buffers.visibility._known) != known
         seen += chunks.count[exact].sum()
         cell += sum(count for _, spans in draws for _, count in spans)
     server.close()

@@ -1,4 +1,4 @@
-"""The declaration of a layer: everything the program knows of it beside its drawing and its reading."""
+"""The declaration of a layer: all that the program knows of it except its drawing and reading."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 # Bytes of a pixel, by OpenGL's name of the texture format.
 PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
 
-# How a layer is coded on the link: by the video codec, by the code of inverse depth, or packed without loss. What is
-# packed is only counted: the client gets what the server drew.
+# How a layer is coded on the link: by the video codec, by the code of inverse depth, or packed
+# without loss. What is packed is only counted: the client gets what the server drew.
 VIDEO, DEPTH, PACKED = "video", "inverse depth", "packed"
 
 
 class Layer:
-    """One kind of content of a frame. A subclass in a file of its own is all the program needs to carry it.
+    """One kind of content of a frame; a file of its own with a subclass is its declaration.
 
-    A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by` are enough. A layer that
-    is no picture (points, an atlas, photons) leaves `formats` empty and overrides `bytes`, `textures`, `coded_bytes` and,
-    where its data must be freed, `release`.
+    A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by`
+    are enough. A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
+    overrides `bytes`, `textures`, `coded_bytes` and, where its data must be freed, `release`.
     """
 
     # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
@@ -36,7 +36,8 @@ class Layer:
     drawn_by: ClassVar[str] = ""
     # VIDEO, DEPTH or PACKED.
     coding: ClassVar[str] = PACKED
-    # Whether both eyes carry the same data, which is drawn, sent, counted and released once for each frame.
+    # Whether both eyes carry the same data, which is drawn, sent, counted and released once for
+    # each frame.
     per_frame: ClassVar[bool] = False
     # Whether every frame has it, needed or not.
     always: ClassVar[bool] = False
@@ -55,7 +56,7 @@ class Layer:
 
     @classmethod
     def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
-        """Return the uncompressed bytes of `amount` of it, for one eye, or for the frame if it is per frame."""
+        """Return the uncompressed bytes of `amount` of it, for one eye or (per_frame) all."""
         width, height = cls.size(sizes)
         return int(amount) * sum(PIXEL_BYTES[one] for one in cls.formats) * width * height
 
@@ -66,7 +67,7 @@ class Layer:
 
     @classmethod
     def serves(cls, carried: Any, needed: Any) -> bool:
-        """Return whether frames that carry the one amount are what passes that need the other expect."""
+        """Return whether frames that carry `carried` suit passes that need `needed`."""
         return carried == needed
 
     @classmethod
@@ -76,12 +77,12 @@ class Layer:
 
     @classmethod
     def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        """Return every texture of its data; textures of the server's pools go back to them with the frame."""
+        """Return every texture of its data; the server takes back those of its pools."""
         return (data,)
 
     @classmethod
     def coded_bytes(cls, data: Any, pack: Callable[[Any], int]) -> int:
-        """Return the bytes of a PACKED layer on the link. pack: the packed size of a texture or an array."""
+        """Return its bytes on the link if PACKED. pack: packed size of a texture or array."""
         return sum(map(pack, cls.textures(data)))
 
     @classmethod

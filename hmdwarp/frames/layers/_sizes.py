@@ -17,5 +17,6 @@ class EyeSizes:
     rendered: Size
     # The shown picture.
     shown: Size
-    # The shown fields of view, one for each eye: some layers are as large as the field of view asks for.
+    # The shown fields of view, one for each eye: some layers are as large as the field of view asks
+    # for.
     fovs: tuple[Fov, ...] = ()

@@ -30,7 +30,10 @@ class Others:
 
 @layers.register
 class OtherPictures(Layer):
-    """Adds nothing to a frame: these pictures are frames that the link has brought already. The amount is an Others."""
+    """Adds nothing to a frame: these pictures are frames that the link has brought already.
+
+    The amount is an Others.
+    """
 
     name = "others"
     summary = "the other eye's picture and older frames, which the client has already"

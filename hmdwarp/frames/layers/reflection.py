@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Mirrored(enum.Flag):
-    """The kinds of mirrors whose reflections travel as a layer; those of the other kind are in the picture."""
+    """The kinds of mirrors whose reflections are a layer; the picture has the others."""
 
     PLANE = enum.auto()
     CURVED = enum.auto()
@@ -29,11 +29,12 @@ class Mirrored(enum.Flag):
 class Reflection:
     """What mirrors show."""
 
-    # The mirrored world. Its inverse depth is that of the virtual image behind the mirror: 1 / the depth of the whole
-    # reflected path. Drawn wherever a mirror is and a little around it, also behind what stands before it; holes elsewhere.
+    # The mirrored world. Its inverse depth is that of the virtual image behind the mirror: 1 / the
+    # depth of the whole reflected path. Drawn wherever a mirror is and a little around it, also
+    # behind what stands before it; holes elsewhere.
     seen: Surface
-    # rgba16f, of what the picture itself shows: reflectivity straight on (r; 0 where nothing mirrors), the disturbed
-    # normal's x and y along the mirror's right and up (g, b), and coverage.
+    # rgba16f, of what the picture itself shows: reflectivity straight on (r; 0 where nothing
+    # mirrors), the disturbed normal's x and y along the mirror's right and up (g, b), and coverage.
     surface: moderngl.Texture
     # All mirrors that `seen` and `surface` describe, in the world.
     mirrors: tuple[Mirror, ...] = ()

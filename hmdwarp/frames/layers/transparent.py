@@ -20,9 +20,11 @@ if TYPE_CHECKING:
 class Transparent:
     """Glass and the like, as one veil before the picture."""
 
-    # Its own light, premultiplied, with its inverse depth; coverage 1 wherever something transparent is.
+    # Its own light, premultiplied, with its inverse depth; coverage 1 wherever something
+    # transparent is.
     veil: Surface
-    # rgba16f, the share of the light behind that passes, by colour, 1 where nothing is; coverage as the veil's.
+    # rgba16f, the share of the light behind that passes, by colour, 1 where nothing is; coverage as
+    # the veil's.
     passing: moderngl.Texture
 
 

@@ -48,18 +48,18 @@ class DrawContext:
     framebuffers: Framebuffers
     # The passes of the plain surfaces.
     colour: ScenePasses
-    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures, depth: with an r32f
-    # texture beside it.
+    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
+    # depth: with an r32f texture beside it.
     acquire: Callable[..., Target]
     # draw(view, size, drawing): a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
 
 
 class Part(ABC):
-    """One kind of content. Parts are added in the order of `order`, each to the picture that those before it have left.
+    """One kind of content, added to the picture that the parts of a lower `order` have left.
 
-    A part is made when a scene has any of its content, or when frames need a layer whose file names it in `drawn_by`: then
-    the layer is there, empty at worst, whatever the scene has.
+    A part is made when a scene has any of its content, or when frames need a layer whose file names
+    it in `drawn_by`: then the layer is there, empty at worst, whatever the scene has.
     """
 
     name: ClassVar[str]
@@ -75,14 +75,17 @@ class Part(ABC):
 
     @abstractmethod
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        """Draw into the eye's colour and inverse depth what is not needed as a layer; return the eye with the layers that are."""
+        """Draw what is not needed as a layer into the eye; return the eye with its layers."""
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:  # noqa: B027 (most have none)
-        """Draw into the inverse depth of the plain surfaces what has a depth of its own in the picture."""
+        """Draw what has a depth of its own into the inverse depth of the plain surfaces."""
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        """Return the layers that all eyes share, by name; drawn once for each frame. views: of the eyes, with guard band."""
+        """Return the layers that all eyes share, by name; called once for each frame.
+
+        views: of the eyes, with guard band.
+        """
         return {}
 
     def close(self) -> None:  # noqa: B027 (some hold nothing)
-        """Free what it holds; programs belong to the shader library, acquired targets to the server."""
+        """Free what it holds; the shader library owns programs, the server acquired targets."""

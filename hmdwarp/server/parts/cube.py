@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 @parts.register
 class Cube(Part):
-    """Colour of the six faces of geometry.cube, as sharp as the picture. Errors: InputError beyond the GL limit."""
+    """Colour of the six faces of geometry.cube, as sharp as the picture.
+
+    Errors: InputError beyond the GL limit.
+    """
 
     name = "cube"
     order = 110
@@ -31,11 +34,15 @@ class Cube(Part):
 
 
 def checked_cube_size(view: View, size: tuple[int, int], limit: int) -> tuple[int, int]:
-    """Return (w, h) of the cube around the eye of a (w, h) picture. Errors: InputError beyond the GL limit."""
+    """Return (w, h) of the cube around the eye of a (w, h) picture.
+
+    Errors: InputError beyond the GL limit.
+    """
     cube = cube_size(view.fov, size)
     if max(cube) > limit:
         raise InputError(
-            f"a cube map as sharp as a picture of {size[0]}x{size[1]} would have {cube[0]}x{cube[1]} pixels: wanted at most {limit} on "
-            "each side (this GPU's limit); use a smaller size, a wider field of view or another warp"
+            f"a cube map as sharp as a picture of {size[0]}x{size[1]} would have {cube[0]}x{cube[1]} pixels: "
+            f"wanted at most {limit} on each side (this GPU's limit); "
+            "use a smaller size, a wider field of view or another warp"
         )
     return cube

@@ -1,4 +1,4 @@
-"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes, with a depth of their own in the picture."""
+"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes and depth."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 @parts.register
 class Cutouts(Part):
-    """Comes before all others: the depth buffer is still that of the surfaces.
+    """Drawn before all others: the depth buffer is still that of the surfaces.
 
-    In a veil, such a sheet seen through glass would move with the glass. Its edges are blended, and have the depth of what there is
-    more of.
+    As part of the veil, such a sheet seen through glass would move with the glass. Its edges are
+    blended; their depth is that of the side that covers more.
     """
 
     name = "cutouts"

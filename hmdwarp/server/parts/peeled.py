@@ -1,8 +1,9 @@
 """What lies behind the visible surfaces, one layer after the other: depth peeling.
 
-Source: Everitt 2001, Interactive Order-Independent Transparency. Each pass draws the scene again without all that is not
-behind the layer before. Every surface that faces the eye counts, also one close behind another (a picture on a wall):
-without it, what lies behind both would take its place, which it hides.
+Source: Everitt 2001, Interactive Order-Independent Transparency. Each pass draws the scene again
+without all that is not behind the layer before. Every surface that faces the eye counts, also one
+close behind another (a picture on a wall): without it, what lies behind both would take its place,
+which it hides.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Glass and whatever else lets a part of the light pass: blended over the picture, or sent as a veil of their own depth."""
+"""Glass and the like: blended over the picture, or a veil with a depth of its own."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ if TYPE_CHECKING:
 
 @parts.register
 class Transparency(Part):
-    """Blended into the picture, sheets leave its depth as it is: that of what lies behind.
+    """Blended into the picture, sheets leave the depth of what lies behind.
 
-    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the picture hides is left out where there is
-    one that it does not hide, else it is there: what is seen when the head looks past what stood before it.
+    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the
+    picture hides is left out where another is not hidden; else it is there, for when the head looks
+    past what stood before it.
     """
 
     name = "transparency"
@@ -65,18 +66,23 @@ class Transparency(Part):
         self._draw(self._program(tests, COLOUR=0), eye, into, (-1.0, 0.0, 0.0, 0.0), None)
 
     def _draw(
-        self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None
+        self,
+        program: Draw,
+        eye: EyeImage,
+        into: moderngl.Texture,
+        empty: tuple[float, float, float, float],
+        blending: Blending | None,
     ) -> None:
         framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
-            framebuffer.clear(*empty)
+            framebuffer.clear(color=empty)
         eye.inverse_depth.use(1)
         if into is not self._unhidden_of(eye.size):
             self._unhidden_of(eye.size).use(2)
         self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
 
     def _unhidden_of(self, size: tuple[int, int]) -> moderngl.Texture:
-        """The depth of sheets that are not hidden, for the next drawings of the same picture alone."""
+        """Return a texture for the depth of sheets that are not hidden, used within one picture."""
         if size not in self._unhidden:
             self._unhidden[size] = allocate(self.context.gpu.gl, size, SCALAR)
         return self._unhidden[size]
