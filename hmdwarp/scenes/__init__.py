@@ -1,4 +1,4 @@
-"""Scenes: triangles, textures and baked light in plain arrays, and the effects they call for; without a GPU.
+"""Scenes: triangles, textures and baked light in plain arrays, and the effects they call for.
 
 Every public module of `library` is one scene; a new scene is one new file there.
 """

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ._soup import Array, Indices, Mask, Soup
 
-# Share of the possible collapses that may go in a round, or dear ones would go while cheap ones wait
-# for neighbours. The next share is tried if fewer vertices than ENOUGH of all faces would go: most
-# of the cheap ones may be folds.
+# Share of the possible collapses that may go in a round, or dear ones would go while cheap ones
+# wait for neighbours. The next share is tried if fewer vertices than ENOUGH of all faces would go:
+# most of the cheap ones may be folds.
 CHEAPEST = (0.3, 0.6, 1.0)
 ENOUGH = 0.015
 LEAST_COSINE = 0.35  # between a face before and after: none turns by more than 70 degrees at a time
@@ -46,9 +46,9 @@ class _Moves:
 
 
 def collapse_round(soup: Soup, too_many: int) -> float | None:
-    """Collapse some vertices, so that at most about `too_many` faces go, and return the highest cost.
+    """Collapse some vertices, so that at most about `too_many` faces go.
 
-    None: nothing more can be collapsed.
+    Returns the highest cost of a collapse; None if nothing more can be collapsed.
     """
     moves = _allowed(soup)
     if not len(moves.u):

@@ -26,7 +26,8 @@ class Material:
     Errors: SceneError for shares outside 0..1 and for contradictions.
     """
 
-    # Share of the light mirrored at normal incidence, 0 for matt; 1 at grazing angles (Schlick 1994).
+    # Share of the light mirrored at normal incidence, 0 for matt. It rises to 1 at grazing angles
+    # (Schlick 1994).
     reflectivity: float = 0.0
     # A mirror that is not a plane.
     curved: bool = False

@@ -16,11 +16,11 @@ from ._soup import Indices, Soup, double_areas, soup_of
 
 
 def decimated(meshes: Sequence[Mesh], share: float) -> list[NDArray[np.uint32]]:
-    """Return the triangles of each mesh, indices into its own vertices, after decimation to `share`.
+    """Return the triangles of each mesh, as indices into its own vertices, after decimation.
 
-    Small things go as a whole when that changes less than the next collapse. What can neither go nor
-    be collapsed without a crack or a fold stays, so that more than `share` may be left. Meshes that
-    meet in a vertex still meet there. The result is the same to the last bit every time.
+    share: of all triangles; more stay where nothing can collapse without a crack or a fold. Small
+    things go as a whole when that changes less than the next collapse. Meshes that meet in a vertex
+    still meet there. The result is the same to the last bit every time.
     """
     if not sum(len(mesh.triangles) for mesh in meshes):
         return [mesh.triangles for mesh in meshes]
@@ -40,9 +40,9 @@ def decimated(meshes: Sequence[Mesh], share: float) -> list[NDArray[np.uint32]]:
 def drop_small(soup: Soup, limit: float, most: int) -> None:
     """Remove connected pieces whose area times their extent squared is below `limit`.
 
-    That product is in metres^4, as the cost of a collapse. The least goes first, at most `most` faces.
-    Otherwise boxes that cannot have fewer than their 12 triangles stay and the walls go: 16 instead of
-    24 dB at a share of 0.1 of the furnished room.
+    That product is in metres^4, as the cost of a collapse. The least goes first, at most `most`
+    faces. Otherwise boxes that cannot have fewer than their 12 triangles stay and the walls go: 16
+    instead of 24 dB at a share of 0.1 of the furnished room.
     """
     piece = _pieces(soup)
     corners, count = soup.positions[soup.faces], int(piece.max(initial=-1)) + 1

@@ -1,4 +1,4 @@
-"""A user's GLB, OBJ or PLY as a scene: node transforms applied, textures and colours kept, a plain light baked in."""
+"""A user's GLB, OBJ or PLY as a scene: transforms applied, colours kept, a plain light baked in."""
 
 from __future__ import annotations
 
@@ -130,11 +130,11 @@ def _is_rich(path: Path) -> bool:
 
 
 def viewpoint_of(low: Array, high: Array) -> tuple[Pose, Array]:
-    """Return a viewer's pose in a box (3,) low to high, looking along -z, and the (2, 3) box to walk in.
+    """Return a viewer's pose in a box (3,) low to high, and the (2, 3) box to walk in.
 
-    In a box of a room's size (3 m or more across both ways and 2 m high) the viewer stands in its
-    middle, 1.6 m above the floor. Anything else is an object, seen from outside: from the +z side at
-    the height of its middle, at a distance where it fills about 50 degrees.
+    The viewer looks along -z. In a box of a room's size (3 m or more across both ways and 2 m high)
+    the viewer stands in its middle, 1.6 m above the floor. Anything else is an object, seen from
+    the +z side at the height of its middle, at a distance where it fills about 50 degrees.
     """
     middle, size = (low + high) / 2, high - low
     if size[0] >= 3 and size[2] >= 3 and size[1] >= 2:
@@ -305,7 +305,7 @@ def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], n
     if colours is None:
         colours = (getattr(visual, "vertex_attributes", None) or {}).get("color")
     if colours is not None and np.shape(colours)[0] == count:
-        return linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), uv, -1
+        return np.asarray(linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), np.float64), uv, -1
     return np.tile(np.full(3, GREY) if base is None else base, (count, 1)), uv, -1
 
 
@@ -323,10 +323,17 @@ def _picture_of(material: Any) -> NDArray[np.uint8] | None:
 
 
 def _base_colour(material: Any) -> Array | None:
-    """Return the linear base colour; trimesh keeps glTF's linear factors as bytes, an OBJ's Kd is sRGB."""
+    """Return the linear base colour.
+
+    trimesh keeps glTF's linear factors as bytes; an OBJ's Kd is sRGB.
+    """
     factor = getattr(material, "baseColorFactor", None)
     if factor is not None:
         factor = np.asarray(factor)
         return (factor[:3] / 255.0 if factor.dtype.kind in "ui" else factor[:3]).astype(np.float64)
     diffuse = getattr(material, "diffuse", None)
-    return None if diffuse is None else np.asarray(linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0))
+    return (
+        None
+        if diffuse is None
+        else np.asarray(linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0), np.float64)
+    )

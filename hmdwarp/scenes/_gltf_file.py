@@ -20,7 +20,14 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
-_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+_NUMBERS: dict[Any, Any] = {
+    5120: np.int8,
+    5121: np.uint8,
+    5122: np.int16,
+    5123: np.uint16,
+    5125: np.uint32,
+    5126: np.float32,
+}
 _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
@@ -41,7 +48,7 @@ class GltfFile:
 
     @classmethod
     def parse(cls, path: Path, data: bytes) -> GltfFile:
-        """Split the bytes of a GLB into its chunks; `path` names it in errors. Errors: as `read`."""
+        """Split the bytes of a GLB into its chunks; errors, as those of `read`, name `path`."""
         try:
             magic, version, _ = struct.unpack_from("<3I", data)
             length, kind = struct.unpack_from("<2I", data, 12)
@@ -104,7 +111,7 @@ class GltfFile:
             )
         rows: NDArray = np.ndarray((count, width), number, self.binary, start, (stride, number.itemsize))
         if accessor.get("normalized") and number.kind in "iu":
-            return np.maximum(rows / np.iinfo(number).max, -1.0)
+            return np.maximum(rows / np.iinfo(_NUMBERS[kind]).max, -1.0)
         return rows.copy()
 
     def _place(self, view: dict, accessor: dict, size: int, user: str) -> tuple[int, int]:

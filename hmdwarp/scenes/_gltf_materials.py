@@ -99,7 +99,7 @@ class Looks:
         return Material(reflectivity=reflectivity, normal_map=normal_map, curved=bool(extras.get("curved", False)))
 
     def _reflectivity(self, gltf: dict, name: str, colour: Array) -> float:
-        """Return `reflectivity` of a material's extras, else the base colour of a polished metal."""
+        """Return `reflectivity` of the extras, else the base colour of a polished metal."""
         share = (gltf.get("extras") or {}).get("reflectivity")
         if share is None:
             return float(np.clip(colour, 0, 1).mean()) if is_mirror(gltf) else 0.0

@@ -1,4 +1,4 @@
-"""Moving content of a GLB: rigid bodies, vertices driven by a node that is not rigid, skins over joints."""
+"""Moving content of a GLB: rigid bodies, vertices driven by a non-rigid node, skins over joints."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from ._gltf_file import GltfFile
 from ._gltf_nodes import Nodes
 
 Array = NDArray[np.float64]
-# A chain of nodes is rigid if lengths change by less than this share: float32 rotations are off by 1e-7 each.
+# A chain of nodes is rigid if lengths change by less than this share: float32 rotations are off by
+# 1e-7 each.
 RIGID = 1e-5
 # Weights may miss a sum of 1 by this much: half a byte's step for each of four is 0.008.
 MOST_OFF = 0.01
@@ -62,7 +63,7 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
 
 @attrs.frozen(eq=False)
 class Driven:
-    """Vertices driven by nodes: a skin (linear blend skinning), or all by one node that grows or shears."""
+    """Vertices driven by nodes: a skin (linear blend skinning), or all by one non-rigid node."""
 
     nodes: Nodes
     # (n, 3) as in the file.
@@ -105,7 +106,10 @@ def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
 
 
 def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Array) -> Driven:
-    """Return a primitive under a skin. Errors: SceneError, naming the skin, if joints or weights do not fit."""
+    """Return a primitive under a skin.
+
+    Errors: SceneError, naming the skin, if joints or weights do not fit.
+    """
     found = file.item("skins", skin, "a node")
     name = f"skin '{found.get('name') or skin}'"
     joints = found.get("joints", [])

@@ -1,7 +1,7 @@
 """Nodes of a GLB: their hierarchy and animations, in float64; a pure function of the scene's clock.
 
-Source: Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations and
-their interpolation).
+Source: Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations
+and their interpolation).
 """
 
 from __future__ import annotations

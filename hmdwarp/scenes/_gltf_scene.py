@@ -1,4 +1,4 @@
-"""A GLB with more than plain, still surfaces, as parts of a scene; its effects follow from the file."""
+"""A GLB with more than plain, still surfaces, as parts of a scene."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Draft:
     driven: Driven | None = None
 
     def mesh(self, origin: Array, light_of: Callable[[Array, bool], Array]) -> Mesh:
-        """Return the finished mesh in a scene with that origin; a body's mesh is in the body's frame."""
+        """Return the mesh in a scene with that origin; in the body's frame if it has a body."""
         positions, normals = self.positions - origin, self.normals
         locked = self.look.material.head_locked
         if locked:

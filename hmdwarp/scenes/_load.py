@@ -13,8 +13,8 @@ FILE_ENDINGS = (".glb", ".obj", ".ply")
 def load_scene(name_or_path: str | Path) -> Scene:
     """Load the scene registered under a name, else the GLB, OBJ or PLY file at a path.
 
-    Errors: UnknownNameError (with the nearest known name) for what is neither; SceneError for a file
-    that cannot be used.
+    Errors: UnknownNameError (with the nearest known name) for what is neither; SceneError for a
+    file that cannot be used.
     """
     text = str(name_or_path)
     if text in scenes.names():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import attrs
@@ -17,26 +16,34 @@ from ._content import Deformation, Material
 ALPHA_TOLERANCE, MOST_EDGES = 12, 0.08
 
 
-def _rows_of(dtype: type, columns: int) -> Callable[[ArrayLike], NDArray]:
-    """Return a converter to read-only (n, columns) arrays."""
+def _rows(value: ArrayLike, dtype: type, columns: int) -> NDArray:
+    """Return a read-only (n, columns) array."""
+    array: NDArray = np.ascontiguousarray(value, dtype=dtype)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise SceneError(f"expected an (n, {columns}) array, found shape {array.shape}")
+    array = array.view()
+    array.flags.writeable = False
+    return array
 
-    def convert(value: ArrayLike) -> NDArray:
-        array = np.ascontiguousarray(value, dtype=dtype)
-        if array.ndim != 2 or array.shape[1] != columns:
-            raise SceneError(f"expected an (n, {columns}) array, found shape {array.shape}")
-        array = array.view()
-        array.flags.writeable = False
-        return array
 
-    return convert
+def _pairs(value: ArrayLike) -> NDArray[np.float32]:
+    return _rows(value, np.float32, 2)
+
+
+def _triples(value: ArrayLike) -> NDArray[np.float32]:
+    return _rows(value, np.float32, 3)
+
+
+def _indices(value: ArrayLike) -> NDArray[np.uint32]:
+    return _rows(value, np.uint32, 3)
 
 
 @attrs.frozen(eq=False)
 class Texture:
-    """An image on a surface; the server adds mipmaps. Errors: SceneError for a wrong shape or type."""
+    """An image on a surface. Errors: SceneError for a wrong shape or type."""
 
     name: str
-    # (h, w, 3 or 4) uint8, top row first.
+    # (h, w, 3 or 4) uint8, top row first; the server adds mipmaps.
     image: NDArray[np.uint8]
     # Values are sRGB, else linear.
     srgb: bool = True
@@ -58,17 +65,17 @@ class Mesh:
     """
 
     name: str
-    # (n, 3) metres relative to the scene's origin; in the frame of its body if it belongs to one; at
-    # rest if it deforms.
-    positions: NDArray[np.float32] = attrs.field(converter=_rows_of(np.float32, 3))
+    # (n, 3) metres relative to the scene's origin; in the frame of its body if it belongs to one;
+    # at rest if it deforms.
+    positions: NDArray[np.float32] = attrs.field(converter=_triples)
     # (n, 3) unit vectors, in the same axes.
-    normals: NDArray[np.float32] = attrs.field(converter=_rows_of(np.float32, 3))
+    normals: NDArray[np.float32] = attrs.field(converter=_triples)
     # (n, 2), origin bottom left, +v up.
-    uv: NDArray[np.float32] = attrs.field(converter=_rows_of(np.float32, 2))
+    uv: NDArray[np.float32] = attrs.field(converter=_pairs)
     # (n, 3) baked linear light times colour, 0 or more.
-    light: NDArray[np.float32] = attrs.field(converter=_rows_of(np.float32, 3))
+    light: NDArray[np.float32] = attrs.field(converter=_triples)
     # (m, 3) indices, counter-clockwise seen from the front.
-    triangles: NDArray[np.uint32] = attrs.field(converter=_rows_of(np.uint32, 3))
+    triangles: NDArray[np.uint32] = attrs.field(converter=_indices)
     # Index into the scene's textures, -1 for white.
     texture: int = -1
     double_sided: bool = False
@@ -76,10 +83,8 @@ class Mesh:
     # 0 for what stands still, else 1 + index into the scene's bodies.
     body: int = 0
     deformation: Deformation | None = None
-    # (n, 3) linear colour of the material alone: `light` under light of 1. None where it is unknown.
-    albedo: NDArray[np.float32] | None = attrs.field(
-        default=None, converter=attrs.converters.optional(_rows_of(np.float32, 3))
-    )
+    # (n, 3) linear colour of the material alone: `light` under light of 1. None if unknown.
+    albedo: NDArray[np.float32] | None = attrs.field(default=None, converter=attrs.converters.optional(_triples))
 
     def __attrs_post_init__(self) -> None:
         count = len(self.positions)

@@ -1,4 +1,4 @@
-"""Scenes with fewer triangles, for a client that draws for itself; kept in the user's cache folder."""
+"""Scenes with fewer triangles, for a client that draws for itself; kept in a cache folder."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Triangles = list[NDArray[np.uint32]]
 
 
 def reduced(scene: Scene, share: float, folder: Path | None = None, *, least: int = LEAST_TRIANGLES) -> Scene:
-    """Return the scene's surfaces with about `share` of their triangles: matt, with their baked light.
+    """Return the scene's surfaces with about `share` of their triangles, matt, with baked light.
 
     Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies and
     deformations move as before.
@@ -54,8 +54,8 @@ def reduced(scene: Scene, share: float, folder: Path | None = None, *, least: in
 def unlit(scene: Scene) -> Scene:
     """Return the scene under light of 1: every surface's texture times its material's colour.
 
-    Where a mesh lacks an albedo, its baked colour at a luminance of 0.5 replaces it: hue of material
-    and light together.
+    Where a mesh lacks an albedo, its baked colour at a luminance of 0.5 replaces it: hue of
+    material and light together.
     """
     return attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes])
 
@@ -123,7 +123,7 @@ def _read(path: Path, meshes: Sequence[Mesh]) -> Triangles | None:
 
 
 def _write(path: Path, triangles: Triangles) -> None:
-    """Write a file that gets its name only when it is whole; another run may read at the same time."""
+    """Write a file that gets its name only when whole: another run may read at the same time."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
     try:
@@ -153,7 +153,7 @@ class _Subset:
 
 
 def _with_triangles(mesh: Mesh, triangles: NDArray[np.uint32]) -> Mesh:
-    """Return the mesh with these of its vertices' triangles, without the vertices they do not use."""
+    """Return the mesh with these triangles, without the vertices that they do not use."""
     kept, which = np.unique(triangles, return_inverse=True)
     return attrs.evolve(
         mesh,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import cached_property
-from typing import TypeVar
 
 import attrs
 import numpy as np
@@ -18,11 +17,22 @@ from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Mesh, Texture
 from ._mirrors import SceneMirror, mirrors_of
 from .effects import SceneEffect
 
-T = TypeVar("T")
 Rgb = tuple[float, float, float]
 
 
-def _tuple(values: Iterable[T]) -> tuple[T, ...]:
+def _meshes(values: Iterable[Mesh]) -> tuple[Mesh, ...]:
+    return tuple(values)
+
+
+def _textures(values: Iterable[Texture]) -> tuple[Texture, ...]:
+    return tuple(values)
+
+
+def _bodies(values: Iterable[Body]) -> tuple[Body, ...]:
+    return tuple(values)
+
+
+def _notes(values: Iterable[str]) -> tuple[str, ...]:
     return tuple(values)
 
 
@@ -67,11 +77,11 @@ class Scene:
 
     name: str
     summary: str
-    meshes: tuple[Mesh, ...] = attrs.field(converter=_tuple)
-    textures: tuple[Texture, ...] = attrs.field(default=(), converter=_tuple)
+    meshes: tuple[Mesh, ...] = attrs.field(converter=_meshes)
+    textures: tuple[Texture, ...] = attrs.field(default=(), converter=_textures)
     background: Background = Background()
     # Meshes belong to a body by its number, which starts at 1.
-    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_tuple)
+    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_bodies)
     # Float64 (3,) in the world. Meshes are relative to it: float32 keeps its digits 1e6 m away.
     origin_m: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
     # World_from_head of a viewer at rest.
@@ -79,7 +89,7 @@ class Scene:
     # (2, 3) lowest and highest corner of the world box that a head may move in.
     walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_bounds)
     # Survivable faults of a foreign file, one line each.
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_tuple)
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_notes)
 
     def __attrs_post_init__(self) -> None:
         for mesh in self.meshes:

@@ -1,8 +1,8 @@
 """All faces of many meshes as one soup with error quadrics, ready to be decimated.
 
-Source: Garland and Heckbert 1997, Surface Simplification Using Quadric Error Metrics (quadrics, planes
-that hold borders); 1998, Simplifying Surfaces with Color and Texture Using Quadric Error Metrics
-(position, light and uv in one quadric, section 3).
+Source: Garland and Heckbert 1997, Surface Simplification Using Quadric Error Metrics (quadrics,
+planes that hold borders); 1998, Simplifying Surfaces with Color and Texture Using Quadric Error
+Metrics (position, light and uv in one quadric, section 3).
 """
 
 from __future__ import annotations
@@ -46,7 +46,10 @@ class Soup:
     borders: Array
 
     def edges(self) -> Indices:
-        """Return every side of every face, (3 m, 5): from, to, the corner across, wedge from, wedge to."""
+        """Return every side of every face, (3 m, 5).
+
+        Columns: from, to, the corner across, wedge from, wedge to.
+        """
         f, w = self.faces, self.wedges
         sides = [(f[:, k], f[:, (k + 1) % 3], f[:, (k + 2) % 3], w[:, k], w[:, (k + 1) % 3]) for k in range(3)]
         return np.concatenate([np.stack(side, axis=1) for side in sides])

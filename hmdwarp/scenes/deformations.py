@@ -1,4 +1,6 @@
-"""Deformations of meshes: cloth in the wind, skins over joints; pure functions of the scene's clock, in float64.
+"""Deformations of meshes: cloth in the wind, skins over joints.
+
+They are pure functions of the scene's clock, in float64.
 
 Source: Magnenat-Thalmann et al. 1988, Joint-Dependent Local Deformations (linear blend skinning).
 """
@@ -25,7 +27,7 @@ def _points(value: ArrayLike) -> Array:
 
 
 def _point(value: ArrayLike) -> Array:
-    return _points([value])[0]
+    return _points(np.array([value]))[0]
 
 
 def _array(value: ArrayLike) -> Array:
@@ -58,7 +60,7 @@ class Waving:
     # Length of a wave.
     length_m: float = 1.0
     period_s: float = 1.0
-    # (n,) additional phase lag of each vertex in waves, so that the cloth does not swing as a board.
+    # (n,) additional phase lag of each vertex in waves: the cloth does not swing as a board.
     lag: Array | float = 0.0
 
     def __attrs_post_init__(self) -> None:
@@ -134,7 +136,7 @@ def _indices(value: ArrayLike) -> NDArray[np.int64]:
 
 @attrs.frozen(eq=False)
 class Skinned:
-    """A skin over joints; each vertex follows the weighted mean of its joints (linear blend skinning).
+    """A skin over joints: each vertex follows the weighted mean of its joints.
 
     Errors: SceneError for an unknown joint, a parent that does not precede its child, and weights
     that do not sum to 1.

@@ -1,4 +1,4 @@
-"""Effects that a scene calls for beyond static, opaque, matt geometry, and how a run overrides them."""
+"""Effects beyond static, opaque, matt geometry: those of a scene, and those a run compensates."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def effect_names(effects: SceneEffect) -> list[str]:
 def asked_effects(text: str, declared: SceneEffect) -> SceneEffect:
     """Return the effects that a run compensates: those the scene declares, changed by `text`.
 
-    text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each forced, or
-    forbidden by "no-" before it. Forcing an effect without content costs its pass and changes no
+    text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each forced,
+    or forbidden by "no-" before it. Forcing an effect without content costs its pass and changes no
     picture.
     Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
     """

@@ -1,4 +1,7 @@
-"""Motions of rigid bodies: spinning, thrown, along a track; pure functions of the scene's clock, in float64."""
+"""Motions of rigid bodies: spinning, thrown, along a track.
+
+They are pure functions of the scene's clock, in float64.
+"""
 
 from __future__ import annotations
 
@@ -99,8 +102,8 @@ class Track:
     positions_m: Array = attrs.field(converter=_array)
     # (k,) SciPy rotations; None keeps the body unturned.
     turns: Rotation | None = None
-    # Starts again after the last key, else stands still before the first and after the last. A smooth
-    # loop must end in the pose it starts from.
+    # Starts again after the last key, else stands still before the first and after the last. A
+    # smooth loop must end in the pose it starts from.
     loops: bool = True
     # Positions on a cubic spline, else straight from key to key.
     smooth: bool = True
@@ -109,7 +112,8 @@ class Track:
         times, places = self.times_s, self.positions_m
         if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
             raise SceneError(
-                f"track: {times.shape} key times and {places.shape} positions: expected (k,) and (k, 3), 2 keys at least"
+                f"track: {times.shape} key times and {places.shape} positions: "
+                "expected (k,) and (k, 3), 2 keys at least"
             )
         bad = ~(np.isfinite(times) & np.isfinite(places).all(axis=1))
         if bad.any():
@@ -118,7 +122,8 @@ class Track:
         if late.any():
             key = int(np.argmax(late)) + 1
             raise SceneError(
-                f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: key times must increase"
+                f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: "
+                "key times must increase"
             )
         if self.turns is not None and len(self.turns) != len(times):
             raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: expected as many")
@@ -133,7 +138,7 @@ class Track:
 
     @cached_property
     def _path(self) -> Any:
-        """Piecewise polynomial of SciPy: position at a time in s, derivatives by a second argument."""
+        """Piecewise polynomial of SciPy: position at a time in s; a second argument derives it."""
         from scipy.interpolate import CubicSpline, PPoly
 
         if not self.smooth:

@@ -104,7 +104,7 @@ def grid_triangles(rows: int, columns: int) -> NDArray[np.uint32]:
 def checker(
     cells: int, cell_px: int, dark: tuple[int, int, int], bright: tuple[int, int, int], seed: int
 ) -> NDArray[np.uint8]:
-    """Return a (n, n, 3) checkerboard with a little seeded noise, so that no two places look alike."""
+    """Return a (n, n, 3) checkerboard with seeded noise, so that no two places look alike."""
     index = np.arange(cells * cell_px) // cell_px
     board = ((index[:, None] + index) % 2)[..., None]
     noise = np.random.default_rng(seed).integers(-24, 25, (len(index), len(index), 1))

@@ -1,4 +1,4 @@
-"""Models of the library's scenes: geometry with baked light in a GLB file beside the scene's module.
+"""Models of the library's scenes: geometry with baked light in GLB files beside their modules.
 
 README.md in this folder says what the files hold and how to edit them.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import lzma
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,9 @@ class StoredModel:
         if "normal_map" in settings:
             settings["normal_map"] = index[settings["normal_map"]]
         attributes = primitive["attributes"]
+        arrays: dict[str, Any] = {
+            field: file.numbers(attributes[key], name) for field, key in _FIELDS.items() if key in attributes
+        }
         return Mesh(
             name,
             triangles=file.numbers(primitive["indices"], name, 1).reshape(-1, 3),
@@ -52,7 +56,7 @@ class StoredModel:
             double_sided=gltf.get("doubleSided", False),
             material=Material(**settings),
             body=node.get("extras", {}).get("body", 0),
-            **{field: file.numbers(attributes[key], name) for field, key in _FIELDS.items() if key in attributes},
+            **arrays,
         )
 
     def doubles(self, name: str, columns: int) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""The seat of a small aircraft that stands on a deck, and a head-up display that is fixed to the head."""
+"""The cockpit of a small aircraft on a deck, and a head-up display that is fixed to the head."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""A gallery: a polished floor that is not quite even, a wall mirror, a chrome ball among sculptures and pictures.
+"""A gallery: an uneven polished floor, a wall mirror, a chrome ball among sculptures and pictures.
 
-The floor mirrors as polished stone under wax (0.3; bare stone has 0.05). Its normal map is scaled so
-that what is 3 m behind the floor sways by 5 cm.
+The floor mirrors as polished stone under wax (0.3; bare stone has 0.05). Its normal map is scaled
+so that what is 3 m behind the floor sways by 5 cm.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""A small greenhouse on a deck: dusty, lettered and coloured panes in front, a picket fence of alpha outside.
+"""A small greenhouse on a deck: dusty, lettered and coloured panes, a picket fence of alpha.
 
-Panes and fence are cut into cells of 0.3 m: sheets are sorted by triangle, and small ones sort right.
+Panes and fence are cut into cells of 0.3 m: sheets are sorted by triangle, and small ones sort
+right.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A flag in the wind and a person who marches on the spot and waves: deforming meshes on a deck with a view."""
+"""A flag in the wind and a figure that marches on the spot and waves, on a deck with a view."""
 
 from __future__ import annotations
 

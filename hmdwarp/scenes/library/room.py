@@ -1,4 +1,4 @@
-"""A furnished room by daylight with a view: near, mid and far things, thin things, fine texture everywhere."""
+"""A furnished room by daylight with a view: near, far and thin things, fine texture everywhere."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Three bodies that move by themselves on a deck full of still things: a fan, a cart and a thrown ball."""
+"""Three moving bodies on a deck full of still things: a fan, a cart and a thrown ball."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Painted textures of the library's scenes, by name; computed on first use, the same bytes every time."""
+"""Painted textures of the library's scenes, by name; the same bytes every time."""
 
 from __future__ import annotations
 

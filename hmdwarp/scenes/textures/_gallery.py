@@ -1,4 +1,4 @@
-"""Pictures for the gallery: paintings, veined marble, the normal map of an uneven floor. (h, w, 3) uint8."""
+"""Pictures for the gallery, (h, w, 3) uint8: paintings, marble, the normals of an uneven floor."""
 
 from __future__ import annotations
 
@@ -72,10 +72,10 @@ def marble(size: int = 1024, tiles: int = 4, seed: int = 960) -> Image:
 
 
 def ripples(size: int = 256, seed: int = 970, slope: float = 0.25) -> Image:
-    """Return tangent-space normals of 3.2 m of a floor polished by hand, in waves of 20 cm and more.
+    """Return tangent-space normals of 3.2 m of a hand-polished floor, in waves of at least 20 cm.
 
-    slope: the mean. Byte 127 is 0, and a step of a byte a slope of 0.008: a small normal_scale hides
-    the steps.
+    slope: the mean. Byte 127 is 0, and a step of a byte a slope of 0.008: a small normal_scale
+    hides the steps.
     """
     fy, fx = np.fft.fftfreq(size)[:, None] * size, np.fft.rfftfreq(size)[None] * size
     white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((size, size)))

@@ -17,7 +17,8 @@ def fractal(
 ) -> NDArray[np.float32]:
     """Return tiling noise (height, width) with mean 0 and deviation 1.
 
-    exponent: of the frequency; 0 is white, 1 pink, 2 smooth noise. stretch: factors down and across.
+    exponent: of the frequency; 0 is white, 1 pink, 2 smooth noise. stretch: factors down and
+    across.
     """
     white = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
     fy = np.fft.fftfreq(height)[:, None] * height * stretch[0]

@@ -1,4 +1,4 @@
-"""Printed pictures: lettering, posters, book spines, instrument dials, a flag. (h, w, 3) uint8 sRGB."""
+"""Printed pictures, (h, w, 3) uint8 sRGB: lettering, posters, book spines, dials, a flag."""
 
 from __future__ import annotations
 
@@ -38,17 +38,7 @@ def stamp(image: NDArray, mask: NDArray[np.bool_], top: int, left: int, colour: 
     image[top : top + mask.shape[0], left : left + mask.shape[1]][mask] = colour
 
 
-_WORDS = ["LATENCY", "POSE", "EYE", "LENS", "FRAME", "DEPTH", "HOLE", "PARALLAX", "LIGHT", "FIELD"] + [
-    "VIEW",
-    "HEAD",
-    "GAZE",
-    "WARP",
-    "FILL",
-    "RAY",
-    "EDGE",
-    "MOTION",
-    "PIXEL",
-]
+_WORDS = "LATENCY POSE EYE LENS FRAME DEPTH HOLE PARALLAX LIGHT FIELD VIEW HEAD GAZE WARP FILL RAY EDGE MOTION PIXEL"
 
 
 def _paragraph(
@@ -57,7 +47,7 @@ def _paragraph(
     for line in range(lines):
         words = ""
         while len(words) * 6 < width - 40:
-            words += str(rng.choice(_WORDS)) + " "
+            words += str(rng.choice(_WORDS.split())) + " "
         stamp(image, lettering(words)[:, :width], top + line * 10, left, colour)
 
 
@@ -97,6 +87,16 @@ def posters() -> Image:
 
 
 SPINES = 32
+_CLOTHS = [
+    (0.55, 0.16, 0.13),
+    (0.13, 0.26, 0.40),
+    (0.16, 0.34, 0.24),
+    (0.78, 0.66, 0.42),
+    (0.28, 0.20, 0.32),
+    (0.85, 0.82, 0.74),
+    (0.20, 0.20, 0.22),
+    (0.72, 0.40, 0.16),
+]
 
 
 def book_spines(height: int = 256, width: int = 1024, seed: int = 500) -> Image:
@@ -105,14 +105,13 @@ def book_spines(height: int = 256, width: int = 1024, seed: int = 500) -> Image:
     image = np.empty((height, width, 3))
     each = width // SPINES
     for i in range(SPINES):
-        cloth = np.array(rng.choice([(0.55, 0.16, 0.13), (0.13, 0.26, 0.40), (0.16, 0.34, 0.24), (0.78, 0.66, 0.42), (0.28, 0.20, 0.32),
-                                     (0.85, 0.82, 0.74), (0.20, 0.20, 0.22), (0.72, 0.40, 0.16)]))  # fmt: skip
+        cloth = np.array(rng.choice(_CLOTHS))
         spine = np.tile(cloth * rng.uniform(0.8, 1.15), (height, each, 1))
         gold = (0.90, 0.78, 0.45) if cloth.mean() < 0.6 else (0.25, 0.15, 0.12)
         for band in rng.integers(8, 30, 2):
             spine[band : band + 3] = gold
             spine[height - band - 3 : height - band] = gold
-        title = lettering(f"{rng.choice(_WORDS)} {rng.choice(_WORDS)}", 2)[:, : height - 90]
+        title = lettering(f"{rng.choice(_WORDS.split())} {rng.choice(_WORDS.split())}", 2)[:, : height - 90]
         stamp(spine, np.rot90(title, -1), 46, (each - 14) // 2, gold)
         edge = np.abs(np.linspace(-1, 1, each))[:, None]
         image[:, i * each : (i + 1) * each] = spine * (1 - 0.35 * edge**3)

@@ -1,4 +1,4 @@
-"""Pictures with alpha: glass with dust and lettering, a picket fence, a head-up display. (h, w, 4) uint8.
+"""Pictures with alpha, (h, w, 4) uint8: glass with dust and lettering, a fence, a head-up display.
 
 Colours continue where alpha is 0, so that no dark fringe appears where the sampler mixes both.
 """
@@ -20,7 +20,7 @@ def with_alpha(colour: ArrayLike, alpha: NDArray) -> Image:
 
 
 def dusty_glass(words: tuple[str, ...], size: int = 512, seed: int = 800) -> Image:
-    """Paint a pane with rain-streaked dust, dirt in its corners and lettering; it tiles sideways."""
+    """Paint a pane with rain-streaked dust, dirt in its corners and lettering."""
     y, x = np.meshgrid(np.linspace(0, 1, size), np.linspace(0, 1, size), indexing="ij")
     film = 0.10 + 0.035 * fractal(size, size, seed, 1.3) + 0.03 * fractal(size, size, seed + 1, 0.6, (0.12, 1.0))
     specks = np.clip(fractal(size, size, seed + 2, 0.55) - 2.3, 0, 1) * 0.5

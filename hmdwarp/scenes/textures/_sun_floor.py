@@ -1,4 +1,4 @@
-"""The sunlit part of the room's floor: boards and rug with the window's light and sharp shadows in it."""
+"""The sunlit part of the room's floor: boards and rug with the window's light and sharp shadows."""
 
 from __future__ import annotations
 

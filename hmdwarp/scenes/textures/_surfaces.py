@@ -1,4 +1,4 @@
-"""Tiling pictures of materials, made of seeded noise and a few shapes; (h, w, 3) uint8 sRGB, top row first."""
+"""Tiling pictures of materials, (h, w, 3) uint8 sRGB, made of seeded noise and a few shapes."""
 
 from __future__ import annotations
 
