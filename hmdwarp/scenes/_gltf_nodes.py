@@ -204,9 +204,9 @@ class Nodes:
             raise error(f"{name}: {len(times)} key times and {len(values)} values; expected {each} for each")
         if not np.isfinite(times).all() or not np.isfinite(values).all():
             raise error(f"{name}: a key is not made of finite numbers")
-        late = np.diff(times) <= 0
-        if late.any() or times[0] < 0:
-            key = int(np.argmax(late)) + 1 if late.any() else 0
+        backwards = np.diff(times) <= 0
+        if backwards.any() or times[0] < 0:
+            key = int(np.argmax(backwards)) + 1 if backwards.any() else 0
             raise error(f"{name}: key {key} is at {times[key]:g} s; key times must be 0 or more and increase")
         values = values.reshape(len(times), 3, -1) if each == 3 else values
         if path == "rotation":

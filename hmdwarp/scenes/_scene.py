@@ -164,4 +164,4 @@ class SceneSource:
     effects: SceneEffect = SceneEffect.NONE
 
 
-scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library")
+scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes")

@@ -27,7 +27,7 @@ _FIELDS = {
 
 
 class StoredModel:
-    """The model of one scene. Errors: SceneError for a file that lacks what is read from it."""
+    """The model of one scene."""
 
     def __init__(self, scene: str) -> None:
         path = Path(__file__).with_name(f"{scene}.glb.xz")
