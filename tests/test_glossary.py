@@ -1,4 +1,4 @@
-"""Public names use words of the glossary or plain words of the field, and pages none of the retired ones."""
+"""Public names use words of the glossary or plain words of the field; pages avoid retired words."""
 
 from __future__ import annotations
 
@@ -17,19 +17,30 @@ PAGES += sorted((ROOT / "docs").glob("*.md"))
 
 # Invented words, and the names that had them. The changelog may name what was renamed.
 RETIRED = re.compile(
-    r"\b(easel|parcel|passage|sights|plates?|ladders?|rungs?)\b"
+    r"\b(?i:easel|parcel|passage|sights|plates?|ladders?|rungs?|nobody|somebody|whoever)\b"
     r"|`(Given|Requested|Course|Stage|Watch|StepWatch|Obeying|Tidying|Room|Sitting|Desk|desk|hands|obey)`"
-    r"|\b(told|took|went)\(\)|\b(nobody|somebody|whoever)\b|a fault of ours|nothing half-written"
-    r"|must not fall apart|goes on after anything",
-    re.IGNORECASE,
+    r"|\b(told|took|went)\(\)|a fault of ours|nothing half-written|must not fall apart|goes on after anything"
 )
 QUOTED = re.compile(r"^```.*?^```|<!-- [\w -]+ -->.*?<!-- end -->|`\"nobody\"`", re.DOTALL | re.MULTILINE)
+
+
+# Words that are retired and still in names: each goes from here with the last name that has it.
+OWED = {
+    "asked", "desk", "felt", "given", "hands", "nobody", "nouns", "openings", "paper", "plate", "post", "resting",
+    "returning", "sight", "sitting", "telling", "thinned", "told", "trouble", "voices", "way", "whole",
+}  # fmt: skip
 
 
 def words_of(name: str) -> list[str]:
     """Split CamelCase and snake_case into lower-case words, without digits."""
     parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)
     return [part.lower() for part in parts if len(part) > 1]
+
+
+def is_in(word: str, known: set[str]) -> bool:
+    """Return whether the word, or what may be its singular, is known."""
+    forms = {word, f"{word}s", word.removesuffix("s"), word.removesuffix("es"), re.sub("ies$", "y", word)}
+    return not known.isdisjoint(forms)
 
 
 def glossary_rows() -> list[list[str]]:
@@ -40,11 +51,11 @@ def glossary_rows() -> list[list[str]]:
 
 def known_words() -> set[str]:
     terms = " ".join(row[0] + " " + " ".join(re.findall(r"`(\w+)`", row[1])) for row in glossary_rows())
-    return set(words_of(terms)) | set(PLAIN.read_text(encoding="utf-8").split())
+    return set(words_of(terms)) | set(PLAIN.read_text(encoding="utf-8").split()) | OWED
 
 
 def public_names() -> dict[str, Path]:
-    """Return every package, public module, and name that a package re-exports, with its file."""
+    """Return packages, public modules and names that packages re-export, each with its file."""
     names = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         stem = path.parent.name if path.name == "__init__.py" else path.stem
@@ -56,14 +67,14 @@ def public_names() -> dict[str, Path]:
 
 
 def exported(module: ast.Module) -> list[str]:
-    """Return what a package re-exports: the literal names of its __all__ and of its table of homes."""
+    """Return what a package re-exports: the names of its __all__ and of its table of homes."""
     found = []
     for statement in module.body:
         if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.List | ast.Dict | ast.Tuple):
             value = statement.value
             entries = value.keys if isinstance(value, ast.Dict) else value.elts
-            found += [entry.value for entry in entries if isinstance(entry, ast.Constant) and isinstance(entry.value, str)]
-    return [name for name in found if not name.startswith("__")]
+            found += [entry.value for entry in entries if isinstance(entry, ast.Constant)]
+    return [name for name in found if isinstance(name, str) and not name.startswith("__")]
 
 
 def test_public_names_use_known_words():
@@ -72,7 +83,7 @@ def test_public_names_use_known_words():
         f"{path.relative_to(ROOT)}: '{word}' in {name}"
         for name, path in public_names().items()
         for word in words_of(name)
-        if word not in known
+        if not is_in(word, known)
     }
     assert not unknown, (
         "These words are neither in docs/glossary.md nor in tests/words.txt. Use a term of the glossary, or add the "
@@ -81,11 +92,15 @@ def test_public_names_use_known_words():
     )
 
 
-def test_the_plain_words_are_sorted_and_each_is_used():
+def test_the_plain_words_are_sorted_and_no_retired_ones():
     words = PLAIN.read_text(encoding="utf-8").split()
     assert words == sorted(set(words))
+    assert not [word for word in words if word in OWED or RETIRED.fullmatch(word)]
+
+
+def test_what_is_owed_is_still_in_a_name():
     used = {word for name in public_names() for word in words_of(name)}
-    assert not set(words) - used, "no public name has these words any more: remove them from tests/words.txt"
+    assert used >= OWED, f"no name has these any more, take them out of OWED: {sorted(OWED - used)}"
 
 
 def test_each_term_is_explained_in_one_line():
