@@ -31,11 +31,11 @@ LIVE = sorted(
 
 # What the examples of a page must leave behind.
 LEFT = {
-    "README.md": ("out/walk/report.html", "out/bench/bench.json", "out/study/report.html"),
+    "README.md": ("out/walk/report.html", "out/bench/bench.json", "out/thesis/report.html"),
     "bench.md": ("out/bench/bench.html", "out/budget/report.html"),
     "getting-started.md": ("out/first/report.html", "out/first/summary.json", "out/first/frames.csv"),
     "live.md": ("out/offscreen/report.html", "rehearsal.csv"),
-    "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "out/auto/report.html", "mine.csv", "mine.tum"),
+    "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "mine.csv", "mine.tum"),
     "rgbd.md": ("frame.npz", "warped.png"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
     "study-analysis.md": ("out/thesis/report.html", "out/power/power.json"),
