@@ -38,7 +38,7 @@ def warps_table() -> str:
     """Return one row for each warp on the Pareto front of a recording: its lowest FLIP."""
     best = {recording: _best_rows(rows_of(f"bench {recording} 200")) for recording in RECORDINGS}
     fronts = {name for rows in best.values() for name, row in rows.items() if _is_front(row)} | {BASELINE}
-    names = sorted(fronts, key=lambda name: sum(float(rows[name]["FLIP"]) for rows in best.values()))
+    names = sorted(fronts, key=lambda name: (sum(float(rows[name]["FLIP"]) for rows in best.values()), name))
     lines = [_head("warp", *(f"{recording}: {name}" for recording in RECORDINGS for name in FIGURES))]
     for name in names:
         cells = [f"`{name}`"]
