@@ -123,6 +123,14 @@ def test_every_picture_and_page_it_points_to_is_there(page):
             assert anchor.removeprefix("#") in _anchors((folder / target).read_text(encoding="utf-8")), target + anchor
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_every_file_it_names_is_there(page):
+    """Paths count from the repository, from hmdwarp/ or from shaders/; placeholders are mine and NAME."""
+    for path in re.findall(r"`([\w.-]+/[\w./-]+\.(?:py|comp|glsl|md|toml|csv))`", PAGES[page]):
+        if not re.search(r"mine|NAME|^(out|my)", path):
+            assert any((ROOT / top / path).is_file() for top in ("", "hmdwarp", "shaders", "hmdwarp/client")), path
+
+
 def _anchors(text: str) -> set[str]:
     """Return the anchors of a page's headings, as GitHub and MkDocs make them."""
     heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
