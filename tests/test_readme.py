@@ -19,8 +19,8 @@ import pytest
 from display.virtual_screen import VirtualScreen
 
 ROOT = Path(__file__).resolve().parents[1]
-README = ROOT / "README.md"
-PAGES = {path.name: path.read_text(encoding="utf-8") for path in (README, *sorted((ROOT / "docs").glob("*.md")))}
+TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md")
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in (*TOP, *sorted((ROOT / "docs").glob("*.md")))}
 BLOCKS = {
     name: re.findall(r"^```(sh|shell|python)\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
     for name, text in PAGES.items()
@@ -115,17 +115,18 @@ def test_make_test_is_what_ci_runs():
 @pytest.mark.parametrize("page", PAGES)
 def test_every_picture_and_page_it_points_to_is_there(page):
     """Pages of docs/ point only to files of docs/, so that their links work in a site as well."""
-    folder = README.parent if page == "README.md" else ROOT / "docs"
+    on_top = page in {path.name for path in TOP}
+    folder = ROOT if on_top else ROOT / "docs"
     for target, anchor in re.findall(r"\]\(([^)#:]+)(#[^)]*)?\)", PAGES[page]):
         assert (folder / target).is_file(), target
-        assert page == "README.md" or "/" not in target, target
+        assert on_top or "/" not in target, target
         if anchor:
             assert anchor.removeprefix("#") in _anchors((folder / target).read_text(encoding="utf-8")), target + anchor
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_every_file_it_names_is_there(page):
-    """Paths count from the repository, from hmdwarp/ or from shaders/; placeholders are mine and NAME."""
+    """Paths count from the repository, hmdwarp/ or shaders/; mine and NAME are placeholders."""
     for path in re.findall(r"`([\w.-]+/[\w./-]+\.(?:py|comp|glsl|md|toml|csv))`", PAGES[page]):
         if not re.search(r"mine|NAME|^(out|my)", path):
             assert any((ROOT / top / path).is_file() for top in ("", "hmdwarp", "shaders", "hmdwarp/client")), path
