@@ -17,7 +17,7 @@ from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display.present import Presenter
 from hmdwarp.errors import MachineError
-from hmdwarp.frames import Mirrored, Needs
+from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.context import Gpu
@@ -114,8 +114,7 @@ def _present(gpu: Gpu) -> None:
 
 def _draw_every_content(gpu: Gpu) -> None:
     """Every scene that has more than plain surfaces, whole and in layers."""
-    amounts = {layer.name: True for layer in layers if layer.drawn_by not in ("", "peeled")}
-    everything = Needs(**amounts | {"reflection": Mirrored.PLANE | Mirrored.CURVED})
+    everything = Needs(**{layer.name: layer.something for layer in layers if layer.drawn_by})
     for source in scenes:
         if source.effects:
             scene = source.build()

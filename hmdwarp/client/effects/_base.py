@@ -61,6 +61,7 @@ class EffectPass(ABC):
     name: ClassVar[str]
     order: ClassVar[int]
     reads: ClassVar[tuple[str, ...]]
+    writes: ClassVar[tuple[str, ...]]
     carries: ClassVar[bool] = False
 
     def __init__(
