@@ -26,7 +26,8 @@ class Costs:
     """shaders: the files of all programs compiled.
 
     made: how many of each kind of thing. work: dispatches and draws of one refresh, drawing the
-    frame included. layers: bytes of each layer of a frame; sent: of a frame, as the link was told. textures: how many of each size, components and type.
+    frame included. layers: bytes of each layer of a frame; sent: of a frame, as the link
+    was told. textures: how many of each size, components and type.
     """
 
     shaders: frozenset[str]

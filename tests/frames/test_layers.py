@@ -1,4 +1,7 @@
-"""The registry of layers: what its entries say is what the server draws, and what passes may read."""
+"""The registry of layers.
+
+What its entries say is what the server draws, and what passes may read.
+"""
 
 from __future__ import annotations
 
@@ -65,7 +68,7 @@ def test_every_layer_is_read_by_some_pass():
     assert read == set(readable_names())
 
 
-# --- needs ------------------------------------------------------------------------------------------------------------
+# --- needs ----------------------------------------------------------------------------------------
 
 
 def test_two_needs_together_are_enough_for_both():

@@ -1,4 +1,7 @@
-"""A layer that is no picture, registered here alone: drawn once a frame, sent, read by a warp and released."""
+"""A layer that is no picture, registered here alone.
+
+Drawn once a frame, sent, read by a warp and released.
+"""
 
 from __future__ import annotations
 
