@@ -11,9 +11,7 @@ from client_scene import ClientScene
 from reference.picture import LatePicture
 from worlds import World, read
 
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.plan import CLIENT_MODEL
-from hmdwarp.client.variants import parse_fills
+from hmdwarp.client import CLIENT_MODEL, ShownPicture, parse_fills
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry.wide import wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate

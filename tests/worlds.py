@@ -12,9 +12,7 @@ import reference
 from reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import CLIENT_DEPTH
-from hmdwarp.client.variants import every_warp, parse_warp
+from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_warp, parse_warp
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frames import EyeImage, Surface
 from hmdwarp.geometry import Fov, Pose, View

@@ -11,7 +11,7 @@ from hypothesis import given
 from replays import each_refresh, small
 from strategies import FOVS, poses
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import View
 

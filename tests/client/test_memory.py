@@ -13,12 +13,10 @@ from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fills._keyframes import Keyframe, covered, is_new, most_redundant, most_useful
 from hmdwarp.client.fills._memory_passes import Keeper, Slot, seeds_for
 from hmdwarp.client.fills._remembered import HoleFiller
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps._composite import Picture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage

@@ -15,14 +15,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 from worlds import World
 
-from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import (
+    CLIENT_DEPTH,
+    CLIENT_MODEL,
+    PANEL,
+    SHOWN,
+    SHOWN_DEPTH,
+    Carry,
+    Compensator,
+    PassInputs,
+    Plan,
+    ShownDepth,
+    build_plan,
+    needs_of,
+    parse_fills,
+    pictures_read,
+)
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
-from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmdwarp.client import SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.effects import LatePass, effects
-from hmdwarp.client.plan import SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frames import EyeSizes, Needs, frame_bytes

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.client.variants import Choice, parse_warp
+from hmdwarp.client import Choice, parse_warp
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.errors import InputError, UnknownNameError
 

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.client.plan import build_plan
+from hmdwarp.client import build_plan
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.frames.layers import Layer, layers

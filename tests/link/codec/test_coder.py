@@ -38,7 +38,7 @@ def psnr(a, b) -> float:
 
 
 def patches(count: int = 48) -> tuple[np.ndarray, np.ndarray]:
-    """Flat squares of 32x32 in random colours and the corners of the cube of colours; the colours."""
+    """Flat squares of 32x32 in random colours and the corners of the colour cube; the colours."""
     rng = np.random.default_rng(5)
     corners = np.stack(np.meshgrid([0, 255], [0, 255], [0, 255]), -1).reshape(-1, 3)
     colours = np.concatenate([corners, rng.integers(0, 256, (count - 8, 3))]).astype(np.uint8)
