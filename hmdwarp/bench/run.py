@@ -18,7 +18,7 @@ from ..frames.frame import Needs
 from ..gpu.context import Gpu
 from ..gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..headsets import Headset, load_headset
-from ..metrics.pool import QualityPool, worker_count
+from ..metrics import QualityPool, worker_count
 from ..pipeline.build import check_held
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for

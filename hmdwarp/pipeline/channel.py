@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..colour import picture_from_linear
 from ..gpu.textures import download, upload
 from ..link.codec import Coding, Decoder, Encoder, Packet, Undecodable, packed_bytes
-from ..metrics.image import psnr_db
+from ..metrics import psnr_db
 
 if TYPE_CHECKING:
     import moderngl

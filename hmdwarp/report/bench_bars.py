@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import numpy as np
 
-from ..metrics.regions import REGIONS
+from ..metrics import REGIONS
 from .bench_cases import Case, Row
 from .bench_style import HATCHES, PAGE, drawing, dress, svg_text
 

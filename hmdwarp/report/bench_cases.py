@@ -9,11 +9,7 @@ from typing import Any
 import attrs
 
 from ..errors import HmdwarpError
-from ..metrics import QUALITY
-from ..metrics.pareto import error_and_time, pareto
-from ..metrics.regions import REGIONS
-from ..metrics.summary import HIGHER_IS_BETTER
-from .tables import Figure
+from ..metrics import METRICS, PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics_in_order, pareto
 
 Row = Mapping[str, Any]
 
@@ -42,7 +38,7 @@ class Case:
     label: str
     rows: tuple[Row, ...]
 
-    def ordered(self, measure: str = "flip") -> list[Row]:
+    def ordered(self, measure: str = PRIMARY) -> list[Row]:
         """The rows by mean error, the best first, then by time; those not measured last."""
         costs = [(error_and_time(row, measure), row) for row in self.rows]
         return [
@@ -50,7 +46,7 @@ class Case:
             for pair, row in sorted(costs, key=lambda entry: tuple((cost is None, cost or 0.0) for cost in entry[0]))
         ]
 
-    def front(self, measure: str = "flip") -> list[Row]:
+    def front(self, measure: str = PRIMARY) -> list[Row]:
         """The rows that nobody beats in both error and time, in the order of the bench."""
         return pareto(self.rows, lambda row: error_and_time(row, measure))
 
@@ -110,15 +106,6 @@ def _region(name: str, figure: str) -> Callable[[Row], float | None]:
     return lambda row: ((row.get("regions") or {}).get(name) or {}).get(figure)
 
 
-_QUALITY_FORMS = {
-    "psnr_db": ("PSNR", "dB", 2, 1),
-    "ssim": ("SSIM", "", 3, 1),
-    "flip": ("FLIP", "", 3, 1),
-    "hole_share": ("holes", "%", 1, 100),
-    "border_share": ("border", "%", 1, 100),
-    "flicker": ("flicker", "", 3, 1),
-}
-
 
 def _columns() -> dict[str, Column]:
     columns = [
@@ -132,13 +119,13 @@ def _columns() -> dict[str, Column]:
         _text_column("fill", "fill"),
         Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch")),
     ]
-    for stage in ("warp", "fill", "effects", "lens", "total"):
+    for stage in STAGES:
         label = "" if stage == "total" else f"{stage} "
         columns.append(Column(Figure(f"{stage}_ms", f"{label}time".strip(), "ms", 2), _time(stage, "median")))
         columns.append(Column(Figure(f"{stage}_ms_p95", f"{label}p95".strip(), "ms", 2), _time(stage, "p95")))
-    for name, (label, unit, digits, scale) in _QUALITY_FORMS.items():
-        columns.append(Column(Figure(name, label, unit, digits, scale), _quality(name, "mean")))
-        columns.append(Column(Figure(f"{name}_p95", f"{label} p95", unit, digits, scale), _quality(name, "p95")))
+    for figure in (metric.short_figure for metric in metrics_in_order()):
+        tail = attrs.evolve(figure, name=f"{figure.name}_p95", label=f"{figure.label} p95")
+        columns += [Column(figure, _quality(figure.name, "mean")), Column(tail, _quality(figure.name, "p95"))]
     for region in REGIONS:
         columns.append(Column(Figure(f"{region}_share", f"{region} share", "%", 1, 100), _region(region, "share")))
         columns.append(Column(Figure(f"{region}_flip", f"FLIP {region}", "", 3), _region(region, "flip")))
@@ -147,7 +134,6 @@ def _columns() -> dict[str, Column]:
 
 
 COLUMNS = _columns()
-assert set(QUALITY) <= set(COLUMNS)
 
 
 def column(name: str) -> Column:
@@ -159,9 +145,9 @@ def column(name: str) -> Column:
 
 def measure_label(measure: str) -> str:
     """The name of a measure of error with its unit and the direction in which it is better."""
-    label, unit, *_ = _QUALITY_FORMS[measure]
-    better = "higher" if measure in HIGHER_IS_BETTER else "lower"
-    return f"{label}{f' in {unit}' if unit else ''}, {better} is better"
+    metric = METRICS.get(measure)
+    figure, better = metric.short_figure, "higher" if metric.higher_is_better else "lower"
+    return f"{figure.label}{f' in {figure.unit}' if figure.unit else ''}, {better} is better"
 
 
 def name_pieces(text: str) -> list[str]:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..metrics.pareto import error_and_time, pareto
-from ..metrics.summary import HIGHER_IS_BETTER
+from ..metrics import METRICS, PRIMARY, error_and_time, pareto
 from .bench_cases import Case, Row, cases, measure_label
 from .bench_labels import groups_of, leaders, place_labels
 from .bench_style import PAGE, PAPER, Palette, drawing, dress, markers_of, svg_text
@@ -30,7 +29,7 @@ _MANY = 20  # points of one chart from which a picture has one chart a row
 _PNG_DPI = 200
 
 
-def pareto_chart(case: Case, measure: str = "flip", *, markers: Mapping[str, str] | None = None) -> str:
+def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
     """One case as an <svg> element for the page: mean error against the median total time per eye (logarithmic), every point named.
 
     Points of the front are filled, their names bold, and a line joins them: nothing lies below and left of it (above, for PSNR). markers:
@@ -47,7 +46,7 @@ def pareto_chart(case: Case, measure: str = "flip", *, markers: Mapping[str, str
 
 
 def pareto_plot_png(
-    path: str | os.PathLike, rows: Iterable[Row], *, measure: str = "flip", columns: int | None = None
+    path: str | os.PathLike, rows: Iterable[Row], *, measure: str = PRIMARY, columns: int | None = None
 ) -> None:
     """The same charts, one for each case of the rows, in one PNG 1600 pixels wide on white: for a README or a paper.
 
@@ -82,7 +81,7 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
     return buffer.getvalue()
 
 
-def pareto_text(case: Case, measure: str = "flip") -> str:
+def pareto_text(case: Case, measure: str = PRIMARY) -> str:
     """What the chart says to someone who does not see it."""
     front = sorted(case.front(measure), key=lambda row: error_and_time(row, measure)[1])
     names = [f"{row['warp']} with fill {row['fill']} ({row['time_ms']['total']['median']:.1f} ms)" for row in front]
@@ -123,7 +122,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
     time = np.array([row["time_ms"]["total"]["median"] for row in rows])
     error = np.array([row["quality"][measure]["mean"] for row in rows])
     _scale(axes.xaxis, time, logarithmic=True)
-    _scale(axes.yaxis, error, logarithmic=measure not in HIGHER_IS_BETTER and error.min() > 0)
+    _scale(axes.yaxis, error, logarithmic=not METRICS.get(measure).higher_is_better and error.min() > 0)
     best = {id(row) for row in pareto(rows, lambda row: error_and_time(row, measure))}
     is_best = np.array([id(row) in best for row in rows])
     line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
@@ -138,7 +137,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
-    better = "better ↖" if measure in HIGHER_IS_BETTER else "better ↙"
+    better = "better ↖" if METRICS.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
 
@@ -168,7 +167,7 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
     """The staircase that bounds what is possible with these methods, as (m, 2) in data coordinates."""
     order = np.argsort(time, kind="stable")
     time, error = time[order], error[order]
-    worst = axes.get_ylim()[0 if measure in HIGHER_IS_BETTER else 1]
+    worst = axes.get_ylim()[0 if METRICS.get(measure).higher_is_better else 1]
     x = np.concatenate([[time[0]], time, [axes.get_xlim()[1]]])
     y = np.concatenate([[worst], error, error[-1:]])
     axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)

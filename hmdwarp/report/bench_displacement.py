@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..metrics import PRIMARY
 from .bench_cases import measure_label
 from .bench_labels import spread
 from .bench_style import PAGE, dashes_of, drawing, dress, svg_text
@@ -42,7 +43,7 @@ def axes_of(grid: Iterable[GridRow]) -> list[str]:
     return [axis for axis in AXES if axis in found] + [axis for axis in found if axis not in AXES]
 
 
-def curves(grid: Iterable[GridRow], axis: str, measure: str = "flip") -> dict[str, NDArray[np.float64]]:
+def curves(grid: Iterable[GridRow], axis: str, measure: str = PRIMARY) -> dict[str, NDArray[np.float64]]:
     """For each warp (n, 2): offset and error in order of offset, without the points that were not measured."""
     out: dict[str, list[tuple[float, float]]] = {}
     for row in grid:
@@ -53,7 +54,7 @@ def curves(grid: Iterable[GridRow], axis: str, measure: str = "flip") -> dict[st
     return {warp: np.array(sorted(points), dtype=np.float64).reshape(-1, 2) for warp, points in out.items()}
 
 
-def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip") -> str:
+def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = PRIMARY) -> str:
     """One axis as an <svg> element for the page; the axes in metres have one scale of error, those in degrees another.
 
     Names stand at the right end of the lines, in their order, with an arrow where the line has left the chart, as `none` does.
@@ -80,7 +81,7 @@ def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip"
         return svg_text(figure)
 
 
-def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = "flip") -> str:
+def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = PRIMARY) -> str:
     """What the chart says to someone who does not see it: the order of the warps at its right end."""
     ends = {warp: points[-1, 1] for warp, points in curves(grid, axis, measure).items() if len(points)}
     names = [f"{warp} {ends[warp]:.3g}" for warp in sorted(ends, key=ends.get, reverse=True)]

@@ -7,7 +7,7 @@ from typing import Any
 
 import attrs
 
-from ..metrics.regions import REGIONS
+from ..metrics import REGIONS
 from .bench_bars import region_parts, regions_chart, row_name, traffic, traffic_chart
 from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, sequence_text
 from .bench_charts import pareto_chart, pareto_text

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..metrics import PRIMARY, metrics_in_order
 from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, name_pieces
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-DECISION = ("warp", "fill", "total_ms", "total_ms_p95", "psnr_db", "ssim", "flip", "hole_share", "flicker", "mismatch")
-_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "psnr_db": "PSNR", "hole_share": "holes%", "mismatch": "mis%"}
-_GIVEN_UP_FIRST = ("total_ms_p95", "ssim", "mismatch", "flicker", "psnr_db", "hole_share")
+_RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
+DECISION = ("warp", "fill", "total_ms", "total_ms_p95", *_RANKS, "mismatch")
+_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%"}
+_OPTIONAL = {"total_ms_p95": 1, "mismatch": 3, **{name: rank for name, rank in _RANKS.items() if rank < math.inf}}
+# Columns that go where the terminal is narrow, the least important first.
+_DROPPED_FIRST = sorted(_OPTIONAL, key=_OPTIONAL.__getitem__)
 _GAP = 2  # between two columns
 _LEAST_TEXT = 10  # of the column of warps, however narrow the terminal is
 MARK = "*"
 
 
-def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = "flip") -> Table:
+def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY) -> Table:
     """All rows, case by case, the least error first; `*` marks those that no other beats in both error and time.
 
     width: what the terminal has. Names of warps with settings are folded between their parts; then columns are left out, the
@@ -64,7 +69,8 @@ def _identities(rows: Iterable[Row]) -> set[int]:
 
 
 def _head(name: str) -> str:
-    return _HEADS.get(name, column(name).figure.label)
+    figure = column(name).figure
+    return _HEADS.get(name, figure.label + ("%" if figure.unit == "%" else ""))
 
 
 def _width(name: str, groups: Sequence[Case]) -> int:
@@ -99,10 +105,10 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
         others = [len(MARK), *(_width(name, groups) for name in names if name != "warp")]
         return width - sum(others) - _GAP * len(others)
 
-    for given_up in _GIVEN_UP_FIRST:
+    for name in _DROPPED_FIRST:
         if room() >= least:
             break
-        names.remove(given_up)
+        names.remove(name)
     return names, max(min(room(), max(map(_cells, texts))), _LEAST_TEXT)
 
 

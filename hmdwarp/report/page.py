@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics.worst import Kept
+from ..metrics import PRIMARY, Kept, metrics_in_order
 from .bench_cases import name_pieces
 from .charts import Series, time_series
 from .pictures import Panel, comparison_panels, jpeg_bytes
@@ -22,22 +22,10 @@ Rows = Sequence[Mapping[str, Any]]
 
 EYES = ("left eye", "right eye")
 CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
-_SHORT_NOTE = {  # the figures that get a tile of their own
-    "psnr_db": "larger is better, identical pictures count as 100",
-    "ssim": "larger is better, 1 is identical",
-    "flip": "smaller is better, 0 is identical",
-    "hole_share": "empty after the warp, before the fill",
-}
-# (heading, column, unit, scale, axis from zero)
-_CHARTS = (
-    ("FLIP error", "flip", "", 1, True),
-    ("PSNR", "psnr_db", "dB", 1, False),
-    ("Holes before the fill", "hole_share", "% of pixels", 100, True),
-    ("Flicker", "flicker", "", 1, True),
-)
+# (heading, column, unit)
 _MOTION_CHARTS = (
-    ("How fast the head turns", "angular_speed_deg_s", "deg/s", 1, True),
-    ("How fast the head moves", "linear_speed_m_s", "m/s", 1, True),
+    ("Angular speed of the head", "angular_speed_deg_s", "deg/s"),
+    ("Linear speed of the head", "linear_speed_m_s", "m/s"),
 )
 
 
@@ -116,6 +104,8 @@ def render_report(
             frames=frame_rows(summary),
             coding=coding_rows(summary),
             clock=CLOCK_NAMES[summary["clock"]],
+            metrics=metrics_in_order(),
+            rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
         )
     )
 
@@ -136,7 +126,7 @@ def environment() -> Environment:
 
 
 def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[Tile]:
-    figures = [(f.label, f, "quality", "mean", _SHORT_NOTE[f.name]) for f in QUALITY_FIGURES if f.name in _SHORT_NOTE]
+    figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
     figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
     tiles = []
     for label, figure, table, main, note in figures:
@@ -146,17 +136,17 @@ def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list
 
 
 def _charts(summary: Summary, names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[Chart]:
+    """Return the charts over time: the primary metric, the others, then the head's motion."""
     charts = []
-    for heading, column, unit, scale, from_zero in _CHARTS:
-        series = [Series.of(names[0], rows, column, scale)]
+    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
+        if not metric.chart:
+            continue
+        series = [Series.of(names[0], rows, metric.name, metric.scale)]
         if baseline_rows is not None:
-            series.append(Series.of(names[-1], baseline_rows, column, scale))
-        charts.append(Chart(heading, time_series(series, unit, from_zero=from_zero)))
-    for heading, column, unit, scale, from_zero in _MOTION_CHARTS:
-        charts.append(Chart(heading, time_series([Series.of("", rows, column, scale)], unit, from_zero=from_zero)))
-    if "auto" in summary:
-        charts.append(Chart("Time per eye", time_series([Series.of("", rows, "total_ms")], "ms", from_zero=True)))
-    return charts
+            series.append(Series.of(names[-1], baseline_rows, metric.name, metric.scale))
+        charts.append(Chart(metric.chart, time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)))
+    others = [*_MOTION_CHARTS, *([("Time per eye", "total_ms", "ms")] if "auto" in summary else [])]
+    return charts + [Chart(heading, time_series([Series.of("", rows, name)], unit)) for heading, name, unit in others]
 
 
 def _auto(summary: Summary) -> dict[str, Any] | None:

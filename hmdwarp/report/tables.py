@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics import QUALITY, STAGES
-from ..metrics.summary import HIGHER_IS_BETTER
+from ..metrics import METRICS, STAGES, Figure, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -17,33 +16,9 @@ if TYPE_CHECKING:
 Summary = Mapping[str, Any]
 
 
-@attrs.frozen
-class Figure:
-    """How one figure of a summary is shown: `name` is its key, `text` formats it, `scale` turns it into `unit`."""
-
-    name: str
-    label: str
-    unit: str
-    digits: int
-    scale: float = 1.0
-
-    def text(self, value: float | None) -> str:
-        """The rounded number, or a dash where nothing was measured."""
-        return "–" if value is None else f"{value * self.scale:.{self.digits}f}"
-
-
-QUALITY_FIGURES = (
-    Figure("psnr_db", "PSNR", "dB", 2),
-    Figure("ssim", "SSIM", "", 4),
-    Figure("flip", "FLIP", "", 4),
-    Figure("hole_share", "Holes", "%", 2, 100),
-    Figure("border_share", "… beyond the border", "%", 2, 100),
-    Figure("flicker", "Flicker", "", 4),
-)
+QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
 TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
-assert tuple(f.name for f in QUALITY_FIGURES) == QUALITY
-
-_CONTESTS = frozenset({"psnr_db", "ssim", "flip", "flicker"})
+_CONTESTS = frozenset(metric.name for metric in metrics_in_order() if metric.is_contest)
 
 
 @attrs.frozen
@@ -76,7 +51,7 @@ def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -
     ):
         return Row(figure, cells, None)
     first_is_larger = entries[0][main] > entries[1][main]
-    return Row(figure, cells, 0 if first_is_larger == (figure.name in HIGHER_IS_BETTER) else 1)
+    return Row(figure, cells, 0 if first_is_larger == METRICS.get(figure.name).higher_is_better else 1)
 
 
 def column_names(summary: Summary, baseline: Summary | None) -> list[str]:

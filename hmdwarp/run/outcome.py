@@ -9,9 +9,7 @@ from typing import Any
 import attrs
 
 from ..link import medians
-from ..metrics.pool import QualityPool
-from ..metrics.summary import aggregate
-from ..metrics.worst import Kept
+from ..metrics import Kept, QualityPool, aggregate
 from ..report.files import OutputFolder
 from ..report.page import WorstFrame, render_report
 from ..report.pictures import comparison_panels, labelled_strip

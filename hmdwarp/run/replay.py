@@ -11,9 +11,7 @@ import numpy as np
 from ..colour import picture_from_linear
 from ..errors import InputError
 from ..gpu.textures import download
-from ..metrics.pool import QualityPool, worker_count
-from ..metrics.regions import pooled
-from ..metrics.summary import aggregate
+from ..metrics import QualityPool, aggregate, pooled, worker_count
 from ..pipeline.loop import Refresh
 from ..pipeline.options import AUTO, RunOptions
 from ..report.files import OutputFolder

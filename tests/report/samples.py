@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hmdwarp.metrics.summary import aggregate
+from hmdwarp.metrics import aggregate
 from hmdwarp.report.page import WorstFrame
 from hmdwarp.report.pictures import comparison_panels
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hmdwarp.metrics.summary import aggregate
+from hmdwarp.metrics import aggregate
 from hmdwarp.report.bench_bars import region_parts, regions_chart, traffic, traffic_chart
 from hmdwarp.report.bench_cases import cases
 from hmdwarp.report.bench_charts import pareto_chart, pareto_plot_png, pareto_text

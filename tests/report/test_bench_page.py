@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from hmdwarp.metrics.summary import aggregate
+from hmdwarp.metrics import aggregate
 from hmdwarp.report.bench_cases import COLUMNS, cases
 from hmdwarp.report.bench_page import render_bench_page
 

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.metrics.summary import aggregate
+from hmdwarp.metrics import aggregate
 from hmdwarp.report.bench_cases import COLUMNS, cases, common
 from hmdwarp.report.bench_tables import DECISION, bench_table, markdown_table
 

@@ -7,7 +7,7 @@ import copy
 import numpy as np
 import pytest
 
-from hmdwarp.metrics.summary import aggregate
+from hmdwarp.metrics import aggregate
 from hmdwarp.report.live_page import render_live_report
 from hmdwarp.report.live_told import budget_rows, live_lines
 from hmdwarp.report.schema import validate_summary

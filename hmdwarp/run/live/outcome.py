@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from ...link import ResponseTime
-from ...metrics.summary import aggregate_columns, middle_and_tail
+from ...metrics import aggregate_columns, middle_and_tail
 from ...report.schema import SCHEMA
 from ...version import __version__
 from .facts import Facts
