@@ -23,9 +23,7 @@ import passes
 import studies
 from PIL import Image, ImageDraw
 
-from hmdwarp.report.bench_cases import cases
-from hmdwarp.report.bench_charts import pareto_plot_png
-from hmdwarp.report.bench_tables import markdown_table
+from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 
 ROOT = Path(__file__).resolve().parents[1]
 README, RESULTS, LIVE = ROOT / "README.md", ROOT / "docs" / "results.md", ROOT / "docs" / "live.md"

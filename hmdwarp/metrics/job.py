@@ -158,7 +158,5 @@ def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
     error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
     regions = None
     if job.regions:
-        regions = region_sums(
-            now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map
-        )
+        regions = region_sums(now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map)
     return QualityResult(values, error_map, regions)

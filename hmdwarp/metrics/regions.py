@@ -36,7 +36,9 @@ def region_of(coverage: NDArray, truth_inverse_depth: NDArray) -> NDArray[np.uin
     """
     if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
         shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
-        raise InputError(f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)")
+        raise InputError(
+            f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
+        )
     region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(1), np.uint8(2))
     region[np.asarray(coverage) == 0] = 0
     return region

@@ -15,6 +15,7 @@ from .metric import metrics_in_order
 STAGES = ("warp", "fill", "effects", "lens", "total")
 QUALITY = tuple(metric.name for metric in metrics_in_order())
 
+
 def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
     """Return the `time_ms`, `quality` and `measured` entries of summary.json.
 

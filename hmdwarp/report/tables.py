@@ -1,4 +1,4 @@
-"""Figures in the order, with the units and the rounding in which people read them: for the terminal and for the page."""
+"""The figures of a run in the order, units and rounding in which people read them."""
 
 from __future__ import annotations
 
@@ -23,18 +23,20 @@ _CONTESTS = frozenset(metric.name for metric in metrics_in_order() if metric.is_
 
 @attrs.frozen
 class Row:
-    """One line of the comparison: a cell is (main figure, tail), already text; `best` is the index of the better column, if any."""
+    """One line of the comparison."""
 
     figure: Figure
+    # (main figure, tail) of each run, as text.
     cells: tuple[tuple[str, str], ...]
+    # Index of the better run, if any.
     best: int | None
 
 
 def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
-    """Quality first, then time per eye; two columns where there is a baseline.
+    """Return the rows of quality, then those of time per eye; two cells each if there is a baseline.
 
-    The better of two means is marked if they differ after rounding. Time, holes and their border part are not contests:
-    a warp that does nothing is quick and leaves nothing empty.
+    The better of two means is marked if they differ after rounding. Time and holes are no contest: a
+    warp that does nothing is quick and leaves nothing empty.
     """
     summaries = [summary] if baseline is None else [summary, baseline]
     rows = [_row(figure, [s["quality"][figure.name] for s in summaries], "mean") for figure in QUALITY_FIGURES]
@@ -55,7 +57,7 @@ def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -
 
 
 def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
-    """The heads of the comparison's columns: what differs between the two, at least the warp."""
+    """Return the heads of the comparison's columns: the options that differ, at least the warp."""
     if baseline is None:
         return [summary["warp"]]
     for keys in (("warp",), ("warp", "fill"), ("warp", "fill", "lens")):
@@ -66,7 +68,7 @@ def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
 
 
 def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
-    """The small table a run ends with, to be printed with rich: means (medians for times) with the bad tail beside them.
+    """Return the small table that ends a run: means (medians for times) with the bad tail beside them.
 
     The better column of each quality line is bold and starred, so that it reads without colour too.
     """

@@ -14,8 +14,7 @@ from ..gpu.textures import download
 from ..metrics import QualityPool, aggregate, pooled, worker_count
 from ..pipeline.loop import Refresh
 from ..pipeline.options import AUTO, RunOptions
-from ..report.files import OutputFolder
-from ..report.video import VideoWriter
+from ..report import OutputFolder, VideoWriter
 from .guard import settled
 from .log import Row, RunLog
 from .measuring import AGAINST, MAIN, Probe

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import PRIMARY, metrics_in_order
-from ..report.study_words import counted
+from ..report import counted
 from .prediction_sums import (
     Sums,
     bca_intervals,

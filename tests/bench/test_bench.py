@@ -19,8 +19,7 @@ from hmdwarp.bench.traffic import passes_of
 from hmdwarp.client.plan import build_plan
 from hmdwarp.geometry import Pose
 from hmdwarp.metrics import QUALITY, STAGES
-from hmdwarp.report.files import OutputFolder
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.report import OutputFolder, validate_summary
 from hmdwarp.scenes.effects import SceneEffect
 
 SMALL = BenchOptions(

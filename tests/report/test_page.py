@@ -16,7 +16,7 @@ from PIL import Image
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Compared, QualityJob, QualityPool, aggregate
-from hmdwarp.report.page import WorstFrame, render_report
+from hmdwarp.report import WorstFrame, render_report
 
 from .samples import a_scene, a_summary, some_rows, some_worst
 

@@ -7,7 +7,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import aggregate
-from hmdwarp.report.schema import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
+from hmdwarp.report import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
 
 from .samples import a_summary
 

@@ -32,7 +32,9 @@ def border_share(
     """
     if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
         shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
-        raise InputError(f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)")
+        raise InputError(
+            f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
+        )
     holes = flip_rows(np.asarray(coverage) == 0)
     inverse_depth = np.nan_to_num(flip_rows(np.asarray(truth_inverse_depth, dtype=np.float64)), nan=0.0)
     height, width = holes.shape

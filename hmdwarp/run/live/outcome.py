@@ -11,7 +11,7 @@ import numpy as np
 
 from ...link import ResponseTime
 from ...metrics import aggregate_columns, middle_and_tail
-from ...report.schema import SCHEMA
+from ...report import SCHEMA
 from ...version import __version__
 from .facts import Facts
 from .rows import STAGE_COLUMNS

@@ -1,19 +1,18 @@
-"""The rows of a bench in the groups that may be compared, and the figures of one row by a flat name."""
+"""The rows of a bench in comparable groups, and the figures of one row by a flat name."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import attrs
 
-from ..errors import HmdwarpError
-from ..metrics import METRICS, PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics_in_order, pareto
+from ...errors import HmdwarpError
+from ...metrics import METRICS, PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics_in_order, pareto
 
 Row = Mapping[str, Any]
 
-# What makes two rows incomparable: (key, how it is told).
+# Rows that differ in one of these cannot be compared: (key, its text).
 _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("trace", str),
     ("latency_ms", lambda v: f"{v:g} ms"),
@@ -25,65 +24,63 @@ _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("predict", lambda v: f"predict {v}"),
     ("rate_hz", lambda v: f"{v:g} Hz"),
 )
-_ALWAYS_TOLD = ("trace", "latency_ms")
+_IN_EVERY_LABEL = ("trace", "latency_ms")
 
 
 @attrs.frozen(eq=False)
 class Case:
-    """Rows of one recording, latency, scene, size and so on: in these, and only in these, error and time can be compared.
+    """Rows of one recording, latency, scene, size and so on, whose errors and times can be compared."""
 
-    label: what tells this case from the others, at least recording and latency.
-    """
-
+    # How this case differs from the others, at least recording and latency.
     label: str
     rows: tuple[Row, ...]
 
     def ordered(self, measure: str = PRIMARY) -> list[Row]:
-        """The rows by mean error, the best first, then by time; those not measured last."""
-        costs = [(error_and_time(row, measure), row) for row in self.rows]
-        return [
-            row
-            for pair, row in sorted(costs, key=lambda entry: tuple((cost is None, cost or 0.0) for cost in entry[0]))
-        ]
+        """Return the rows by mean error, the best first, then by time; those not measured last."""
+        return sorted(
+            self.rows, key=lambda row: tuple((cost is None, cost or 0.0) for cost in error_and_time(row, measure))
+        )
 
     def front(self, measure: str = PRIMARY) -> list[Row]:
-        """The rows that nobody beats in both error and time, in the order of the bench."""
+        """Return the rows that no other beats in both error and time, in the order of the bench."""
         return pareto(self.rows, lambda row: error_and_time(row, measure))
 
 
 def cases(rows: Iterable[Row]) -> list[Case]:
-    """The groups of comparable rows, in the order in which they first appear."""
+    """Return the groups of comparable rows, in the order in which they first appear."""
     groups: dict[tuple[str, ...], list[Row]] = {}
     rows = list(rows)
     for row in rows:
-        groups.setdefault(tuple(_told(row).values()), []).append(row)
+        groups.setdefault(tuple(_conditions(row).values()), []).append(row)
     names = [name for name, _ in _CONDITIONS]
-    telling = [i for i, name in enumerate(names) if name in _ALWAYS_TOLD or len({key[i] for key in groups}) > 1]
-    return [Case(", ".join(key[i] for i in telling if key[i]), tuple(group)) for key, group in groups.items()]
+    differing = [i for i, name in enumerate(names) if name in _IN_EVERY_LABEL or len({key[i] for key in groups}) > 1]
+    return [Case(", ".join(key[i] for i in differing if key[i]), tuple(group)) for key, group in groups.items()]
 
 
 def common(rows: Iterable[Row]) -> list[str]:
-    """What all rows share, in words: the conditions that the labels of the cases leave out."""
-    told = [_told(row) for row in rows]
-    names = [name for name, _ in _CONDITIONS if name not in _ALWAYS_TOLD]
-    values = [{entry[name] for entry in told} for name in names]
-    return [text for found in values if len(found) == 1 for text in found if text]
+    """Return the conditions that all rows share, which the labels of the cases leave out."""
+    conditions = [_conditions(row) for row in rows]
+    names = [name for name, _ in _CONDITIONS if name not in _IN_EVERY_LABEL]
+    values = [{entry[name] for entry in conditions} for name in names]
+    return [text for texts in values if len(texts) == 1 for text in texts if text]
 
 
-def _told(row: Row) -> dict[str, str]:
-    return {name: tell(row[name]) if row.get(name) is not None else "" for name, tell in _CONDITIONS}
+def _conditions(row: Row) -> dict[str, str]:
+    return {name: text(row[name]) if row.get(name) is not None else "" for name, text in _CONDITIONS}
 
 
 @attrs.frozen
 class Column:
-    """One column of a bench's table. `value` takes a row; numbers are formatted by `figure`, the rest is text."""
+    """One column of a bench's table."""
 
+    # Label, and how a number is written.
     figure: Figure
+    # Takes the value out of a row.
     value: Callable[[Row], Any]
     is_number: bool = True
 
     def text(self, row: Row) -> str:
-        """The cell of this row; a dash where nothing was measured."""
+        """Return the cell of this row; a dash where nothing was measured."""
         value = self.value(row)
         if not self.is_number:
             return "–" if value is None else str(value)
@@ -104,7 +101,6 @@ def _quality(name: str, which: str) -> Callable[[Row], float | None]:
 
 def _region(name: str, figure: str) -> Callable[[Row], float | None]:
     return lambda row: ((row.get("regions") or {}).get(name) or {}).get(figure)
-
 
 
 def _columns() -> dict[str, Column]:
@@ -137,24 +133,14 @@ COLUMNS = _columns()
 
 
 def column(name: str) -> Column:
-    """A column by its name. Errors: HmdwarpError that lists the names there are."""
+    """Return a column by its name. Errors: HmdwarpError that lists the known names."""
     if name not in COLUMNS:
-        raise HmdwarpError(f"no column {name!r} in a bench's table: wanted one of {', '.join(COLUMNS)}")
+        raise HmdwarpError(f"no column {name!r} in a bench's table: expected one of {', '.join(COLUMNS)}")
     return COLUMNS[name]
 
 
 def measure_label(measure: str) -> str:
-    """The name of a measure of error with its unit and the direction in which it is better."""
+    """Return the name of a metric with its unit and the direction in which it is better."""
     metric = METRICS.get(measure)
     figure, better = metric.short_figure, "higher" if metric.higher_is_better else "lower"
     return f"{figure.label}{f' in {figure.unit}' if figure.unit else ''}, {better} is better"
-
-
-def name_pieces(text: str) -> list[str]:
-    """Where a long name may be broken: after the colon, comma or blank between its parts."""
-    return re.split(r"(?<=[:, ])(?=\S)", text)
-
-
-def sequence_text(words: Sequence[str]) -> str:
-    """Words as in a sentence: a, b and c."""
-    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
