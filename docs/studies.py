@@ -13,7 +13,7 @@ from PIL import Image
 
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.display import Command
-from hmdwarp.report.study_words import p_text
+from hmdwarp.report import p_text
 from hmdwarp.study.asking import CONTROLS, Asked
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.steps import Ask

@@ -12,7 +12,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import srgb_from_linear
-from hmdwarp.metrics.image import PSNR_CAP_DB
+from hmdwarp.metrics import PSNR_CAP_DB
 
 WALK = {"trace": "walk", "start_s": 3.0, "seconds": 1.5, "metrics_every": 9}
 

@@ -16,7 +16,7 @@ from ..colour import picture_from_linear
 from ..frames.layers import PACKED
 from ..gpu.textures import download, upload
 from ..link.codec import Coding, Decoder, Encoder, Packet, Undecodable, packed_bytes
-from ..metrics.image import psnr_db
+from ..metrics import psnr_db
 
 if TYPE_CHECKING:
     import moderngl

@@ -1,4 +1,4 @@
-"""The charts of a study's page: every single rating, paired differences, and whether the place of a trial mattered."""
+"""The charts of a study's page: every rating, paired differences, and the effect of a trial's place."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bench_style import PAGE, drawing, dress, svg_text
-from .charts import SERIES
-from .study_tables import condition_text
+from ..style import PAGE, SERIES, drawing, dress, svg_text
+from .tables import condition_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,13 +16,15 @@ if TYPE_CHECKING:
 Row = Mapping[str, Any]
 
 _WIDTH_IN = 9.6
-_BETTER, _WORSE = SERIES  # told apart by dashes too
+_BETTER, _WORSE = SERIES  # their lines differ in dashes too
 _MOST_PAIRS = 5  # more would need more columns than fit
 _WRAP = 16  # letters of a condition's name in a line
+_LINES: dict[int, tuple[str, Any]] = {1: (_BETTER, "solid"), -1: (_WORSE, (0, (4, 2))), 0: (PAGE.ink, (0, (1, 2)))}
+_SHIFT_LABEL = "Hodges-Lehmann shift, exact 95 % or next level"
 
 
 def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
-    """Every rating of a part as a point, an <svg> element: up is better; lines join the two ratings of one person that are compared."""
+    """Draw every rating of a part as a point, up is better; lines join the compared ratings of one person."""
     names, pairs = _columns(part["conditions"], comparisons)
     by_name = {row["condition"]: row for row in part["conditions"]}
     with drawing((part["part"], measure["name"], names)):
@@ -43,7 +44,7 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
 
 
 def forest_chart(rows: Sequence[Row], unit: str) -> str:
-    """A line for each comparison: single differences, their mean with the BCa interval, the Hodges-Lehmann shift with its exact one."""
+    """Draw the differences of each comparison, their mean with its BCa interval, and the Hodges-Lehmann shift."""
     shown = [row for row in rows if row["n"]]
     with drawing([(row["part"], row["a"], row["b"], row["mean"]) for row in shown]):
         figure, axes = _figure(_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2))
@@ -64,7 +65,7 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
 
 
 def place_chart(part: Row, measure: Row) -> str:
-    """Each rating less its participant's and its condition's mean, against the place of its trial, with the mean of each place."""
+    """Draw each rating less its participant's and its condition's mean against the place of its trial."""
     places = np.array([one["place"] for one in part["places"]])
     rest = np.array([one["rest"] for one in part["places"]])
     with drawing((part["part"], "places", rest.tolist())):
@@ -87,7 +88,7 @@ def place_chart(part: Row, measure: Row) -> str:
 
 
 def scatter_chart(points: Sequence[Row], label: str, measure: Row) -> str:
-    """Ratings against what was measured. points: x, y."""
+    """Draw ratings against a measure. points: x, y."""
     x, y = np.array([one["x"] for one in points], float), np.array([one["y"] for one in points], float)
     with drawing((label, x.tolist(), y.tolist())):
         figure, axes = _figure(5.0, 2.6)
@@ -108,8 +109,11 @@ def _figure(width_in: float, height_in: float) -> tuple[Any, Axes]:
 
 
 def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[list[str], list[tuple[int, Row]]]:
-    """Names of the columns, and where each comparison's first one is: its two side by side, a condition of two comparisons twice. Without
-    lines where that would be too many columns."""
+    """Return the names of the columns, and the place of each comparison's first one.
+
+    The two conditions of a comparison stand side by side, a condition of two comparisons twice. With
+    too many comparisons there are no lines.
+    """
     names = [row["condition"] for row in conditions]
     if len(comparisons) > _MOST_PAIRS:
         return names, []
@@ -120,7 +124,7 @@ def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[lis
 
 
 def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
-    """How far each person's point is moved sideways, so that equal ratings lie side by side."""
+    """Return the sideways shift of each person's point, so that equal ratings lie side by side."""
     groups: dict[float, list[str]] = {}
     for who, value in ratings.items():
         groups.setdefault(value, []).append(who)
@@ -133,35 +137,18 @@ def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Map
     for who, difference in row["differences"].items():
         x = [at + shifts[a][who], at + 1 + shifts[b][who]]
         y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
-        style = (
-            {"color": _BETTER, "linestyle": "solid"} if difference > 0 else {"color": _WORSE, "linestyle": (0, (4, 2))}
-        )
-        axes.plot(
-            x,
-            y,
-            linewidth=0.9,
-            alpha=0.6,
-            zorder=1,
-            **(style if difference else {"color": PAGE.ink, "linestyle": (0, (1, 2))}),
-        )
+        colour, dash = _LINES[(difference > 0) - (difference < 0)]
+        axes.plot(x, y, color=colour, linestyle=dash, linewidth=0.9, alpha=0.6, zorder=1)
 
 
 def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
-    who = list(row["ratings"])
-    style = {
-        "linestyle": "none",
-        "marker": "o",
-        "markersize": 5,
-        "color": PAGE.ink,
-        "markerfacecolor": "none",
-        "zorder": 3,
-    }
-    axes.plot([x + shifts[name] for name in who], [row["ratings"][name] for name in who], **style)
+    who, ink = list(row["ratings"]), PAGE.ink
+    at = [x + shifts[name] for name in who]
+    values = [row["ratings"][name] for name in who]
+    axes.plot(at, values, "o", markersize=5, color=ink, markerfacecolor="none", zorder=3)
     if row["median"] is not None:
-        axes.plot(
-            [x - 0.3, x + 0.3], [row["median"]] * 2, color=PAGE.ink, linewidth=2.2, zorder=2, solid_capstyle="butt"
-        )
-        axes.plot(x - 0.36, row["mean"], marker=">", markersize=6, color=PAGE.ink, linestyle="none", zorder=4)
+        axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
+        axes.plot(x - 0.36, row["mean"], ">", markersize=6, color=ink, zorder=4)
 
 
 def _label(row: Row) -> str:
@@ -227,19 +214,11 @@ def _forest_key() -> list[Any]:
 
     return [
         Line2D([], [], color=_BETTER, marker="o", markersize=7, linewidth=2.6, label="mean, BCa 95 %"),
-        Line2D(
-            [],
-            [],
-            color=_WORSE,
-            marker="D",
-            markersize=4.5,
-            linewidth=1.4,
-            label="Hodges-Lehmann shift, exact 95 % or next level",
-        ),
+        Line2D([], [], color=_WORSE, marker="D", markersize=4.5, linewidth=1.4, label=_SHIFT_LABEL),
         Line2D([], [], color=PAGE.ink, alpha=0.45, marker="o", markersize=3.2, linestyle="none", label="one person"),
     ]
 
 
 def _spread(count: int, width: float = 0.15) -> np.ndarray:
-    """Sideways places that look random and are the same every time."""
+    """Return sideways places that look random and are always the same."""
     return width * (np.arange(count) * 0.618034 % 1 - 0.5)

@@ -1,4 +1,4 @@
-"""Error against how far the head has moved since the late frame was drawn: one chart for each axis, one line for each warp."""
+"""Error against displacement of the head since the late frame: a chart per axis, a line per warp."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .bench_cases import measure_label
-from .bench_labels import spread
-from .bench_style import PAGE, dashes_of, drawing, dress, svg_text
+from ...metrics import PRIMARY
+from ..style import PAGE, dashes_of, drawing, dress, not_measured, svg_text
+from .cases import measure_label
+from .labels import spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,27 +24,27 @@ _MEANINGS = {
 }  # fmt: skip
 _LINE_PT = 10.5  # between two names
 _PLOT_IN, _BELOW_IN, _ABOVE_IN = 3.3, 0.5, 0.12
-_CHAR_PT = 5.6  # of DejaVu Sans at 9 points, on the safe side
+_CHAR_PT = 5.6  # width of DejaVu Sans at 9 points, on the safe side
 
 
 def is_turn(axis: str) -> bool:
-    """Whether offsets along this axis are in degrees; else they are metres."""
+    """Return whether offsets along this axis are in degrees; else they are in metres."""
     return axis in ("yaw", "pitch", "roll")
 
 
 def axis_heading(axis: str) -> str:
-    """The axis in words: which way its positive offsets go (OpenXR: +x right, +y up, -z forward)."""
+    """Return the axis with the direction of its positive offsets (OpenXR: +x right, +y up, -z forward)."""
     return f"{axis}: {_MEANINGS[axis]}" if axis in _MEANINGS else axis
 
 
 def axes_of(grid: Iterable[GridRow]) -> list[str]:
-    """The axes that the rows hold, in the usual order; unknown ones last."""
-    found = dict.fromkeys(row["axis"] for row in grid)
-    return [axis for axis in AXES if axis in found] + [axis for axis in found if axis not in AXES]
+    """Return the axes of the rows in the usual order, unknown ones last."""
+    named = dict.fromkeys(row["axis"] for row in grid)
+    return [axis for axis in AXES if axis in named] + [axis for axis in named if axis not in AXES]
 
 
-def curves(grid: Iterable[GridRow], axis: str, measure: str = "flip") -> dict[str, NDArray[np.float64]]:
-    """For each warp (n, 2): offset and error in order of offset, without the points that were not measured."""
+def curves(grid: Iterable[GridRow], axis: str, measure: str = PRIMARY) -> dict[str, NDArray[np.float64]]:
+    """Return (n, 2) for each warp: the measured offsets and errors in order of offset."""
     out: dict[str, list[tuple[float, float]]] = {}
     for row in grid:
         if row["axis"] == axis:
@@ -53,10 +54,11 @@ def curves(grid: Iterable[GridRow], axis: str, measure: str = "flip") -> dict[st
     return {warp: np.array(sorted(points), dtype=np.float64).reshape(-1, 2) for warp, points in out.items()}
 
 
-def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip") -> str:
-    """One axis as an <svg> element for the page; the axes in metres have one scale of error, those in degrees another.
+def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = PRIMARY) -> str:
+    """Draw one axis as an <svg> element.
 
-    Names stand at the right end of the lines, in their order, with an arrow where the line has left the chart, as `none` does.
+    The axes in metres share one scale of error, those in degrees another. Names stand at the right
+    end of the lines, in their order, with an arrow where the line has left the chart, as `none` does.
     """
     lines = {warp: points for warp, points in curves(grid, axis, measure).items() if len(points)}
     height_in = max(3.0, (len(lines) * _LINE_PT + 60) / 72)
@@ -76,22 +78,25 @@ def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = "flip"
             axes.set_ylim(_limits(grid, axis, measure))
             _draw(axes, lines, dashes_of(dict.fromkeys(row["warp"] for row in grid)), height_in)
         else:
-            axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=PAGE.ink)
+            not_measured(axes)
         return svg_text(figure)
 
 
-def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = "flip") -> str:
-    """What the chart says to someone who does not see it: the order of the warps at its right end."""
+def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = PRIMARY) -> str:
+    """Return the chart in words, for readers who cannot see it: the order of the warps at its right end."""
     ends = {warp: points[-1, 1] for warp, points in curves(grid, axis, measure).items() if len(points)}
-    names = [f"{warp} {ends[warp]:.3g}" for warp in sorted(ends, key=ends.get, reverse=True)]
-    told = ", ".join(names) or "nothing"
+    names = [f"{warp} {ends[warp]:.3g}" for warp in sorted(ends, key=ends.__getitem__, reverse=True)]
+    order = ", ".join(names) or "nothing"
     return (
-        f"Error against offset, {axis_heading(axis)}, {measure_label(measure)}. At the right end, from above: {told}."
+        f"Error against offset, {axis_heading(axis)}, {measure_label(measure)}. At the right end, from above: {order}."
     )
 
 
 def _limits(grid: Sequence[GridRow], axis: str, measure: str) -> tuple[float, float]:
-    """The range of all warps that do anything, on all axes of this kind: `none` may leave it, or nothing could be told of the others."""
+    """Return the range of all warps but `none`, on all axes of this kind.
+
+    `none` may leave it: in its range the others could not be told apart.
+    """
     rows = [row for row in grid if row.get(measure) is not None and is_turn(row["axis"]) == is_turn(axis)]
     values = [row[measure] for row in rows if row["warp"] != "none"] or [row[measure] for row in rows]
     low, high = min(values), max(values)
@@ -112,7 +117,7 @@ def _draw(axes: Axes, lines: Mapping[str, NDArray[np.float64]], dashes: Mapping[
     wanted = np.clip((ends - low) / (high - low), 0, 1) * area_pt
     heights = spread(wanted, _LINE_PT, 0, area_pt)
     for warp, end, height in zip(lines, ends, heights, strict=True):
-        # A short line in the warp's own colour and dash ties the name to its end, and is the key to the line.
+        # A short line in the warp's own colour and dash ties the name to its curve, as its legend.
         tie = {
             "arrowstyle": "-",
             "color": PAGE.warp(warp),

@@ -1,4 +1,4 @@
-"""Error against time, with the Pareto front: the chart a person chooses a method by."""
+"""Error against time, with the Pareto front: the chart to choose a method from."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..metrics.pareto import error_and_time, pareto
-from ..metrics.summary import HIGHER_IS_BETTER
-from .bench_cases import Case, Row, cases, measure_label
-from .bench_labels import groups_of, leaders, place_labels
-from .bench_style import PAGE, PAPER, Palette, drawing, dress, markers_of, svg_text
+from ...metrics import METRICS, PRIMARY, error_and_time, pareto
+from ..files import write_bytes
+from ..style import PAGE, PAPER, Palette, drawing, dress, markers_of, not_measured, svg_text
+from .cases import Case, Row, cases, measure_label
+from .labels import groups_of, leaders, place_labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 _WIDTH_IN, _HEIGHT_IN = 9.6, 3.9
 _MARKER_PT = 6.5
-_CLEAR_PT = 4.5  # half the side of the square that labels keep off
-_SHARED_PT = 13.0  # points of one warp nearer than that, twice a marker, have one name
+_CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
+_SHARED_PT = 13.0  # twice a marker; points of one warp nearer than that share one name
 _LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
 _ABOVE = {"xycoords": "axes fraction", "textcoords": "offset points"}
 _KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
@@ -30,11 +30,12 @@ _MANY = 20  # points of one chart from which a picture has one chart a row
 _PNG_DPI = 200
 
 
-def pareto_chart(case: Case, measure: str = "flip", *, markers: Mapping[str, str] | None = None) -> str:
-    """One case as an <svg> element for the page: mean error against the median total time per eye (logarithmic), every point named.
+def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
+    """Draw one case as an <svg> element: mean error against median total time per eye (logarithmic).
 
-    Points of the front are filled, their names bold, and a line joins them: nothing lies below and left of it (above, for PSNR). markers:
-    of the fills, where several charts are to share them. Rows without a measurement are left out; a chart of nothing says so.
+    Every point is named. Points of the front are filled, their names bold, and a line joins them:
+    nothing lies below and left of it (above, for PSNR). Rows without a measurement are left out; a
+    chart of nothing says so. markers: of the fills, where several charts are to share them.
     """
     markers = markers or markers_of(row["fill"] for row in case.rows)
     with drawing((case.label, measure, _content(case, measure))):
@@ -47,14 +48,13 @@ def pareto_chart(case: Case, measure: str = "flip", *, markers: Mapping[str, str
 
 
 def pareto_plot_png(
-    path: str | os.PathLike, rows: Iterable[Row], *, measure: str = "flip", columns: int | None = None
+    path: str | os.PathLike, rows: Iterable[Row], *, measure: str = PRIMARY, columns: int | None = None
 ) -> None:
-    """The same charts, one for each case of the rows, in one PNG 1600 pixels wide on white: for a README or a paper.
+    """Write the same charts, one for each case, into one PNG 1600 pixels wide on white, for a README or a paper.
 
-    columns: charts side by side, by default two, or one where they hold many points. Errors: as files.write_bytes.
+    columns: charts side by side, by default two, or one where they hold many points.
+    Errors: as files.write_bytes.
     """
-    from .files import write_bytes
-
     write_bytes(path, _pareto_png(cases(rows), measure, columns))
 
 
@@ -82,12 +82,16 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
     return buffer.getvalue()
 
 
-def pareto_text(case: Case, measure: str = "flip") -> str:
-    """What the chart says to someone who does not see it."""
-    front = sorted(case.front(measure), key=lambda row: error_and_time(row, measure)[1])
-    names = [f"{row['warp']} with fill {row['fill']} ({row['time_ms']['total']['median']:.1f} ms)" for row in front]
-    told = ", ".join(names) or "nothing was measured"
-    return f"Error against time, {case.label}, {measure_label(measure)}. Nobody beats, from quick to slow: {told}."
+def pareto_text(case: Case, measure: str = PRIMARY) -> str:
+    """Return the chart in words, for readers who cannot see it."""
+    front = sorted(case.front(measure), key=_total)
+    names = [f"{row['warp']} with fill {row['fill']} ({_total(row):.1f} ms)" for row in front]
+    methods = ", ".join(names) or "nothing was measured"
+    return f"Error against time, {case.label}, {measure_label(measure)}. Pareto front, from quick to slow: {methods}."
+
+
+def _total(row: Row) -> float:
+    return row["time_ms"]["total"]["median"]
 
 
 def _content(case: Case, measure: str) -> list[tuple[Any, ...]]:
@@ -104,7 +108,7 @@ def _figure(width_in: float, height_in: float) -> Figure:
 
 
 def _axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """Axes at a fixed place (left, bottom, right, top in inches): labels are placed before anything is drawn."""
+    """Add axes at a fixed place (left, bottom, right, top in inches): labels are placed before drawing."""
     width, height = figure.get_size_inches()
     left, bottom, right, top = box
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
@@ -118,12 +122,12 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
     if not rows:
         axes.set_xticks([])
         axes.set_yticks([])
-        axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
+        not_measured(axes, palette)
         return
-    time = np.array([row["time_ms"]["total"]["median"] for row in rows])
+    time = np.array([_total(row) for row in rows])
     error = np.array([row["quality"][measure]["mean"] for row in rows])
     _scale(axes.xaxis, time, logarithmic=True)
-    _scale(axes.yaxis, error, logarithmic=measure not in HIGHER_IS_BETTER and error.min() > 0)
+    _scale(axes.yaxis, error, logarithmic=not METRICS.get(measure).higher_is_better and error.min() > 0)
     best = {id(row) for row in pareto(rows, lambda row: error_and_time(row, measure))}
     is_best = np.array([id(row) in best for row in rows])
     line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
@@ -138,12 +142,15 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
-    better = "better ↖" if measure in HIGHER_IS_BETTER else "better ↙"
+    better = "better ↖" if METRICS.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
 
 def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
-    """Limits with a margin around the values, and plain numbers at the ticks; a time below a microsecond counts as one."""
+    """Set limits with a margin around the values, and plain numbers at the ticks.
+
+    A time below a microsecond counts as one.
+    """
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
     limits = axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim
@@ -154,10 +161,10 @@ def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
         axis.set_major_locator(MaxNLocator(6))
         return
     low, high = np.log10(np.maximum([values.min(), values.max()], 1e-3))
-    margin = max(
-        0.06 * (high - low), (np.log10(4) - (high - low)) / 2
-    )  # at least a factor of four, so that two ticks are in it
-    getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+    # At least a factor of four, so that two ticks are in it.
+    margin = max(0.06 * (high - low), (np.log10(4) - (high - low)) / 2)
+    scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
+    scale("log")
     limits(10 ** (low - margin), 10 ** (high + margin))
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_minor_locator(NullLocator())
@@ -165,10 +172,10 @@ def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
 
 
 def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, palette: Palette) -> np.ndarray:
-    """The staircase that bounds what is possible with these methods, as (m, 2) in data coordinates."""
+    """Draw the staircase that bounds these methods; return it as (m, 2) in data coordinates."""
     order = np.argsort(time, kind="stable")
     time, error = time[order], error[order]
-    worst = axes.get_ylim()[0 if measure in HIGHER_IS_BETTER else 1]
+    worst = axes.get_ylim()[0 if METRICS.get(measure).higher_is_better else 1]
     x = np.concatenate([[time[0]], time, [axes.get_xlim()[1]]])
     y = np.concatenate([[worst], error, error[-1:]])
     axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)
@@ -178,7 +185,7 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
 def _draw_names(
     axes: Axes, names: list[str], points: np.ndarray, is_best: np.ndarray, line: np.ndarray, palette: Palette
 ) -> None:
-    """Each point's warp beside it; points of one warp that nearly coincide (its fills) share one name."""
+    """Write each point's warp beside it; points of one warp that nearly coincide (its fills) share a name."""
     to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
     area = (box.width * to_points, box.height * to_points)
     at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points

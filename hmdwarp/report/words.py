@@ -1,15 +1,20 @@
-"""Numbers as papers print them."""
+"""Numbers as papers print them, and lists as sentences need them."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 
 ALPHA = 0.05
 
 
 def p_text(p: float | None) -> str:
-    """As ".226", ".0098", "3e-7": three digits after the point, four below .01, one digit and the power of ten below .0001."""
+    """Return p as ".226", ".0098" or "3e-7".
+
+    Three digits after the point, four below .01, one digit and the power of ten below .0001.
+    """
     if p is None or math.isnan(p):
         return "–"
     if p < 1e-4:
@@ -21,12 +26,12 @@ def p_text(p: float | None) -> str:
 
 
 def p_is(p: float) -> str:
-    """As "p = .0098"."""
+    """Return p as "p = .0098"."""
     return f"p = {p_text(p)}"
 
 
 def signed(value: float | None, digits: int = 2) -> str:
-    """As "+1.30", "-0.56", "0.00"; a dash for None."""
+    """Return "+1.30", "-0.56" or "0.00"; a dash for None."""
     if value is None or math.isnan(value):
         return "–"
     text = f"{value:+.{digits}f}"
@@ -34,26 +39,31 @@ def signed(value: float | None, digits: int = 2) -> str:
 
 
 def interval(low: float | None, high: float | None, digits: int = 2) -> str:
-    """As "-0.16 .. +0.75"; a dash where there is none."""
+    """Return "-0.16 .. +0.75"; a dash if an end is None."""
     return "–" if low is None or high is None else f"{signed(low, digits)} .. {signed(high, digits)}"
 
 
 def plain(value: float | None, digits: int = 2) -> str:
-    """As "2.62"; a dash for None."""
+    """Return "2.62"; a dash for None."""
     return "–" if value is None or math.isnan(value) else f"{value:.{digits}f}"
 
 
 def counted(number: int, word: str) -> str:
-    """As "1 person", "3 ratings"."""
+    """Return "1 person" or "3 ratings"."""
     return f"{number} {word if number == 1 else {'person': 'people'}.get(word, word + 's')}"
 
 
-def listed(names: list[str], word: str = "and") -> str:
-    """As "a, b and c"."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}" if names else "nobody"
+def listed(names: Sequence[str], word: str = "and") -> str:
+    """Return "a, b and c"; "" for no names."""
+    return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def pair_text(a: str, b: str) -> str:
-    """As "none → forward, 200 ms": two conditions, with what both names end in said once."""
+    """Return "none → forward, 200 ms": two conditions, with their common end said once."""
     head, comma, tail = a.rpartition(", ")
     return f"{head} → {b}" if comma and b.endswith(f", {tail}") else f"{a} → {b}"
+
+
+def name_pieces(text: str) -> list[str]:
+    """Split a long name where it may break: after the colon, comma or blank between its parts."""
+    return re.split(r"(?<=[:, ])(?=\S)", text)

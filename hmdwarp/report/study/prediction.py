@@ -1,13 +1,13 @@
-"""The section of a study's page on what predicts the ratings."""
+"""The section of a study's page on the measures that predict the ratings."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from .bench_page import Cell, Line, PageChart, PageTable
-from .study_charts import scatter_chart
-from .study_words import interval, plain, signed
+from ..parts import PageChart, PageTable
+from ..words import interval, plain, signed
+from .charts import scatter_chart
 
 _HEADS = (
     ("measure", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""), ("error taken off", "%"), ("95 %", ""), ("best in", "%"),
@@ -15,14 +15,16 @@ _HEADS = (
 
 
 def prediction_of(data: Mapping[str, Any] | None, measure: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """What the template shows; None where nothing was measured. data: as analysis.json has it; measure: what the ratings are on."""
+    """Return the content of the section; None where nothing was measured.
+
+    data: as in analysis.json. measure: the scale of the ratings.
+    """
     if data is None:
         return None
     titles = {one["name"]: one["title"] for one in data["measures"]}
     charts = [
-        PageChart(
-            titles[name],
-            (("", scatter_chart(points, titles[name], measure), f"{titles[name]} against {measure['title']}"),),
+        PageChart.of(
+            titles[name], scatter_chart(points, titles[name], measure), f"{titles[name]} against {measure['title']}"
         )
         for name, points in data["points"].items()
     ]
@@ -34,9 +36,8 @@ def prediction_of(data: Mapping[str, Any] | None, measure: Mapping[str, Any]) ->
 
 
 def _table(measures: list[Mapping[str, Any]]) -> PageTable:
-    lines = []
-    for one in measures:
-        texts = [
+    lines = [
+        [
             one["title"],
             signed(one["r"]),
             interval(one["low"], one["high"]),
@@ -45,8 +46,9 @@ def _table(measures: list[Mapping[str, Any]]) -> PageTable:
             f"{_percent(one['skill_low'])} .. {_percent(one['skill_high'])}",
             _percent(one["best"]),
         ]
-        lines.append(Line(tuple(Cell(text, number > 0) for number, text in enumerate(texts))))
-    return PageTable("Measures of the pictures against the ratings", _HEADS, tuple(lines))
+        for one in measures
+    ]
+    return PageTable.of("Measures of the pictures against the ratings", _HEADS, lines)
 
 
 def _percent(share: float | None) -> str:

@@ -1,13 +1,17 @@
-"""How the bench's charts tell warps, fills and regions apart: the same colour, dash and marker in every chart.
+"""How charts look: the colours, dashes and markers that tell warps, fills and regions apart.
 
-Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter, reds gather, greens draw triangles,
-purples know more than one layer. Colour is never alone: points and lines carry their names, lines of one hue differ in their dashes, fills
-in the marker, regions in the hatching.
+Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter, reds
+gather, greens draw triangles, purples know more than one layer. Colour is never alone: points and lines
+carry their names, lines of one hue differ in their dashes, fills in the marker, regions in the hatching.
+
+Charts of a page take their colours and font from the page around them, so that one chart serves light
+and dark: Matplotlib writes stand-in colours, and svg_text() replaces them by the page's CSS variables.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import re
 import zlib
 from collections.abc import Iterable, Iterator
@@ -16,12 +20,11 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from . import charts
-
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-# name: (on light paper, on dark paper, dash). Every colour has a contrast of 3 or more to its paper; a test computes it.
+# name: (on light paper, on dark paper, dash). Each has a contrast of 3 or more to its paper: a test computes it.
 _WARPS: dict[str, tuple[str, str, int]] = {
     "none": ("#6b7280", "#9aa3ad", 0),
     "rotation": ("#a87400", "#e3b341", 0),
@@ -48,27 +51,30 @@ _MORE_MARKERS = ("^", "D", "v", "P", "X", "p", "<", ">", "h", "*")
 
 
 def warp_of(spec: str) -> str:
-    """The registered name in a spec with settings: "mesh:cut=slope" is a mesh."""
+    """Return the registered name in a spec with settings: "mesh:cut=slope" is a mesh."""
     return spec.partition(":")[0]
 
 
 def _key(spec: str) -> str:
-    """What a warp's colour is called: its own name, or one of a few for warps that came later than this table."""
+    """Return the key of a warp's colour: its name, or one of a few for warps that this table lacks."""
     name = warp_of(spec)
     return name if name in _WARPS else f"other-{zlib.crc32(name.encode()) % len(_OTHERS)}"
 
 
 _TONES = {**_WARPS, **{f"other-{number}": tone for number, tone in enumerate(_OTHERS)}}
-# Colours that Matplotlib writes and svg_text() replaces by the page's variables.
+# Stand-in colours, all of one length, and the CSS variables that replace them.
+INK, GRID = "#010101", "#020202"
+SERIES = ("#030303", "#040404")
 _STAND_INS = {key: f"#0500{number:02x}" for number, key in enumerate(_TONES)}
 _REGION_STAND_INS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
-_VARIABLES = {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
+_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid", SERIES[0]: "--series-1", SERIES[1]: "--series-2"}
+_VARIABLES |= {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
 _VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(_REGION_STAND_INS)}
 
 
 @attrs.frozen
 class Palette:
-    """The colours of a chart: stand-ins for a page that has a light and a dark form, or real ones for a picture."""
+    """The colours of a chart: stand-ins for a page, which is light or dark, or real ones for a picture."""
 
     ink: str
     grid: str
@@ -76,23 +82,23 @@ class Palette:
     is_page: bool
 
     def warp(self, spec: str) -> str:
-        """The colour of a warp, whatever its settings are."""
+        """Return the colour of a warp, whatever its settings are."""
         return _STAND_INS[_key(spec)] if self.is_page else _TONES[_key(spec)][0]
 
 
-PAGE = Palette(charts.INK, charts.GRID, _REGION_STAND_INS, True)
+PAGE = Palette(INK, GRID, _REGION_STAND_INS, True)
 PAPER = Palette("#30373f", "#e2e6ea", tuple(light for light, _ in _REGIONS), False)
 
 
 def css_variables(dark: bool) -> str:
-    """The declarations that give the page's charts their colours, for light or for dark paper."""
+    """Return the CSS declarations of the colours of warps and regions, for light or dark paper."""
     values = [(f"--warp-{key.replace('_', '-')}", tones[dark]) for key, tones in _TONES.items()]
     values += [(f"--region-{number}", tones[dark]) for number, tones in enumerate(_REGIONS)]
     return " ".join(f"{name}: {value};" for name, value in values)
 
 
 def dashes_of(specs: Iterable[str]) -> dict[str, Any]:
-    """A dash for the line of each spec; the settings of one warp, which share its colour, differ."""
+    """Return a dash for the line of each spec; the settings of one warp, which share its colour, differ."""
     chosen: dict[str, Any] = {}
     seen: dict[str, int] = {}
     for spec in specs:
@@ -104,7 +110,7 @@ def dashes_of(specs: Iterable[str]) -> dict[str, Any]:
 
 
 def markers_of(fills: Iterable[str]) -> dict[str, str]:
-    """A marker for each fill; those that this table does not know get theirs by the order of their names."""
+    """Return a marker for each fill; fills that the table lacks get theirs in the order of their names."""
     fills = set(fills)
     unknown = sorted(fills - set(_MARKERS))
     chosen = {fill: _MARKERS[fill] for fill in sorted(fills & set(_MARKERS))}
@@ -113,7 +119,10 @@ def markers_of(fills: Iterable[str]) -> dict[str, str]:
 
 @contextmanager
 def drawing(content: object, font_size: float = 9) -> Iterator[None]:
-    """Matplotlib's settings for a chart of `content`, so that the same content gives the same text, and two charts share no ids."""
+    """Set Matplotlib up for a chart of `content`.
+
+    The same content gives the same text, and two charts of one page share no ids.
+    """
     import warnings
 
     from matplotlib import rc_context
@@ -128,8 +137,8 @@ def drawing(content: object, font_size: float = 9) -> Iterator[None]:
         yield
 
 
-def dress(axes: Axes, palette: Palette, *, grid: str = "both") -> None:
-    """No box, a pale grid behind, everything else in ink; grid: the axis whose lines are drawn."""
+def dress(axes: Axes, palette: Palette = PAGE, *, grid: str = "both") -> None:
+    """Draw no box, a pale grid behind, everything else in ink; grid: the axis whose lines are drawn."""
     axes.patch.set_visible(False)
     axes.grid(True, axis=grid, color=palette.grid, linewidth=0.6)
     axes.set_axisbelow(True)
@@ -141,8 +150,26 @@ def dress(axes: Axes, palette: Palette, *, grid: str = "both") -> None:
         axis.label.set_color(palette.ink)
 
 
-def svg_text(figure: Any) -> str:
-    """A figure drawn in PAGE's colours as an <svg> element to stand in the page."""
+def not_measured(axes: Axes, palette: Palette = PAGE) -> None:
+    """Say in the middle of empty axes that there is nothing to draw."""
+    axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
+
+
+def svg_text(figure: Figure) -> str:
+    """Return a figure drawn in PAGE's colours as an <svg> element to stand in the page.
+
+    It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
+    """
     figure.patch.set_visible(False)
-    text = charts.svg_text(figure)
-    return re.sub(r"#0[56]00[0-9a-f]{2}\b", lambda found: f"var({_VARIABLES[found[0]]})", text)
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    for stand_in, variable in _VARIABLES.items():
+        text = text.replace(stand_in, f"var({variable})")
+    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every chart.
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
+    text = re.sub(r'<g id="[^"]*"', "<g", text)
+    head, rest = text.split(">", 1)
+    parts = [part for part in head.split('" ') if not part.startswith(("width=", "height="))]
+    return '" '.join(parts) + ">" + rest

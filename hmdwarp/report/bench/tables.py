@@ -1,28 +1,35 @@
-"""The table a person decides from, for the terminal and as Markdown: what each method costs and what it gives."""
+"""The table to decide from, for the terminal and as Markdown: the cost and the gain of each method."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .bench_cases import COLUMNS, Case, Row, cases, column, common, measure_label, name_pieces
+from ...metrics import PRIMARY, metrics_in_order
+from ..words import name_pieces
+from .cases import COLUMNS, Case, Row, cases, column, common, measure_label
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-DECISION = ("warp", "fill", "total_ms", "total_ms_p95", "psnr_db", "ssim", "flip", "hole_share", "flicker", "mismatch")
-_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "psnr_db": "PSNR", "hole_share": "holes%", "mismatch": "mis%"}
-_GIVEN_UP_FIRST = ("total_ms_p95", "ssim", "mismatch", "flicker", "psnr_db", "hole_share")
+_RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
+DECISION = ("warp", "fill", "total_ms", "total_ms_p95", *_RANKS, "mismatch")
+_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%"}
+_OPTIONAL = {"total_ms_p95": 1, "mismatch": 3, **{name: rank for name, rank in _RANKS.items() if rank < math.inf}}
+# Columns that go where the terminal is narrow, the least important first.
+_DROPPED_FIRST = sorted(_OPTIONAL, key=_OPTIONAL.__getitem__)
 _GAP = 2  # between two columns
-_LEAST_TEXT = 10  # of the column of warps, however narrow the terminal is
+_LEAST_TEXT = 10  # width of the column of warps, however narrow the terminal is
 MARK = "*"
 
 
-def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = "flip") -> Table:
-    """All rows, case by case, the least error first; `*` marks those that no other beats in both error and time.
+def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY) -> Table:
+    """Return all rows, case by case, the least error first; `*` marks the Pareto front.
 
-    width: what the terminal has. Names of warps with settings are folded between their parts; then columns are left out, the
-    least telling first, until the rest fits; numbers are never cut. measure: the figure of `quality` that decides.
+    width: of the terminal. Names of warps with settings are folded between their parts. Then columns
+    are left out, the least important first, until the rest fits; numbers are never cut. measure: the
+    metric that decides.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -64,7 +71,8 @@ def _identities(rows: Iterable[Row]) -> set[int]:
 
 
 def _head(name: str) -> str:
-    return _HEADS.get(name, column(name).figure.label)
+    figure = column(name).figure
+    return _HEADS.get(name, figure.label + ("%" if figure.unit == "%" else ""))
 
 
 def _width(name: str, groups: Sequence[Case]) -> int:
@@ -78,7 +86,7 @@ def _cells(text: str) -> int:
 
 
 def _folded(text: str, width: int) -> str:
-    """The text in lines of at most `width` cells, broken between its pieces, and inside one only if that alone is too wide."""
+    """Break the text between its pieces into lines of at most `width` cells, unless one piece is wider."""
     lines = [""]
     for piece in name_pieces(text):
         if _cells((lines[-1] + piece).rstrip()) <= width or not lines[-1]:
@@ -89,7 +97,7 @@ def _folded(text: str, width: int) -> str:
 
 
 def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
-    """The columns that there is room for, and the room for the warp's name."""
+    """Return the columns that fit, and the width of the warp's name."""
     names = list(DECISION)
     labels = [group.label for group in groups] if len(groups) > 1 else []
     texts = [_head("warp"), *labels, *(row["warp"] for group in groups for row in group.rows)]
@@ -99,10 +107,10 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
         others = [len(MARK), *(_width(name, groups) for name in names if name != "warp")]
         return width - sum(others) - _GAP * len(others)
 
-    for given_up in _GIVEN_UP_FIRST:
+    for name in _DROPPED_FIRST:
         if room() >= least:
             break
-        names.remove(given_up)
+        names.remove(name)
     return names, max(min(room(), max(map(_cells, texts))), _LEAST_TEXT)
 
 
@@ -114,21 +122,21 @@ def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
         lines[1] += "; mis%: hole for one eye only"
     left_out = [_head(name) for name in DECISION if name not in names]
     if left_out:
-        lines.append(f"left out, for they do not fit: {', '.join(left_out)}")
+        lines.append(f"left out, too wide: {', '.join(left_out)}")
     return "\n".join(lines)
 
 
 def choice_terms(choice: Mapping[str, Any]) -> str:
-    """Of what a choice's figures are means: 'at 1280x800, means over 2 cases'."""
+    """Return the basis of a choice's figures: 'at 1280x800, means over 2 cases'."""
     sizes = " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
     return f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
 
 
 def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, mark: str | None = None) -> str:
-    """A Markdown table of the rows as given, one line each; ends with a line feed.
+    """Return a Markdown table of the rows in their order, one line each; it ends with a line feed.
 
-    columns: names of bench_cases.COLUMNS. mark: a figure of `quality`; the rows that no other of their case beats in it and in
-    time get bold names. Warps and fills are set as code. Errors: HmdwarpError for an unknown column.
+    columns: names of COLUMNS. mark: a metric; rows on the Pareto front of it and time get bold names.
+    Warps and fills are set as code. Errors: HmdwarpError for an unknown column.
     """
     rows = list(rows)
     chosen = [column(name) for name in columns]

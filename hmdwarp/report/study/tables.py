@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from .study_words import interval, p_text, pair_text, plain, signed
+from ..words import interval, p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 Heads = tuple[tuple[str, str], ...]
@@ -23,38 +23,21 @@ MISSING_COLUMNS = ("scale", "part", "participant", "session", "condition", "why"
 
 
 def condition_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
-    """Heads and cells of the table of a part's conditions."""
-    heads = (
-        ("condition", ""),
-        ("n", ""),
-        ("missing", ""),
-        ("median", ""),
-        ("mean", ""),
-        ("sd", ""),
-        ("quartiles", ""),
-        ("range", ""),
-    )
+    """Return the heads and cells of the table of a part's conditions."""
+    names = ("condition", "n", "missing", "median", "mean", "sd", "quartiles", "range")
     lines = []
     for row in rows:
-        name = condition_text(row)
+        counts = [str(row["n"]), str(row["missing"])]
         middle = [plain(row["median"]), plain(row["mean"]), plain(row["sd"])]
-        lines.append(
-            [
-                name,
-                str(row["n"]),
-                str(row["missing"]),
-                *middle,
-                _range(row["q1"], row["q3"]),
-                _range(row["least"], row["most"]),
-            ]
-        )
-    return heads, lines
+        ranges = [_range(row["q1"], row["q3"]), _range(row["least"], row["most"])]
+        lines.append([condition_text(row), *counts, *middle, *ranges])
+    return tuple((name, "") for name in names), lines
 
 
 def condition_text(row: Row) -> str:
-    """A condition's name, and that it is the hidden reference where the name does not say so."""
-    is_told = not row["reference"] or "reference" in row["condition"].lower()
-    return row["condition"] if is_told else f"{row['condition']} (reference)"
+    """Return a condition's name, marked as the hidden reference unless the name says so."""
+    unmarked = not row["reference"] or "reference" in row["condition"].lower()
+    return row["condition"] if unmarked else f"{row['condition']} (reference)"
 
 
 def _range(low: float | None, high: float | None) -> str:
@@ -62,7 +45,7 @@ def _range(low: float | None, high: float | None) -> str:
 
 
 def comparison_lines(rows: Sequence[Row]) -> tuple[Heads, list[list[str]]]:
-    """Heads and cells of the table of comparisons: what a paper prints."""
+    """Return the heads and cells of the table of comparisons, as a paper prints it."""
     heads = (
         ("compared", ""), ("pairs", "+/0/-"), ("mean", ""), ("BCa 95 %", ""), ("shift", ""), ("exact interval", ""), ("W+/W-", ""),
         ("exact p", ""), ("Holm", "family"), ("Holm", "all"), ("r", ""),
@@ -90,38 +73,34 @@ def _comparison(row: Row) -> list[str]:
 
 
 def _exact(low: float | None, high: float | None, level: float | None, digits: int = 2) -> str:
-    """With how sure it really is: levels come in steps."""
+    """Return an interval with its true level: levels come in steps."""
     return interval(low, high, digits) + ("" if level is None else f" ({100 * level:.1f} %)")
 
 
 def pairs_text(row: Row) -> str:
-    """As "12 (6/1/5)": pairs, of them rated better, the same, worse."""
+    """Return "12 (6/1/5)": pairs, of them rated better, the same, worse."""
     return f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})"
 
 
 def felt_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
-    """Heads and cells of the table of questionnaires."""
+    """Return the heads and cells of the table of questionnaires."""
     names = ("score", "pairs", "before", "after", "change", "exact interval", "exact p")
     heads = tuple((name, "median" if name in ("before", "after") else "") for name in names)
     lines = []
     for row in rows:
-        name = f"{row['scale']} {row['score']}"
         middle = [plain(row["before"], 1), plain(row["after"], 1), signed(row.get("change"), 1)]
-        lines.append(
-            [
-                name,
-                str(row["n"]),
-                *middle,
-                _exact(row.get("low"), row.get("high"), row.get("level"), 1),
-                p_text(row.get("p")),
-            ]
-        )
+        exact = _exact(row.get("low"), row.get("high"), row.get("level"), 1)
+        lines.append([f"{row['scale']} {row['score']}", str(row["n"]), *middle, exact, p_text(row.get("p"))])
     return heads, lines
 
 
 def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:
-    """File name to (columns, rows): every number of the analysis without rounding, for whoever goes on from here."""
-    conditions, comparisons, ratings, differences, missing = [], [], [], [], []
+    """Return (columns, rows) by file name: every number of the analysis, unrounded."""
+    conditions: list[dict[str, Any]] = []
+    comparisons: list[dict[str, Any]] = []
+    ratings: list[dict[str, Any]] = []
+    differences: list[dict[str, Any]] = []
+    missing: list[dict[str, Any]] = []
     for scale in data["scales"]:
         named = {"scale": scale["measure"]["name"]}
         for part in scale["parts"]:

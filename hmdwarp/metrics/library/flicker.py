@@ -1,38 +1,34 @@
-"""Flicker: error that changes from frame to frame, which the eye sees long before error that stays."""
+"""Flicker: error that changes from frame to frame, which the eye sees long before constant error."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..geometry import View, WarpMap
-from .grid import pixel_centres, row_blocks
-
-
-def error_image(shown: NDArray, truth: NDArray) -> NDArray[np.float32]:
-    """Signed error shown - truth of two sRGB pictures, (h, w, 3) in -1..1; bytes count as 0..255 over 255."""
-    scale = np.float32(255 if shown.dtype == np.uint8 else 1)
-    return (shown.astype(np.float32) - truth.astype(np.float32)) / scale
+from ...errors import InputError
+from ...geometry import View, WarpMap
+from ...gpu.textures import flip_rows
+from ..grid import pixel_centres, row_blocks
+from ..metric import METRICS, Input, Metric
 
 
 def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: View) -> float | None:
-    """Mean absolute change, 0..1, of the signed error between neighbouring frames at the same shown view direction.
+    """Return the mean absolute change, 0..1, of the signed error between neighbouring frames.
 
-    The previous error is turned to the present view by the homography of the rotation alone (sampled bilinearly, in
-    float64): error that is fixed to a direction in the world does not count as flicker while the head turns, error that
-    hops about does. Pixels whose direction the previous picture did not hold are left out; None if none is left.
-    Interpolation softens the previous error under rotation, so pixel-sharp error counts a little even when it is steady.
+    The two are compared at the same shown view direction: the homography of the rotation alone turns
+    the previous error to the present view (sampled bilinearly, in float64). Error that is fixed to a
+    direction in the world does not count as flicker while the head turns; error that jumps does.
+    Pixels whose direction is outside the previous picture are left out; None if none remains.
+    Interpolation softens the previous error under rotation, so pixel-sharp error counts a little even
+    when it is steady.
 
     error, previous_error: (h, w, 3), top row first, from error_image.
     Errors: InputError if either is not (h, w, 3); the two may differ in size.
     """
     from scipy.ndimage import map_coordinates
 
-    from ..gpu.textures import flip_rows
-
     if error.ndim != 3 or previous_error.ndim != 3 or error.shape[2] != previous_error.shape[2]:
-        raise InputError(f"error images of shapes {error.shape} and {previous_error.shape}: wanted two (h, w, 3)")
+        raise InputError(f"error images of shapes {error.shape} and {previous_error.shape}: expected two (h, w, 3)")
     present, previous = flip_rows(np.asarray(error)), flip_rows(np.asarray(previous_error, dtype=np.float64))
     height, width = present.shape[:2]
     previous_height, previous_width = previous.shape[:2]
@@ -47,9 +43,27 @@ def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: 
         index = np.where(np.abs(index - np.rint(index)) < 1e-9, np.rint(index), index)
         with np.errstate(invalid="ignore"):
             both = ((index >= 0) & (index <= last)).all(axis=-1)
-        where = index[both].T[::-1]  # map_coordinates wants row, column
+        where = index[both].T[::-1]  # map_coordinates takes row, column
         for channel in range(present.shape[2]):
             before = map_coordinates(previous[..., channel], where, order=1, mode="nearest")
             total += float(np.abs(present[rows][..., channel][both] - before).sum())
         count += both.sum() * present.shape[2]
     return float(total / count) if count else None
+
+
+METRICS.register(
+    Metric(
+        name="flicker",
+        order=60,
+        compute=lambda m: flicker(m.now.error, m.now.view, m.previous.error, m.previous.view),
+        needs=Input.TRUTH | Input.PREVIOUS,
+        label="Flicker",
+        short_label="flicker",
+        bench_rank=4,
+        chart="Flicker",
+        description="Change of the error from one picture to the next",
+        explanation="Mean change of the error from one frame to the next in the same direction of view. "
+        "Error that stays where it is in the world counts little; error that jumps counts in full.",
+        study_title="flicker",
+    )
+)

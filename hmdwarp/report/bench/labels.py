@@ -1,6 +1,9 @@
-"""Where the names of points and lines go, so that none covers another.
+"""Places for the names of points and lines, so that none covers another.
 
 Boxes are (left, bottom, right, top), lengths in points; all functions are pure.
+
+adjustText 1.4 and textalloc 1.2 were tried on the charts of a bench. The first puts names over markers
+and other names, and takes five times as long; the second draws its leaders through both.
 """
 
 from __future__ import annotations
@@ -17,19 +20,22 @@ _RADII = (1.5, 4, 7, 11, 16, 22, 29, 37, 48, 62, 80, 105, 140, 190, 260, 340)
 _DIRECTIONS = 20
 _SWEEPS = 4
 _GAP = 1.0  # kept free around every label
-# In points of distance: what a fault of a place is worth.
+# Penalties of a place, in points of distance.
 _COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 60.0, 40.0, 12.0, 32.0
 
 
 def place_labels(
     points: Sequence[Array], sizes: Array, area: tuple[float, float], *, clearance: float = 4, line: Array | None = None
 ) -> Array:
-    """Lower left corners, (n, 2), of n labels in an area (w, h) with its corner at (0, 0).
+    """Return the lower left corners, (n, 2), of n labels in an area (w, h) with its corner at (0, 0).
 
-    points: for each label (m, 2), the points it names, often one. sizes: (n, 2). Each label goes as near to one of its points as it can
-    without covering another label, a point (a square of half side `clearance`) or the leader that ties another label to its point,
-    so that leaders cross rarely and it is nearest to its own; `line` (k, 2), a polyline, is avoided where that is cheap.
-    Where there is no room at all, the least bad place is taken. Deterministic.
+    Each label goes as near to one of its points as it can without covering another label, a point (a
+    square of half side `clearance`) or a leader, the line from another label to its point. Leaders
+    cross rarely, and a label is nearest to its own point. Where there is no room at all, the least
+    bad place is taken. Deterministic.
+
+    points: for each label (m, 2), the points it names, often one. sizes: (n, 2). line: (k, 2), a
+    polyline that is avoided where that is cheap.
     """
     points = [np.asarray(own, dtype=np.float64).reshape(-1, 2) for own in points]
     sizes = np.asarray(sizes, dtype=np.float64).reshape(-1, 2)
@@ -51,7 +57,7 @@ def place_labels(
 
 
 def _settled(choices: list[_Places], order: NDArray) -> tuple[Array, float]:
-    """Labels placed one after the other, then each anew among all others until none moves: corners, and what they cost together."""
+    """Place one label after the other, then each anew until none moves; return corners and total cost."""
     chosen, costs = np.full(len(choices), -1), np.zeros(len(choices))
     for _ in range(_SWEEPS):
         before = chosen.copy()
@@ -69,12 +75,12 @@ def _settled(choices: list[_Places], order: NDArray) -> tuple[Array, float]:
 
 @attrs.frozen(eq=False)
 class _Places:
-    """Where one label could go: boxes (k, 4), their leaders from `starts` to `tips` (k, 2), what each costs whatever the others do."""
+    """The candidate places of one label."""
 
-    boxes: Array
-    starts: Array
+    boxes: Array  # (k, 4)
+    starts: Array  # (k, 2), of the leaders
     tips: Array
-    cost: Array
+    cost: Array  # (k), without that of other labels
 
     @classmethod
     def of(
@@ -93,17 +99,12 @@ class _Places:
         way = corners + size / 2 - starts
         cost = reach + 3 * np.abs(np.arctan2(way[:, 1], way[:, 0]))  # to the right, if all else is nearly equal
         outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
-        everybody = np.concatenate(points)
-        markers = np.concatenate([everybody - clearance, everybody + clearance], axis=1)
-        cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0) + _COVERS * boxes_touch(boxes, markers).sum(
-            axis=1
-        )
+        cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0)
+        cost += _COVERS * boxes_touch(boxes, _squares(np.concatenate(points), clearance)).sum(axis=1)
         foreign = np.concatenate([np.zeros((0, 2)), *(other for i, other in enumerate(points) if i != index)])
         if len(foreign):
-            cost += _PASSES * segments_hit(
-                starts, tips, np.concatenate([foreign - clearance, foreign + clearance], axis=1)
-            ).sum(axis=1)
-            # A point at the very same place cannot be told from its own, wherever the label is.
+            cost += _PASSES * segments_hit(starts, tips, _squares(foreign, clearance)).sum(axis=1)
+            # A point at the very same place is ambiguous wherever the label is.
             apart = foreign[np.abs(foreign[:, None] - points[index][None]).max(axis=2).min(axis=1) > 0.5]
             if len(apart):
                 cost += _DOUBTFUL * (np.linalg.norm(np.subtract(*leaders(apart, boxes)), axis=1) < reach + 3)
@@ -112,15 +113,19 @@ class _Places:
         return cls(boxes, starts, tips, cost)
 
     def place(self, at: int) -> tuple[Array, Array, Array]:
-        """One of them: box, start and tip."""
+        """Return one of them: box, start and tip."""
         return self.boxes[at], self.starts[at], self.tips[at]
 
     def quarrels(self, boxes: Array, starts: Array, tips: Array) -> Array:
-        """What each place costs beside other labels, already placed: boxes (n, 4), leaders (n, 2)."""
+        """Return the cost of each place beside other labels, already placed: boxes (n, 4), leaders (n, 2)."""
         cost = _COVERS * boxes_touch(self.boxes, boxes, _GAP).sum(axis=1)
         cost += _CUT * segments_hit(self.starts, self.tips, boxes).sum(axis=1)
         cost += _CUT * segments_hit(starts, tips, self.boxes).sum(axis=0)
         return cost + _CROSSES * _segments_cross(self.starts, self.tips, starts, tips).sum(axis=1)
+
+
+def _squares(points: Array, half: float) -> Array:
+    return np.concatenate([points - half, points + half], axis=1)
 
 
 def _corners(point: Array, size: Array, clearance: float) -> Array:
@@ -133,7 +138,10 @@ def _corners(point: Array, size: Array, clearance: float) -> Array:
 
 
 def groups_of(names: Sequence[str], points: Array, distance: float) -> list[list[int]]:
-    """Indices of points that one label can name: those of one name that lie within `distance` of each other, directly or in a chain."""
+    """Return the indices of points that one label can name.
+
+    They have one name and lie within `distance` of each other, directly or in a chain.
+    """
     groups: list[list[int]] = []
     for index, name in enumerate(names):
         near = [
@@ -146,21 +154,21 @@ def groups_of(names: Sequence[str], points: Array, distance: float) -> list[list
 
 
 def leaders(points: Array, boxes: Array) -> tuple[Array, Array]:
-    """For each box (k, 4) the nearest of the points (m, 2) and the place of the box that is nearest to it: both (k, 2)."""
+    """Return the nearest of the points (m, 2) to each box (k, 4), and the box's nearest place: both (k, 2)."""
     tips = np.clip(points[:, None], boxes[None, :, :2], boxes[None, :, 2:])
     nearest = np.linalg.norm(tips - points[:, None], axis=2).argmin(axis=0)
     return points[nearest], tips[nearest, np.arange(len(boxes))]
 
 
 def boxes_touch(one: Array, other: Array, gap: float = 0.0) -> NDArray[np.bool_]:
-    """(m, k): which boxes of one (m, 4) come nearer than `gap` to which of the other (k, 4); sides that only meet do not count."""
+    """Return (m, k): the boxes (m, 4) nearer than `gap` to others (k, 4); sides that only meet do not count."""
     low = np.maximum(one[:, None, :2], other[None, :, :2])
     high = np.minimum(one[:, None, 2:], other[None, :, 2:])
     return (low < high + gap).all(axis=2)
 
 
 def segments_hit(start: Array, end: Array, boxes: Array) -> NDArray[np.bool_]:
-    """(m, k): which segments, start and end (m, 2), pass through the inside of which boxes (k, 4)."""
+    """Return (m, k): the segments, start and end (m, 2), that pass through the inside of boxes (k, 4)."""
     step = (end - start)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         to_low, to_high = (boxes[None, :, :2] - start[:, None]) / step, (boxes[None, :, 2:] - start[:, None]) / step
@@ -173,7 +181,7 @@ def segments_hit(start: Array, end: Array, boxes: Array) -> NDArray[np.bool_]:
 
 
 def _segments_cross(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
-    """(m, k): which segments a-b (m, 2) properly cross which c-d (k, 2)."""
+    """Return (m, k): the segments a-b (m, 2) that properly cross c-d (k, 2)."""
 
     def side(p: Array, q: Array, r: Array) -> Array:
         return np.sign(
@@ -185,9 +193,9 @@ def _segments_cross(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]
 
 
 def spread(wanted: Array, gap: float, low: float, high: float) -> Array:
-    """Heights at least `gap` apart within low..high, in the order of `wanted` and as near to it as can be (least squares).
+    """Return heights at least `gap` apart within low..high, as near to `wanted` as can be (least squares).
 
-    Where there is no room for all at that distance, they are as far apart as fits.
+    They keep the order of `wanted`. Where there is no room for all, they are as far apart as fits.
     """
     wanted = np.asarray(wanted, dtype=np.float64)
     if not len(wanted):
@@ -195,7 +203,8 @@ def spread(wanted: Array, gap: float, low: float, high: float) -> Array:
     gap = min(gap, (high - low) / max(len(wanted) - 1, 1))
     order = np.argsort(wanted, kind="stable")
     steps = gap * np.arange(len(wanted))
-    # With the steps taken off, "at least a gap apart" becomes "never falling": pool neighbours that fall into their mean.
+    # With the steps taken off, "at least a gap apart" becomes "never falling": neighbours that fall
+    # are pooled into their mean.
     pools: list[list[float]] = []  # [mean, count]
     for value in wanted[order] - steps:
         pools.append([float(value), 1])
