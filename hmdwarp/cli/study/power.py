@@ -100,7 +100,7 @@ def _counts(text: str, design: Design) -> list[int]:
     from math import lcm
 
     from ...errors import InputError
-    from ...study.orders import rows_for
+    from ...study.design import rows_for
     from ...study.statistics import MOST_PAIRS
 
     many = MOST_PAIRS  # a person is a pair at most

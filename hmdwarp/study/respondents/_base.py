@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ...display import Command
-from ..steps import Show, Step
+from ..design import Show, Step
 
 
 class Respondent(Protocol):

@@ -8,8 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..design import Design, Part
-from ..orders import Order, allot, rows_for
+from ..design import Design, Order, Part, allot, rows_for
 from ..scales import Scale
 from ..store import COMPLETE, SICK, STOPPED
 from .draws import table_of

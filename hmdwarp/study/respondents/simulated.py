@@ -7,9 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...display import Command
-from ..design import Design
-from ..orders import Order
-from ..steps import Ask, Pause, Read, Show, Step
+from ..design import Ask, Design, Order, Pause, Read, Show, Step
 from ..store import STOPPED
 from .cohort import Population
 from .draws import draw_for, person_of

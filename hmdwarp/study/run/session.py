@@ -16,12 +16,11 @@ from ...live.openings import open_display
 from ...live.watchdog import Watchdog
 from ...scenes import load_scene
 from ..asking import CONTROLS, hints_for
-from ..design import Design
+from ..design import Ask, Design, Show, Step, steps_of
 from ..design.read import design_from_text, load_design
 from ..design.settings import live_options
 from ..desk import Desk, make_desk
 from ..respondents import Nobody, Respondent
-from ..steps import Ask, Show, Step, steps_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Showing, Store, store_folder
 from . import plates
 from .afterwards import Afterwards

@@ -16,7 +16,7 @@ from ...live.log import LiveLog
 from ...live.recorder import Recorder
 from ...live.stage import Stage
 from ...scenes import Scene
-from ..steps import Show
+from ..design import Show
 from ..store import Showing
 from .actual import actual_of
 from .room import Room

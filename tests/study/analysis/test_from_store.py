@@ -14,10 +14,10 @@ from hmdwarp.report.study_page import render_study_report
 from hmdwarp.study.analysis import Given, from_csv
 from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.analysis.whole import analyse
+from hmdwarp.study.design import Ask, Show, steps_of
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.export import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
-from hmdwarp.study.steps import Ask, Show, steps_of
 from hmdwarp.study.store import PERSON, PILOT, SIMULATED, Store
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.study.design import Sickness
+from hmdwarp.study.design import Ask, Show, Sickness, steps_of
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.respondents.cohort import Population
 from hmdwarp.study.respondents.model import RatingModel, SicknessModel
@@ -18,7 +18,6 @@ from hmdwarp.study.respondents.read_model import load_model
 from hmdwarp.study.respondents.simulated import Simulated
 from hmdwarp.study.run.sickness import why_sick
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask, Show, steps_of
 from hmdwarp.study.store import Answer
 
 from ..made_up import simulate_study
