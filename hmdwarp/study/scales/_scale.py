@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Self
+from typing import Protocol, Self
 
 import attrs
 
@@ -64,6 +64,30 @@ class Scale:
     def with_scores(self, scores: tuple[Score, ...]) -> Self:
         """Return a copy with these scores."""
         return attrs.evolve(self, scores=scores)
+
+
+class AnswerRange(Protocol):
+    """Anything with a least and a most answer and a step between two."""
+
+    @property
+    def least(self) -> float: ...
+
+    @property
+    def most(self) -> float: ...
+
+    @property
+    def step(self) -> float: ...
+
+
+def number_text(number: float) -> str:
+    """Return the number as people write it, without trailing zeros."""
+    return f"{number:.9f}".rstrip("0").rstrip(".")
+
+
+def range_text(answers: AnswerRange) -> str:
+    """Return which answers there are: "1 to 6 in steps of 0.25"."""
+    steps = f" in steps of {number_text(answers.step)}" if answers.step != 1 else ""
+    return f"{number_text(answers.least)} to {number_text(answers.most)}{steps}"
 
 
 def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float | None]:
