@@ -40,7 +40,7 @@ class Tally:
 
 
 @attrs.frozen
-class Passage:
+class TransitStats:
     """How one frame came through, all in ns: queue_ns before its first bit went, transfer_ns from the first to the last (its size over
     the rate), delay_ns on the network, hold_ns until the frames before it had come too, where those are needed.
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hmdwarp.errors import InputError
-from hmdwarp.frame_files import read_frame, read_view
+from hmdwarp.image.files import read_frame, read_view
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}

@@ -16,10 +16,10 @@ from replays import small
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Eyes, Fov, Pose, View
 from hmdwarp.gpu.textures import download
-from hmdwarp.loop import Loop
+from hmdwarp.pipeline.loop import Loop
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.quaternions import angle_between
-from hmdwarp.rig import Rig, build_rig
+from hmdwarp.run.rig import Rig, build_rig
 
 from .live_runs import SMALL, Here, quick
 
@@ -90,7 +90,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
     remote_head.put(poses[0])
 
     def after(number: int) -> None:
-        were.add([given.shown for given in here.watched.shown[-1].given])
+        were.add([given.shown for given in here.watched.shown[-1].inputs])
         if number < POSES:
             remote_head.put(poses[number])
             while np.abs(here.head().position_m - poses[number].position_m).max() > 1e-5:
