@@ -110,7 +110,7 @@ def write(folder: Path, **people: float) -> tuple[Path, Path]:
 
 def session(study: Path, model: Path, code: str, *more: str) -> list[str]:
     """The arguments of one."""
-    display = ("--source", "offscreen", "--trace", "walk", "--desk", "none")
+    display = ("--source", "offscreen", "--trace", "walk", "--console", "none")
     return ["study", "run", str(study), "--participant", code, "--simulate", str(model), *display, *more]
 
 

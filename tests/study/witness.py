@@ -62,8 +62,7 @@ def nursery(link: socket.socket) -> None:
     process id goes back at once, its status when it is dead. Nothing of OpenGL is open where it is forked from."""
     for name in (
         "cli._app",
-        "study.run.session",
-        "study.run.options",
+        "study.session.program",
         "study.respondents",
         "display.offscreen",
     ):

@@ -257,7 +257,8 @@ def main(messages_fd: int, printed_fd: int, error_fd: int, session_pid: int) -> 
     lines = app.printed.all()
     if not app.return_code and not app.left_well:
         lines.append(
-            "hmdwarp: the session's program ended suddenly; every confirmed answer is in the store: go on with --resume"
+            "hmdwarp: the session's program ended suddenly; "
+            "every confirmed answer is in the store: continue with --resume"
         )
     with contextlib.suppress(OSError), open(error_fd, "w", errors="replace") as stderr:  # noqa: PTH123 (a descriptor)
         for line in lines:

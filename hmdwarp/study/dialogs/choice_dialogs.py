@@ -92,6 +92,11 @@ class MenuDialog:
         self._offered, self._hints = tuple(offered), hints
         self._open()
 
+    @property
+    def over(self) -> bool:
+        """Whether something is chosen."""
+        return bool(self.chosen)
+
     def _open(self) -> None:
         self._stopping = False
         self._picker = ButtonPicker(tuple((name, TEXTS[name]) for name in self._offered), 0, self.panel)
@@ -107,7 +112,7 @@ class MenuDialog:
     def handle(self, commands: Sequence[Command]) -> None:
         """Carry out the commands; the name of a choice acts at once, and "menu" continues."""
         for command in commands:
-            if self.chosen:
+            if self.over:
                 return
             if command.control in self._offered:
                 self.chosen = command.control
@@ -138,6 +143,11 @@ class ConsentDialog:
         self.agreed = self.refused = False
         self._turn(0)
 
+    @property
+    def over(self) -> bool:
+        """Whether the participant has agreed or refused."""
+        return self.agreed or self.refused
+
     def _turn(self, page: int) -> None:
         self._page, several = page, len(self._pages) > 1
         if page == len(self._pages) - 1:
@@ -162,7 +172,7 @@ class ConsentDialog:
     def handle(self, commands: Sequence[Command]) -> None:
         """Carry out the commands; "agree" from the console counts as the participant's word."""
         for command in commands:
-            if self.agreed or self.refused:
+            if self.over:
                 return
             if command.control == AGREE:
                 self.agreed = True

@@ -49,6 +49,11 @@ class QuestionDialog:
         return Question(self.ask.item.text, scale.least, scale.most, scale.step, self._form.anchors, self.value)
 
     @property
+    def over(self) -> bool:
+        """Whether it is confirmed."""
+        return self.confirmed
+
+    @property
     def note(self) -> str:
         """What was wrong with the last command, "" for nothing; it goes after some seconds."""
         return self._note if self._now_s() < self._note_until_s else ""

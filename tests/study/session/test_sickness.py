@@ -6,13 +6,13 @@ import attrs
 import pytest
 
 from hmdwarp.display import Command
-from hmdwarp.study.asking import QuestionPlate
 from hmdwarp.study.design import Sickness
-from hmdwarp.study.run.sickness import counting, why_sick
+from hmdwarp.study.dialogs import QuestionPanel
 from hmdwarp.study.scales import load_scale
+from hmdwarp.study.session import counting, why_sick
 from hmdwarp.study.store import SICK, Answer
 
-from .sessions import Person, Table, closing, contents, run, whole
+from .sessions import Person, ScriptedConsole, closing, contents, run, whole
 
 FMS = load_scale("fms")
 WORSE_BELOW = attrs.evolve(FMS, low_is_good=False)  # the same with 0 as the worst
@@ -73,14 +73,14 @@ def test_the_newest_revision_counts_in_the_place_of_the_first():
     assert "the session ends at 15" in why_sick(Sickness(FMS, stop_at=15), [first])
 
 
-def feeling(*values: str, own=lambda plate: None) -> Person:
+def feeling(*values: str, own=lambda panel: None) -> Person:
     """Says so each time the sickness scale comes."""
     coming = iter(values)
 
-    def feels(plate):
-        if isinstance(plate, QuestionPlate) and "sick" in plate.text and plate.value is None and not plate.typed:
+    def feels(panel):
+        if isinstance(panel, QuestionPanel) and "sick" in panel.text and panel.value is None and not panel.typed:
             return [*(Command("digit", digit) for digit in next(coming, "0")), Command("confirm")]
-        return own(plate)
+        return own(panel)
 
     return Person(feels)
 
@@ -96,20 +96,20 @@ def test_at_the_stop_rule_the_session_ends_kindly_and_says_why(monkeypatch, gpu,
     assert [one.key for one in stored.answers][-1] == "after/acr/quality"  # asked all the same
     kinds = [event.kind for event in stored.events]
     assert kinds[-3:] == ["sick", "answer", "end"]
-    assert [plate.title for plate in ran.display.plates if hasattr(plate, "title")][-2:] == [
+    assert [panel.title for panel in ran.display.panels if hasattr(panel, "title")][-2:] == [
         "We stop here",
         "Thank you",
     ]
-    assert any("the stop rule" in text for text in ran.desk.said)
+    assert any("the stop rule" in text for text in ran.console.said)
     assert ran.said[0].startswith("participant P1, session 1, part main: sick: ")
 
 
 def test_a_slip_at_the_sickness_scale_can_be_corrected(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
     again = [Command("again")]
-    desk = Table(lambda state: [again.pop()] if again and state.step == "the session ends" else [])
-    person = feeling("0", "16", "1", own=lambda plate: () if getattr(plate, "title", "") == "We stop here" else None)
-    ran = run(monkeypatch, gpu, path, person, desk)
+    console = ScriptedConsole(lambda state: [again.pop()] if again and state.step == "the session ends" else [])
+    person = feeling("0", "16", "1", own=lambda panel: () if getattr(panel, "title", "") == "We stop here" else None)
+    ran = run(monkeypatch, gpu, path, person, console)
     assert (ran.session.status, ran.session.why) == ("complete", "")
     values = [(one.revision, one.value) for one in contents(path).answers if one.key == "trial/1/fms/fms"]
     assert values == [(1, 16.0), (2, 1.0)]
@@ -117,15 +117,16 @@ def test_a_slip_at_the_sickness_scale_can_be_corrected(monkeypatch, gpu, tmp_pat
 
 def test_who_is_sick_may_leave_everything_out(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
-    ran = run(monkeypatch, gpu, path, feeling("20", own=lambda plate: () if getattr(plate, "title", "") == "We stop here" else None),
-              Table(lambda state: [Command("stop")] if state.step == "the session ends" else []))  # fmt: skip
+    ran = run(monkeypatch, gpu, path,
+    feeling("20", own=lambda panel: () if getattr(panel, "title", "") == "We stop here" else None),
+              ScriptedConsole(lambda state: [Command("stop")] if state.step == "the session ends" else []))  # fmt: skip
     assert ran.session.status == SICK
     assert [one.key for one in contents(path).answers] == ["practice/fms/fms"]
 
 
 def test_a_program_that_died_at_the_stop_rule_does_not_go_on_with_trials(monkeypatch, gpu, tmp_path):
-    def closes(plate):
-        if getattr(plate, "title", "") == "We stop here":
+    def closes(panel):
+        if getattr(panel, "title", "") == "We stop here":
             raise closing()
 
     path = whole(tmp_path)

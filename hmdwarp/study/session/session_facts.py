@@ -1,4 +1,4 @@
-"""What a session ran on: kept with it, once for each run of the program."""
+"""Facts about the machine that a session ran on, stored once for each run of the program."""
 
 from __future__ import annotations
 
@@ -12,20 +12,26 @@ from ...display import Display
 from ...version import __version__
 from ..design import Design
 
-PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "prompt-toolkit")
+PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "textual")
 
 
 def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
-    """versions, machine, gpu, display, seed. No name of a host or a user: what is kept of a session may be passed on.
+    """Return versions, machine, GPU, display and seed.
 
-    trace: as given; a file's name is kept, not the folders it lies in.
+    No name of a host or a user is among them: a session's data may be passed on. Of a trace file
+    the name is kept, not the folders.
     """
     gpu = display.gpu
     return {
         "hmdwarp": __version__,
         "python": platform.python_version(),
         "packages": {name: version for name in PACKAGES if (version := _version(name))},
-        "machine": _machine(),
+        "machine": {
+            "system": platform.system(),
+            "release": platform.release(),
+            "cpu": platform.machine(),
+            "cpu_count": os.cpu_count() or 1,
+        },
         "gpu": {"renderer": gpu.renderer, "version": gpu.version, "clock": gpu.timer.clock},
         "display": dict(display.about),
         "source": display.name,
@@ -33,15 +39,6 @@ def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
         "rate_hz": display.rate_hz,
         "seed": design.seed,
         "trace": Path(trace).name,
-    }
-
-
-def _machine() -> dict[str, Any]:
-    return {
-        "system": platform.system(),
-        "release": platform.release(),
-        "cpu": platform.machine(),
-        "cpu_count": os.cpu_count() or 1,
     }
 
 

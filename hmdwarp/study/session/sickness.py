@@ -1,4 +1,4 @@
-"""When a session has to end because somebody feels sick."""
+"""Stop rule: when a session has to end because the participant feels sick."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ AFTER = "after"
 
 
 def counting(answers: Iterable[Answer]) -> dict[str, Answer]:
-    """The answers that count, by the key of their question, in the order the questions were first answered: each one's newest revision."""
+    """Return the newest revision of each answer by the key of its question.
+
+    They are in the order in which the questions were first answered.
+    """
     newest: dict[str, Answer] = {}
     for answer in answers:
         known = newest.get(answer.key)
@@ -21,10 +24,11 @@ def counting(answers: Iterable[Answer]) -> dict[str, Answer]:
 
 
 def why_sick(rule: Sickness | None, answers: Iterable[Answer]) -> str:
-    """What the stop rule says of a session's answers, in words; "" as long as it may go on.
+    """Return why the stop rule ends the session, in words; "" as long as it may go on.
 
-    The newest answer of the rule's scale decides, so that one corrected at once does not end the session; "cannot say" decides nothing.
-    A rise is counted from the first answer of the session. What is asked after all trials ends nothing any more.
+    The newest answer on the rule's scale decides, so that a slip corrected at once does not end the
+    session; "cannot say" decides nothing. A rise counts from the first answer of the session.
+    Questions after all trials end nothing any more.
     """
     if rule is None:
         return ""

@@ -14,7 +14,7 @@ import pytest
 from .sessions import contents, study
 
 PATIENCE_S = 120
-REHEARSAL = ("--source", "offscreen", "--trace", "walk", "--pilot", "--desk", "lines")
+REHEARSAL = ("--source", "offscreen", "--trace", "walk", "--pilot", "--console", "lines")
 
 
 def long_study(folder: Path) -> Path:
@@ -59,8 +59,8 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     name = signal.Signals(number).name
     assert f"participant P1 (pilot), session 1, part main: interrupted: ended by {name}" in out
     assert (
-        f"go on with: hmdwarp study run {path} --participant P1 --resume --pilot --source offscreen --trace walk --desk lines"
-        in out
+        f"resume with: hmdwarp study run {path} --participant P1 --resume"
+        " --pilot --source offscreen --trace walk --console lines" in out
     )
     assert "Traceback" not in err
     assert "nothing unfinished" not in err  # something unfinished is there, and is to be gone on with
@@ -69,7 +69,7 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     assert [one.complete for one in stored.showings] == [False]
 
 
-def test_a_session_answered_at_the_desk_line_by_line(tmp_path):
+def test_a_session_answered_at_the_console_line_by_line(tmp_path):
     """By an experimenter who types what the participant says, as each question comes."""
     path = study(tmp_path)
     program = begun(path, *REHEARSAL)
@@ -78,7 +78,9 @@ def test_a_session_answered_at_the_desk_line_by_line(tmp_path):
     grades = iter(("answer 3,25", "skip"))
     try:
         for line in program.stderr:
-            typed = "continue" if "about to begin: waiting" in line else next(grades) if "desk: asked: " in line else ""
+            typed = (
+                "continue" if "about to begin: waiting" in line else next(grades) if "console: asked: " in line else ""
+            )
             if typed:
                 program.stdin.write(f"{typed}\n")
                 program.stdin.flush()
@@ -105,7 +107,7 @@ def test_a_session_answered_at_the_desk_line_by_line(tmp_path):
         (("--source", "offscreen", "--trace", "walk", "--simulate", "quick"), 2, "no mean for plainly-late"),
         (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),
         (("--resume", "--new-session"), 2, "leave one of the two out"),
-        (("--desk", "chair", "--pilot"), 2, "--desk"),
+        (("--console", "chair", "--pilot"), 2, "--console"),
         (("--resume",), 2, "no data of a study there"),
         (("--source", "openxr"), 3, "or take a window: --source desktop"),
     ],

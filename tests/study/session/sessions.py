@@ -1,4 +1,6 @@
-"""Sessions on the display without a screen, with people who look at what is shown, as people do, and answer with their hands."""
+"""Sessions on the display without a screen, with people who look at what is shown, as people do,
+and answer with their hands.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,9 @@ import attrs
 from run.live.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
-from hmdwarp.study.asking import Card, QuestionPlate
-from hmdwarp.study.desk import DeskState
-from hmdwarp.study.run import session as program
-from hmdwarp.study.run.options import RunSession
+from hmdwarp.study.console import ConsoleState
+from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
+from hmdwarp.study.session import SessionOptions, program
 from hmdwarp.study.store import Contents, Session, Store
 
 NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)
@@ -74,52 +75,56 @@ def whole(folder: Path, blind: str = "both") -> Path:
     )
 
 
-def press(plate: Card, name: str) -> Command:
-    """A click onto a button of a plate."""
+def press(panel: MessagePanel, name: str) -> Command:
+    """A click onto a button of a panel."""
     for v in range(1, 100):
         for u in range(1, 20):
-            if plate.button_at(u / 20, v / 100) == name:
+            if panel.button_at(u / 20, v / 100) == name:
                 return Command("press", (u / 20, v / 100))
-    raise AssertionError(f"no button {name!r} on {plate}")
+    raise AssertionError(f"no button {name!r} on {panel}")
 
 
-Seen = Card | QuestionPlate | str
+Seen = MessagePanel | QuestionPanel | str
 Own = Callable[[Seen], Sequence[Command] | None]
 
 
 class Person:
-    """Reads the plates and goes through the session as it is asked to. grade: answered to every question. own: what is done instead, asked
-    first with each plate; None from it for nothing of one's own."""
+    """Reads the panels and goes through the session as it is asked to. grade: answered to every
+    question. own: what is done instead, asked first with each panel; None from it for nothing of
+    one's own.
+    """
 
-    def __init__(self, own: Own = lambda plate: None, grade: str = "2") -> None:
+    def __init__(self, own: Own = lambda panel: None, grade: str = "2") -> None:
         self._own, self._grade = own, grade
         self._last: object = None
 
-    def looks(self, plate: Seen) -> Sequence[Command]:
-        """What hands do at a plate. A plate is reacted to once, when it comes."""
-        if plate == self._last:
+    def looks(self, panel: Seen) -> Sequence[Command]:
+        """What hands do at a panel. A panel is reacted to once, when it comes."""
+        if panel == self._last:
             return ()
-        self._last = plate
-        own = self._own(plate)
-        return self._usual(plate) if own is None else own
+        self._last = panel
+        own = self._own(panel)
+        return self._usual(panel) if own is None else own
 
-    def _usual(self, plate: Seen) -> Sequence[Command]:
-        if isinstance(plate, QuestionPlate) and plate.value is None and not plate.skipping and not plate.typed:
+    def _usual(self, panel: Seen) -> Sequence[Command]:
+        if isinstance(panel, QuestionPanel) and panel.value is None and not panel.skipping and not panel.typed:
             return (*(Command("digit", digit) for digit in self._grade), Command("confirm"))
-        if isinstance(plate, Card) and plate.title == "Before we begin":
-            return (press(plate, "agree"),)
-        if isinstance(plate, Card) and plate.title == "Menu":
-            return (press(plate, "continue"),)
-        if isinstance(plate, Card) and (
-            plate.title in ("Ready?", "We stop here") or "whenever you like" in " ".join(plate.lines)
+        if isinstance(panel, MessagePanel) and panel.title == "Before we begin":
+            return (press(panel, "agree"),)
+        if isinstance(panel, MessagePanel) and panel.title == "Menu":
+            return (press(panel, "continue"),)
+        if isinstance(panel, MessagePanel) and (
+            panel.title in ("Ready?", "We stop here") or "whenever you like" in " ".join(panel.lines)
         ):
             return (Command("confirm"),)
         return ()
 
 
-class Seat(OffscreenDisplay):
-    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's; at: by the n-th picture shown (counted
-    from 1), what happens right before the next: an exception is raised, anything else called."""
+class SeatedDisplay(OffscreenDisplay):
+    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's;
+    at: by the n-th picture shown (counted from 1), what happens right before the next: an exception
+    is raised, anything else called.
+    """
 
     def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
         super().__init__(gpu=gpu, **more)
@@ -148,16 +153,16 @@ class Seat(OffscreenDisplay):
         self.titles.append(status.title())
 
     @property
-    def plates(self) -> list[Seen]:
+    def panels(self) -> list[Seen]:
         """Those seen, one after the other."""
-        return [plate for before, plate in zip([None, *self.labels], self.labels, strict=False) if plate != before]
+        return [panel for before, panel in zip([None, *self.labels], self.labels, strict=False) if panel != before]
 
 
-class Table:
-    """A desk. asks: what the experimenter asks for, given the state when it is new."""
+class ScriptedConsole:
+    """A console. asks: what the experimenter asks for, given the state when it is new."""
 
-    def __init__(self, asks: Callable[[DeskState], Sequence[Command]] = lambda state: ()) -> None:
-        self.states: list[DeskState] = []
+    def __init__(self, asks: Callable[[ConsoleState], Sequence[Command]] = lambda state: ()) -> None:
+        self.states: list[ConsoleState] = []
         self.said: list[str] = []
         self.open = 0
         self._asks, self._pending = asks, []
@@ -169,7 +174,7 @@ class Table:
     def __exit__(self, *_: object) -> None:
         self.open -= 1
 
-    def tell(self, state: DeskState) -> None:
+    def tell(self, state: ConsoleState) -> None:
         self.states.append(state)
         self._pending += self._asks(state)
 
@@ -185,8 +190,8 @@ class Table:
 class Ran:
     """What came of a run of the program. error: that ended it, None for none."""
 
-    display: Seat
-    desk: Table
+    display: SeatedDisplay
+    console: ScriptedConsole
     said: list[str]
     session: Session | None = None
     error: BaseException | None = None
@@ -197,26 +202,27 @@ def run(
     gpu,
     path: Path,
     person: Person | None = None,
-    desk: Table | None = None,
+    console: ScriptedConsole | None = None,
     respondent=None,
     at=None,
     **options,
 ) -> Ran:
-    """One run of the program. at: of Seat. options: of RunSession, participant P1 and a desktop where nothing else is said; back_after: of
-    the display."""
+    """One run of the program. at: of SeatedDisplay. options: of SessionOptions, participant P1 and
+    a desktop where nothing else is said; back_after: of the display.
+    """
     back_after = options.pop("back_after", 0)
-    ran = Ran(Seat(gpu, person or Person(), at, back_after=back_after), desk or Table(), [])
+    ran = Ran(SeatedDisplay(gpu, person or Person(), at, back_after=back_after), console or ScriptedConsole(), [])
     monkeypatch.setattr(program, "open_display", lambda *_, **__: ran.display)
     options = {"participant": "P1", "source": "desktop", **options}
     try:
         ran.session = program.run_session(
-            RunSession(study=str(path), **options), ran.said.append, desk=ran.desk, respondent=respondent
+            SessionOptions(study=str(path), **options), ran.said.append, console=ran.console, respondent=respondent
         )
     except BaseException as error:
         ran.error = error
     finally:
         ran.display.close()
-    assert ran.desk.open == 0
+    assert ran.console.open == 0
     return ran
 
 

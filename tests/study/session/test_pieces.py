@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.study.run.actual import NOTHING, NUMBERS, actual_of
-from hmdwarp.study.run.options import RunSession
-from hmdwarp.study.run.telling import turned_deg
-from hmdwarp.study.run.trial import under_way_s
+from hmdwarp.study.actual import NOTHING, NUMBERS, actual_of
+from hmdwarp.study.session import SessionOptions
+from hmdwarp.study.session.session_context import turned_deg
+from hmdwarp.study.session.trial_runner import under_way_s
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study
@@ -25,7 +25,9 @@ ANGLE = st.floats(-179.0, 179.0)
 
 @given(ANGLE, st.floats(-89.0, 89.0), ANGLE)
 def test_a_head_s_angles_by_scipy_s_way(yaw, pitch, roll):
-    """Intrinsic turns about y, x, z. A degree short of straight up and down arcsin loses half the digits: 1e-6 degrees are left."""
+    """Intrinsic turns about y, x, z. A degree short of straight up and down arcsin loses half the
+    digits: 1e-6 degrees are left.
+    """
     turn = Rotation.from_euler("YXZ", (yaw, pitch, roll), degrees=True)
     assert turned_deg(Pose(orientation_xyzw=turn.as_quat())) == pytest.approx((yaw, pitch, roll), abs=1e-6)
 
@@ -111,22 +113,22 @@ def test_what_nobody_measured_is_nothing_and_no_nan():
         ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
         ({"source": "offscreen", "pilot": True}, "--trace"),
         ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
-        ({"desk": "chair"}, "wanted auto, terminal, lines, none"),
+        ({"console": "chair"}, "wanted auto, terminal, lines, none"),
     ],
 )
 def test_options_that_cannot_be_meant(options, told):
     with pytest.raises(InputError, match=told):
-        RunSession(**{"study": "quick", "participant": "P1", **options})
+        SessionOptions(**{"study": "quick", "participant": "P1", **options})
 
 
 def test_a_simulated_pilot_is_a_pilot():
-    assert RunSession(study="quick", participant="P1", pilot=True, simulate="quick").origin == "pilot"
-    assert RunSession(study="quick", participant="P1", simulate="quick").origin == "simulated"
-    assert RunSession(study="quick", participant="P1").origin == "person"
+    assert SessionOptions(study="quick", participant="P1", pilot=True, simulate="quick").origin == "pilot"
+    assert SessionOptions(study="quick", participant="P1", simulate="quick").origin == "simulated"
+    assert SessionOptions(study="quick", participant="P1").origin == "person"
 
 
 def test_what_goes_on_is_typed_as_a_shell_takes_it():
-    options = RunSession(study="my study.toml", participant="new", store="data here", new_session=True)
+    options = SessionOptions(study="my study.toml", participant="new", store="data here", new_session=True)
     assert (
         options.command("P7", "main", several=False)
         == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here'"
@@ -135,8 +137,10 @@ def test_what_goes_on_is_typed_as_a_shell_takes_it():
 
 
 def test_the_watchdog_s_last_words_tell_the_recording_and_how_to_go_on(monkeypatch, gpu, tmp_path):
-    """Where a runtime hangs, the program is ended from another thread, and this is all that is said."""
-    from hmdwarp.study.run import session as program
+    """Where a runtime hangs, the program is ended from another thread, and this is all that is
+    said.
+    """
+    from hmdwarp.study.session import program
 
     words: list[str] = []
     watchdog = program.Watchdog
@@ -158,13 +162,13 @@ def test_the_watchdog_s_last_words_tell_the_recording_and_how_to_go_on(monkeypat
     assert run(monkeypatch, gpu, path, at={6: hangs}).session.status == "interrupted"
     (said,) = words
     assert "the recording until then is in" in said
-    assert said.endswith(f"go on with: hmdwarp study run {path} --participant P1 --resume --source desktop")
+    assert said.endswith(f"resume with: hmdwarp study run {path} --participant P1 --resume --source desktop")
 
 
 def test_a_link_that_lets_nothing_through_is_told(monkeypatch, gpu, tmp_path):
-    from hmdwarp.study.run import trial
+    from hmdwarp.study.session import trial_runner
 
-    monkeypatch.setattr(trial, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(trial_runner, "PATIENCE_S", 0.1)
     path = study(tmp_path)
     path.write_text(
         path.read_text(encoding="utf-8").replace('scene = "planes"', 'scene = "planes"\nbandwidth = 0.001'),
@@ -173,4 +177,4 @@ def test_a_link_that_lets_nothing_through_is_told(monkeypatch, gpu, tmp_path):
     ran = run(monkeypatch, gpu, path)
     assert isinstance(ran.error, InputError)
     assert "trial/1: no frame came within 0.1 s: see what loss and bandwidth let through" in str(ran.error)
-    assert "go on with: " in str(ran.error)
+    assert "resume with: " in str(ran.error)

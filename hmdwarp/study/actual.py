@@ -1,4 +1,4 @@
-"""What was really shown, as numbers: kept with each trial, so that a rating is never about a plan alone."""
+"""Figures of what a trial really showed, stored with it: a rating is never about a plan alone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Column = Callable[[str], NDArray[np.float64]]
 
-# Each is None where it is not known.
+# None where unknown.
 NUMBERS = (
     "seconds",
     "pictures",
@@ -41,13 +41,16 @@ _EYES = (0, 1)
 
 
 def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
-    """From a live run's summary and its columns (live.outcome.COLUMNS): NUMBERS and TEXTS.
+    """Return NUMBERS and TEXTS from a live run's summary and its columns (live.outcome.COLUMNS).
 
-    seconds: from the first picture to the last. rate_hz: pictures a second, as they came. latency: from drawing the frame to showing it,
-    with its standard deviation over the pictures. period: between two pictures. missed: refreshes without a new picture; its share is of
-    all refreshes. over_budget: drawing and passes took longer than a refresh. hole_share: of both eyes' pixels, after the warp and before
-    the fill. pose_age: from reading the head to handing the picture over. passes: of both eyes together. lost_s: without a display.
-    tracking_lost: pictures for a head that was held where it was last known. A summary without pictures gives None throughout.
+    A summary without pictures gives None throughout.
+
+    seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
+    the frame to showing it. period: between two pictures. missed: refreshes without a new picture,
+    with their share of all refreshes. over_budget: drawing and passes took longer than a refresh.
+    hole_share: of both eyes' pixels, after the warp and before the fill. pose_age: from reading the
+    head to handing the picture over. passes: of both eyes together. lost_s: without a display.
+    tracking_lost: pictures for a head that was held at its last known pose.
     """
     if not summary:
         return dict(NOTHING)
@@ -89,7 +92,7 @@ def _texts(summary: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _of_eyes(column: Column, name: str, together: Callable[..., NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Both eyes of each refresh in one number, without those that were not measured."""
+    """Combine both eyes of each refresh, without refreshes that were not measured."""
     eyes = np.array([column(f"{name}/{eye}") for eye in _EYES])
     return together(eyes[:, ~np.isnan(eyes).all(axis=0)], axis=0)
 

@@ -1,4 +1,4 @@
-"""Interrupted anywhere, nothing that was confirmed is lost, and the session goes on where it was."""
+"""Interrupted anywhere, a session loses nothing that was confirmed, and goes on where it was."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study import scales
+from hmdwarp.study import actual, scales
 from hmdwarp.study.design.read import load_design
-from hmdwarp.study.run import actual
-from hmdwarp.study.run.facts import facts_of
+from hmdwarp.study.session.session_facts import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
 from . import sessions
@@ -46,7 +45,9 @@ class Faults:
 
 
 def check_complete(path) -> None:
-    """One answer that counts for each question, none of them doubled, each about a trial that was seen just before by the same program."""
+    """One answer that counts for each question, none of them doubled, each about a trial that was
+    seen just before by the same program.
+    """
     stored = contents(path)
     assert [session.status for session in stored.sessions] == [COMPLETE]
     keys = [answer.key for answer in stored.answers]
@@ -66,7 +67,9 @@ def check_complete(path) -> None:
 
 @pytest.mark.parametrize("after", [False, True], ids=["before it is written", "after it was written"])
 def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path, after):
-    """A fault of ours at each of them in turn: what was answered before stays, and the session is gone on with to its end."""
+    """A fault of ours at each of them in turn: what was answered before stays, and the session is
+    gone on with to its end.
+    """
     monkeypatch.setattr(
         sessions, "TEXT", sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05")
     )
@@ -101,7 +104,7 @@ def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
     assert ran.error is None
     assert (ran.session.status, ran.session.why) == (INTERRUPTED, "the window was closed")
     assert ran.said[0] == "participant P1, session 1, part main: interrupted: the window was closed"
-    assert ran.said[-1] == f"go on with: hmdwarp study run {path} --participant P1 --resume --source desktop"
+    assert ran.said[-1] == f"resume with: hmdwarp study run {path} --participant P1 --resume --source desktop"
     (cut,) = contents(path).showings
     assert not cut.complete
     assert cut.actual["pictures"] == 5
@@ -111,22 +114,22 @@ def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
         ("trial/1", 1, False), ("trial/1", 2, True), ("trial/2", 1, True),
     ]  # fmt: skip
     assert len({one.trace for one in contents(path).showings}) == 3
-    assert "We go on with trial 1 of 2" in " ".join(again.display.plates[0].lines)
+    assert "We go on with trial 1 of 2" in " ".join(again.display.panels[0].lines)
 
 
 def test_a_rating_whose_trial_was_seen_in_another_sitting_is_given_after_seeing_it_again(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
-    person = Person(lambda plate: () if getattr(plate, "heading", "") == "trial 1" else None)
+    person = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
     count = 0
 
-    def until_asked(plate):
+    def until_asked(panel):
         nonlocal count
         count += 1
         if count > 5:
             raise closing()
 
     person.looks, usual = (
-        lambda plate: until_asked(plate) or () if getattr(plate, "heading", "") else usual(plate),
+        lambda panel: until_asked(panel) or () if getattr(panel, "heading", "") else usual(panel),
         person.looks,
     )
     assert run(monkeypatch, gpu, path, person).session.status == INTERRUPTED
@@ -146,8 +149,8 @@ def test_a_display_that_comes_back_shows_the_trial_again(monkeypatch, gpu, tmp_p
     assert shown == [("trial/1", 1, False), ("trial/1", 2, True), ("trial/2", 1, True)]
     kinds = [event.kind for event in contents(path).events]
     assert kinds.index("lost") < kinds.index("shown")
-    assert any("waiting up to" in text for text in ran.desk.said)
-    assert "it is back" in ran.desk.said
+    assert any("waiting up to" in text for text in ran.console.said)
+    assert "it is back" in ran.console.said
 
 
 def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypatch, gpu, tmp_path):
@@ -172,7 +175,7 @@ def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkey
         patch.setattr(Store, "end", full)
         ran = run(patch, gpu, path, at={5: closing()})
     assert isinstance(ran.error, MachineError)
-    assert "what was answered before is stored, go on with:" in str(ran.error)
+    assert "what was answered before is stored, resume with:" in str(ran.error)
     assert ran.said == []  # the error says it all
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
@@ -193,7 +196,7 @@ def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
     monkeypatch.setattr(Lines, "_put", put)
     assert isinstance(ran.error, MachineError)
     assert "No space left on device" in str(ran.error)
-    assert "what was answered before is stored, go on with:" in str(ran.error)
+    assert "what was answered before is stored, resume with:" in str(ran.error)
     assert [answer.key for answer in contents(path).answers] == ["trial/1/grade/grade"]
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
@@ -201,10 +204,10 @@ def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
 def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.study.run.showing.actual_of", lambda *_: 1 / 0)
+        patch.setattr("hmdwarp.study.session.trial_runner.actual_of", lambda *_: 1 / 0)
         ran = run(patch, gpu, path)
     assert isinstance(ran.error, ZeroDivisionError)
-    assert ran.said[-1].startswith("go on with: ")
+    assert ran.said[-1].startswith("resume with: ")
     assert contents(path).sessions[0].status == INTERRUPTED
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
     assert actual.actual_of({}, lambda name: 1 / 0) == actual.NOTHING
@@ -220,7 +223,9 @@ def test_an_interrupted_session_goes_on_with_the_plan_it_began_with(monkeypatch,
 
 
 def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatch, gpu, tmp_path):
-    """The plan's text is kept, not the file that it names: half in quarter steps and half in whole ones would be no session."""
+    """The plan's text is kept, not the file that it names: half in quarter steps and half in whole
+    ones would be no session.
+    """
     path, own = study(tmp_path), tmp_path / "own.toml"
     path.write_text(path.read_text(encoding="utf-8").replace('"grade"', '"own.toml"'), encoding="utf-8")
     was = (Path(scales.__file__).parent / "grade.toml").read_text(encoding="utf-8")
@@ -261,7 +266,7 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
     rehearsal = run(monkeypatch, gpu, path, participant="R1", pilot=True)
     assert rehearsal.session.origin == "pilot"
     assert rehearsal.said[0].startswith("participant R1 (pilot)")
-    assert "PILOT" in rehearsal.desk.states[0].heading
+    assert "PILOT" in rehearsal.console.states[0].heading
     assert len(contents(path).sessions) == 2
     assert [one.code for one in contents(path, pilot=True).sessions] == ["R1"]
 
@@ -275,7 +280,7 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
             "participant P1 is a person here, not a simulated: leave --pilot and --simulate away",
         ),
         ({}, {"pilot": True}, "participant P1 is a person here, not a pilot"),
-        ({"pilot": True}, {}, "give --pilot to go on"),
+        ({"pilot": True}, {}, "give --pilot to resume"),
     ],
 )
 def test_a_session_is_gone_on_with_by_the_same_kind_alone(monkeypatch, gpu, tmp_path, was, now, told):
@@ -297,6 +302,8 @@ def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
 
 def test_where_a_recorded_head_lies_is_not_kept(gpu, tmp_path):
     """Folders are named after people."""
-    facts = facts_of(sessions.Seat(gpu, Person()), load_design(str(study(tmp_path))), "/srv/jane/heads/walk.csv")
+    facts = facts_of(
+        sessions.SeatedDisplay(gpu, Person()), load_design(str(study(tmp_path))), "/srv/jane/heads/walk.csv"
+    )
     assert facts["trace"] == "walk.csv"
     assert "jane" not in repr(facts)

@@ -11,11 +11,11 @@ from run.live.offscreen import PERIOD_NS, RATE_HZ
 from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
 from hmdwarp.run.replay import replay
-from hmdwarp.study.asking import Card, QuestionPlate
-from hmdwarp.study.run.actual import NUMBERS, TEXTS
+from hmdwarp.study.actual import NUMBERS, TEXTS
+from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
 
 from .conftest import LEAD_S, hurry
-from .sessions import LATENCIES_MS, NAMES, Table, contents, run, study, whole
+from .sessions import LATENCIES_MS, NAMES, ScriptedConsole, contents, run, study, whole
 
 PERIOD_MS = PERIOD_NS * 1e-6
 
@@ -59,8 +59,9 @@ def test_answers_are_those_that_were_given_about_what_was_shown(one):
 
 
 def test_what_was_really_shown_is_what_was_planned(one):
-    """A frame is shown at the first refresh at or after its latency; a refresh is shown two periods after it is asked for. So a frame's
-    age lies within one period above the larger of the two."""
+    """A frame is shown at the first refresh at or after its latency; a refresh is shown two periods
+    after it is asked for. So a frame's age lies within one period above the larger of the two.
+    """
     path, _ = one
     planned = {**dict(zip(NAMES, LATENCIES_MS, strict=True)), "practice": 0.0}
     for showing in contents(path).showings:
@@ -78,13 +79,15 @@ def test_what_was_really_shown_is_what_was_planned(one):
 
 
 def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
-    """A black wait as long as the latency would tell it: the lead is equally long for all, and frames are under way at its end."""
+    """A black wait as long as the latency would tell it: the lead is equally long for all, and
+    frames are under way at its end.
+    """
     _, ran = one
     labels = ran.display.labels
     leads = [
         number
         for number, label in enumerate(labels)
-        if isinstance(label, Card) and re.match("Trial|Practice", label.title)
+        if isinstance(label, MessagePanel) and re.match("Trial|Practice", label.title)
     ]
     runs = np.split(np.array(leads), np.flatnonzero(np.diff(leads) > 1) + 1)
     assert len(runs) == 3
@@ -93,34 +96,36 @@ def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
 
 
 def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(monkeypatch, gpu, tmp_path):
-    """As long as building takes no longer than LEAD_S, from the plate to the first picture it is equally long."""
-    from hmdwarp.study.run import showing
+    """As long as building takes no longer than LEAD_S, from the panel to the first picture it is
+    equally long.
+    """
+    from hmdwarp.study.session import trial_runner
 
-    class Slow(showing.Stage):
+    class Slow(trial_runner.Stage):
         def __init__(self, display, options, scene) -> None:
             super().__init__(display, options, scene)
             if options.warp == "rotation":
                 display._at_ns += round(0.6 * LEAD_S * 1e9)
 
-    monkeypatch.setattr(showing, "Stage", Slow)
+    monkeypatch.setattr(trial_runner, "Stage", Slow)
     handed = run(monkeypatch, gpu, study(tmp_path)).display.handed
     waits = []
     for number in (1, 2):
-        plated = next(
+        begun = next(
             k for k, (_, _, label) in enumerate(handed) if getattr(label, "title", "") == f"Trial {number} of 2"
         )
-        first = next(k for k in range(plated, len(handed)) if handed[k][1])
-        waits.append((handed[first][0] - handed[plated][0]) * 1e-6)
+        first = next(k for k in range(begun, len(handed)) if handed[k][1])
+        waits.append((handed[first][0] - handed[begun][0]) * 1e-6)
     assert waits[0] == pytest.approx(waits[1], abs=PERIOD_MS)
 
 
 def test_nobody_sees_what_is_on(one):
-    """Neither names nor settings stand in a title, on a plate or on the desk."""
+    """Neither names nor settings stand in a title, on a panel or on the console."""
     _, ran = one
     titles = set(ran.display.titles)
     assert "hmdwarp - study small - trial 1 of 2" in titles
-    seen = [*titles, *map(repr, ran.display.plates), *map(repr, ran.desk.states), *ran.desk.said, *ran.said]
-    assert all(isinstance(plate, str | Card | QuestionPlate) for plate in ran.display.plates)
+    seen = [*titles, *map(repr, ran.display.panels), *map(repr, ran.console.states), *ran.console.said, *ran.said]
+    assert all(isinstance(panel, str | MessagePanel | QuestionPanel) for panel in ran.display.panels)
     told = re.compile(
         "|".join([*NAMES, *(rf"\b{latency}\b" for latency in LATENCIES_MS), "rotation", "warp", "latency", "planes"])
     )
@@ -135,19 +140,19 @@ def test_over_the_pictures_there_is_nothing(one):
 
 
 @pytest.mark.parametrize(("blind", "is_told"), [("both", False), ("participant", True), ("nobody", True)])
-def test_the_desk_knows_the_condition_unless_the_plan_hides_it(monkeypatch, gpu, tmp_path, blind, is_told):
-    desk = Table()
-    ran = run(monkeypatch, gpu, study(tmp_path, f'blind = "{blind}"'), desk=desk)
-    told = {state.condition for state in desk.states} - {""}
+def test_the_console_knows_the_condition_unless_the_plan_hides_it(monkeypatch, gpu, tmp_path, blind, is_told):
+    console = ScriptedConsole()
+    ran = run(monkeypatch, gpu, study(tmp_path, f'blind = "{blind}"'), console=console)
+    told = {state.condition for state in console.states} - {""}
     assert told == (set(NAMES) if is_told else set())
     assert not any(
-        name in repr(plate) + title for name in NAMES for plate in ran.display.plates for title in ran.display.titles
+        name in repr(panel) + title for name in NAMES for panel in ran.display.panels for title in ran.display.titles
     )
 
 
-def test_the_desk_is_told_what_it_can_show(one):
+def test_the_console_is_told_what_it_can_show(one):
     _, ran = one
-    states = ran.desk.states
+    states = ran.console.states
     assert {state.phase for state in states} == {"reading", "showing", "asking", "break", "over"}
     shares = [state.done for state in states]
     assert shares[0] == 0
@@ -209,4 +214,4 @@ def test_the_end_says_what_is_stored_where_and_what_comes_next(one):
         f"stored in {path.with_name('small-data')}: 6 answers, 4 of them about trials",
         f"next: another participant, or hmdwarp study export {path} --out DIR",
     ]
-    assert ran.display.plates[-1].title == "Thank you"
+    assert ran.display.panels[-1].title == "Thank you"

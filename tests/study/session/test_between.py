@@ -1,14 +1,16 @@
-"""What may come between the steps: pauses, breaks, questions asked again, what is left unanswered, remarks, and the end at any moment."""
+"""What may come between the steps: pauses, breaks, questions asked again, what is left unanswered,
+remarks, and the end at any moment.
+"""
 
 from __future__ import annotations
 
 import pytest
 
 from hmdwarp.display import Command
-from hmdwarp.study.asking import Card, QuestionPlate
+from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
 from hmdwarp.study.store import COMPLETE, STOPPED
 
-from .sessions import Person, Table, contents, press, run, study, whole
+from .sessions import Person, ScriptedConsole, contents, press, run, study, whole
 
 
 def at_phase(phase: str, step: str, *commands: Command):
@@ -21,7 +23,7 @@ def at_phase(phase: str, step: str, *commands: Command):
             return commands
         return ()
 
-    return Table(asks)
+    return ScriptedConsole(asks)
 
 
 def events(path, *kinds: str) -> list[tuple[str, str]]:
@@ -33,39 +35,41 @@ def presentations(path, key: str) -> list[tuple[int, bool]]:
 
 
 def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu, tmp_path):
-    desk = at_phase("showing", "trial 1 of 2", Command("pause"))
+    console = at_phase("showing", "trial 1 of 2", Command("pause"))
     path = study(tmp_path)
-    ran = run(monkeypatch, gpu, path, desk=desk)  # the participant goes on by the menu
+    ran = run(monkeypatch, gpu, path, console=console)  # the participant goes on by the menu
     assert ran.session.status == COMPLETE
     assert presentations(path, "trial/1") == [(1, False), (2, True)]
     stored = contents(path)
     (answer,) = [one for one in stored.answers if one.key == "trial/1/grade/grade"]
     assert answer.showing == next(one.id for one in stored.showings if one.complete)
     assert events(path, "pause", "continue") == [("pause", "trial/1"), ("continue", "menu")]
-    assert {one.step for one in ran.desk.states if one.phase == "paused"} == {"trial 1 of 2"}  # in the middle of what
-    menu = next(plate for plate in ran.display.plates if isinstance(plate, Card) and plate.title == "Menu")
+    assert {one.step for one in ran.console.states if one.phase == "paused"} == {
+        "trial 1 of 2"
+    }  # in the middle of what
+    menu = next(panel for panel in ran.display.panels if isinstance(panel, MessagePanel) and panel.title == "Menu")
     assert "have a break" in repr(menu.choices)
 
 
 def test_the_experimenter_ends_a_pause_too(monkeypatch, gpu, tmp_path):
     wishes = {"showing": [Command("pause")], "paused": [Command("continue")]}
     path = study(tmp_path)
-    person = Person(lambda plate: () if getattr(plate, "title", "") == "Menu" else None)
-    ran = run(monkeypatch, gpu, path, person, Table(lambda state: wishes.pop(state.phase, ())))
+    person = Person(lambda panel: () if getattr(panel, "title", "") == "Menu" else None)
+    ran = run(monkeypatch, gpu, path, person, ScriptedConsole(lambda state: wishes.pop(state.phase, ())))
     assert ran.session.status == COMPLETE
     by = [(event.kind, event.data["by"]) for event in contents(path).events if event.kind in ("pause", "continue")]
     assert by == [("pause", "experimenter"), ("continue", "experimenter")]
 
 
 def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
-    """From a question: a break, then the question of before again, then this one left unanswered."""
+    """From a question: a break, the question of before again, then this one left unanswered."""
     wishes = ["break", "again", "skip"]
 
-    def own(plate):
-        if isinstance(plate, QuestionPlate) and plate.heading == "trial 2" and wishes:
+    def own(panel):
+        if isinstance(panel, QuestionPanel) and panel.heading == "trial 2" and wishes:
             return [Command("menu")]
-        if isinstance(plate, Card) and plate.title == "Menu":
-            return [press(plate, wishes.pop(0))]
+        if isinstance(panel, MessagePanel) and panel.title == "Menu":
+            return [press(panel, wishes.pop(0))]
         return None
 
     path = study(tmp_path)
@@ -89,8 +93,8 @@ def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
 def test_the_last_question_again_keeps_both_answers_and_goes_on(monkeypatch, gpu, tmp_path):
     grades = iter("5213")
 
-    def own(plate):
-        if isinstance(plate, QuestionPlate) and plate.value is None and not plate.typed:
+    def own(panel):
+        if isinstance(panel, QuestionPanel) and panel.value is None and not panel.typed:
             return [Command("digit", next(grades)), Command("confirm")]
         return None
 
@@ -106,13 +110,13 @@ def test_the_last_question_again_keeps_both_answers_and_goes_on(monkeypatch, gpu
     showings = {one.showing for one in contents(path).answers[:2]}
     assert len(showings) == 1  # both are about the same showing
     assert presentations(path, "trial/2") == [(1, False), (2, True)]
-    assert any("answered again" in text for text in ran.desk.said)
+    assert any("answered again" in text for text in ran.console.said)
 
 
 def test_again_before_anything_was_asked_changes_nothing(monkeypatch, gpu, tmp_path):
-    ran = run(monkeypatch, gpu, study(tmp_path), desk=at_phase("showing", "trial 1 of 2", Command("again")))
+    ran = run(monkeypatch, gpu, study(tmp_path), console=at_phase("showing", "trial 1 of 2", Command("again")))
     assert ran.session.status == COMPLETE
-    assert "nothing has been answered yet" in ran.desk.said
+    assert "nothing has been answered yet" in ran.console.said
 
 
 @pytest.mark.parametrize(
@@ -128,8 +132,8 @@ def test_again_before_anything_was_asked_changes_nothing(monkeypatch, gpu, tmp_p
 def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
     path = whole(tmp_path)
 
-    def waits(plate):
-        busy = {"reading": getattr(plate, "title", "") == "Before we begin", "asking": isinstance(plate, QuestionPlate)}
+    def waits(panel):
+        busy = {"reading": getattr(panel, "title", "") == "Before we begin", "asking": isinstance(panel, QuestionPanel)}
         return () if busy.get(phase) else None
 
     ran = run(monkeypatch, gpu, path, Person(waits), at_phase(phase, step, Command("stop")))
@@ -139,7 +143,7 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
     assert [event.kind for event in stored.events][-2:] == (["shown", "end"] if phase == "showing" else ["stop", "end"])
     before = {"consent": 0, "practice": 0, "trial 2 of 2": 3, "break": 3}[step]
     assert len(stored.answers) == before
-    assert ran.display.plates[-1].title == "Thank you"
+    assert ran.display.panels[-1].title == "Thank you"
 
 
 @pytest.mark.parametrize(
@@ -150,9 +154,11 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
     ],
 )
 def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tmp_path, phase, commands, answers):
-    """Both are there at one refresh, as after one that took long: the answer is kept, and the end is not passed over."""
+    """Both are there at one refresh, as after one that took long: the answer is kept, and the end
+    is not passed over.
+    """
     path = study(tmp_path)
-    idle = Person(lambda plate: () if phase == "asking" and getattr(plate, "heading", "") == "trial 1" else None)
+    idle = Person(lambda panel: () if phase == "asking" and getattr(panel, "heading", "") == "trial 1" else None)
     ran = run(monkeypatch, gpu, path, idle, at_phase(phase, "trial 1 of 2", *commands))
     assert ran.session.status == STOPPED
     assert [one.value for one in contents(path).answers] == answers
@@ -161,28 +167,28 @@ def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tm
 
 def test_a_break_and_the_menu_that_come_with_an_answer_are_for_the_next_step(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
-    idle = Person(lambda plate: () if getattr(plate, "heading", "") == "trial 1" else None)
-    desk = at_phase("asking", "trial 1 of 2", Command("answer", 3.0), Command("break"), Command("pause"))
-    ran = run(monkeypatch, gpu, path, idle, desk)
+    idle = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
+    console = at_phase("asking", "trial 1 of 2", Command("answer", 3.0), Command("break"), Command("pause"))
+    ran = run(monkeypatch, gpu, path, idle, console)
     assert ran.session.status == COMPLETE
     assert [kind for kind, _ in events(path, "break", "pause", "continue")] == ["break", "pause", "continue"]
-    assert "A break" in [getattr(plate, "title", "") for plate in ran.display.plates]
+    assert "A break" in [getattr(panel, "title", "") for panel in ran.display.panels]
 
 
 def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tmp_path):
-    def own(plate):
-        if isinstance(plate, QuestionPlate):
+    def own(panel):
+        if isinstance(panel, QuestionPanel):
             return [Command("menu")]
-        if isinstance(plate, Card) and plate.title == "Menu":
-            return [press(plate, "stop")]
-        if isinstance(plate, Card) and plate.title == "Stop now?":
-            return [press(plate, "yes")]
+        if isinstance(panel, MessagePanel) and panel.title == "Menu":
+            return [press(panel, "stop")]
+        if isinstance(panel, MessagePanel) and panel.title == "Stop now?":
+            return [press(panel, "yes")]
         return None
 
     path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(own))
     assert ran.session.status == STOPPED
-    assert "Stop now?" in [getattr(plate, "title", "") for plate in ran.display.plates]
+    assert "Stop now?" in [getattr(panel, "title", "") for panel in ran.display.panels]
     (stop,) = [event for event in contents(path).events if event.kind == "stop"]
     assert stop.data["by"] == "participant"
 
@@ -190,7 +196,7 @@ def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tm
 def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
     person = Person(
-        lambda plate: [press(plate, "refuse")] if getattr(plate, "title", "") == "Before we begin" else None
+        lambda panel: [press(panel, "refuse")] if getattr(panel, "title", "") == "Before we begin" else None
     )
     ran = run(monkeypatch, gpu, path, person)
     assert ran.session.status == STOPPED
@@ -200,9 +206,11 @@ def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
 
 def test_the_experimenter_types_what_is_said_and_leaves_out_what_is_not(monkeypatch, gpu, tmp_path):
     given = iter([Command("answer", 3.25), Command("skip")])
-    desk = Table(lambda state: [command] if state.phase == "asking" and (command := next(given, None)) else ())
+    console = ScriptedConsole(
+        lambda state: [command] if state.phase == "asking" and (command := next(given, None)) else ()
+    )
     path = study(tmp_path)
-    ran = run(monkeypatch, gpu, path, Person(lambda plate: () if isinstance(plate, QuestionPlate) else None), desk)
+    ran = run(monkeypatch, gpu, path, Person(lambda panel: () if isinstance(panel, QuestionPanel) else None), console)
     assert ran.session.status == COMPLETE
     assert [(one.value, one.by) for one in contents(path).answers] == [(3.25, "experimenter"), (None, "experimenter")]
 
@@ -210,18 +218,18 @@ def test_the_experimenter_types_what_is_said_and_leaves_out_what_is_not(monkeypa
 def test_a_remark_is_kept_word_for_word_and_disturbs_nothing(monkeypatch, gpu, tmp_path):
     text = "the strap slipped; \N{SNOWMAN} 'quoted'"
     path = study(tmp_path)
-    run(monkeypatch, gpu, path, desk=at_phase("showing", "trial 2 of 2", Command("remark", text)))
+    run(monkeypatch, gpu, path, console=at_phase("showing", "trial 2 of 2", Command("remark", text)))
     (remark,) = [event for event in contents(path).events if event.kind == "remark"]
     assert (remark.key, remark.data["text"], remark.data["by"]) == ("trial/2", text, "experimenter")
     assert presentations(path, "trial/2") == [(1, True)]
 
 
-def test_a_break_asked_for_at_the_desk_waits_until_the_trial_is_over(monkeypatch, gpu, tmp_path):
+def test_a_break_asked_for_at_the_console_waits_until_the_trial_is_over(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
-    ran = run(monkeypatch, gpu, path, desk=at_phase("showing", "trial 1 of 2", Command("break")))
+    ran = run(monkeypatch, gpu, path, console=at_phase("showing", "trial 1 of 2", Command("break")))
     assert ran.session.status == COMPLETE
     assert presentations(path, "trial/1") == [(1, True)]
-    titles = [getattr(plate, "title", None) or getattr(plate, "heading", "") for plate in ran.display.plates]
+    titles = [getattr(panel, "title", None) or getattr(panel, "heading", "") for panel in ran.display.panels]
     assert titles.index("trial 1") < titles.index("A break") < titles.index("Trial 2 of 2")
 
 
@@ -236,9 +244,9 @@ def test_a_planned_break_lasts_as_long_as_it_should_and_then_as_long_as_is_wante
 def test_the_menu_in_a_break_does_not_make_it_longer(monkeypatch, gpu, tmp_path):
     opened = []
 
-    def own(plate):
-        if getattr(plate, "title", "") == "A break" and not opened:
-            opened.append(plate)
+    def own(panel):
+        if getattr(panel, "title", "") == "A break" and not opened:
+            opened.append(panel)
             return [Command("menu")]
         return None
 
@@ -247,16 +255,20 @@ def test_the_menu_in_a_break_does_not_make_it_longer(monkeypatch, gpu, tmp_path)
     assert ran.session.status == COMPLETE
     shown = [getattr(label, "title", "") for label in ran.display.labels]
     assert shown.count("A break") + shown.count("Menu") <= 55
-    menu = next(plate for plate in ran.display.plates if getattr(plate, "title", "") == "Menu")
+    menu = next(panel for panel in ran.display.panels if getattr(panel, "title", "") == "Menu")
     assert "break" not in dict(menu.choices)
 
 
 def test_what_comes_after_an_answer_does_not_answer_the_next_question(monkeypatch, gpu, tmp_path):
     given = iter([[Command("answer", 3.0), Command("answer", 4.0), Command("remark", "twice")]])
-    desk = Table(lambda state: next(given, ()) if state.phase == "asking" else ())
+    console = ScriptedConsole(lambda state: next(given, ()) if state.phase == "asking" else ())
     path = study(tmp_path)
     ran = run(
-        monkeypatch, gpu, path, Person(lambda plate: () if getattr(plate, "heading", "") == "trial 1" else None), desk
+        monkeypatch,
+        gpu,
+        path,
+        Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None),
+        console,
     )
     assert ran.session.status == COMPLETE
     assert [one.value for one in contents(path).answers] == [3.0, 2.0]
