@@ -1,4 +1,6 @@
-"""A study as small as one can be that has everything in it, its simulated people, and the real command that runs it: 1.5 s a session."""
+"""A study as small as one can be that has everything in it, its simulated people, and the real
+command that runs it: 1.5 s a session.
+"""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from .commands import checked_answer, clock, parse_line, subject_of
 from .key_entry import KeyEntry
 from .line_console import LineConsole, news
 from .message_socket import MessageSocket
-from .screen_text import HELP, Scene, end_of, gauge, journal, plain, scale_line, wrapped
+from .screen_text import HELP, Scene, end_of, gauge, plain, scale_line
 from .terminal_console import KINDS, TerminalConsole, make_console
 
 __all__ = [
@@ -24,12 +24,10 @@ __all__ = [
     "clock",
     "end_of",
     "gauge",
-    "journal",
     "make_console",
     "news",
     "parse_line",
     "plain",
     "scale_line",
     "subject_of",
-    "wrapped",
 ]

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import attrs
 from rich.cells import cell_len
-from rich.console import Console as RichConsole
 from rich.text import Text
 
 from ..scales import number_text, range_text
@@ -30,11 +29,8 @@ HINTS = {
     "paused": "Everything waits. c continues.",
     "over": "The session is over.",
 }
-KEYS = (
-    ("p", "pause"), ("c", "continue"), ("b", "break"), ("r", "repeat question"), ("a", "answer"), ("k", "skip"),
-    ("m", "remark"), ("g", "agree"), ("s", "stop"), ("?", "help"),
-)  # fmt: skip
-LINE_KEYS = (("Enter", "sends"), ("Esc", "leaves the line"), ("Ctrl-U", "empties it"))
+KEYS = "p:pause  c:continue  b:break  r:repeat  a:answer  k:skip  m:remark  g:agree  s:stop  ?:help"
+LINE_KEYS = "Enter:sends  Esc:leaves the line  Ctrl-U:empties it"
 HELP = (
     ("p c", "pause, and continue; what was on is shown or asked again"),
     ("b", "a break as soon as there may be one; c ends it"),
@@ -61,7 +57,6 @@ _ESCAPES = re.compile(r"\x1b(\[[0-9;?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)?|
 _LOUD = re.compile(r"\b(PILOT|REHEARSAL|SIMULATED)\b")
 _TICKS = (0.25, 0.5, 1, 2, 5, 10, 20, 25, 50, 100)
 _CELLS_PER_TICK = 5  # a number of three digits, and room
-_RICH = RichConsole(width=1000, color_system=None)  # for wrapping alone
 
 
 @attrs.frozen
@@ -72,7 +67,6 @@ class Scene:
     entry: KeyEntry
     heard_s: float = 0.0  # since the state came
     width: int = 80
-    roomy: bool = False  # whether there are 24 rows or more
     styles: Mapping[str, str] = attrs.field(factory=lambda: COLOURED)
 
     def parts(self) -> dict[str, Text]:
@@ -91,11 +85,11 @@ class Scene:
         style = self.styles.get(state.phase, "bold reverse")
         return {
             "heading": Text(f" {rest}"),
-            "loud": Text.assemble((f" {' '.join(loud)} " if loud else "", self.styles["loud"])),
+            "loud": _styled(f" {' '.join(loud)} " if loud else "", self.styles["loud"]),
             "progress": self._progress(),
             "times": Text.assemble(f" {clock(state.elapsed_s)} since the start", (left, "bold")),
             "condition": Text(f"condition: {plain(state.condition)} " if state.condition else ""),
-            "phase": Text.assemble((f" {state.phase.upper() or 'STARTING'} ", style)),
+            "phase": _styled(f" {state.phase.upper() or 'STARTING'} ", style),
             "hint": Text(HINTS.get(state.phase, "")),
             "notice": self._notice(),
         }
@@ -133,52 +127,26 @@ class Scene:
 
     def _question(self, question: Question | None) -> dict[str, Text]:
         if question is None:
-            return {"question": Text(" none now"), "scale": Text(), "entered": Text(), "anchors": Text()}
-        rows = 5 if self.roomy else 4
-        words = wrapped(plain(question.text), self.width - 2, rows - 3)
+            return {"question": Text("none now"), "scale": Text(), "entered": Text(), "anchors": Text()}
         entered = f"entered {number_text(question.entered)}" if question.entered is not None else "nothing entered"
         anchors = "; ".join(f"{number_text(value)} {plain(text)}" for value, text in question.anchors)
         return {
-            "question": _rows(words, "bold"),
+            "question": _styled(plain(question.text), "bold"),
             "scale": Text(" ") + scale_line(question, self.width - 20),
-            "entered": Text.assemble((f" {entered} ", "bold")),
-            "anchors": _rows(wrapped(anchors or range_text(question), self.width - 2, rows - len(words) - 1)),
+            "entered": _styled(f" {entered} ", "bold"),
+            "anchors": Text(anchors or range_text(question)),
         }
 
     def _bottom(self) -> dict[str, Text]:
-        entry = self.entry
-        typing = entry.mode not in ("keys", "help")
-        style = self.styles["refused"] if entry.loud else "bold"
-        note = _rows(wrapped(plain(entry.note), self.width - 2, 1 if typing else 2), style)
-        if typing:
-            prompt = f" {entry.prompt(self.state.question)} "
-            room = max(1, self.width - cell_len(prompt) - 2)
-            line = Text.assemble((prompt, "bold"), (end_of(entry.text, room), "bold"), (" ", "reverse"))
-            note = Text("\n").join([note, line]) if note else line
-        return {"note": note, "keys": self._keys()}
-
-    def _keys(self) -> Text:
-        rows, used = [Text()], 0
-        for key, name in LINE_KEYS if self.entry.mode in LINES else KEYS:
-            room = len(key) + len(name) + 3
-            if used + room > self.width and len(rows) < 2:
-                rows.append(Text())
-                used = 0
-            rows[-1].append(" ").append(key, "bold").append(f" {name} ")
-            used += room
-        return Text("\n").join(rows)
-
-
-def journal(lines: Sequence[tuple[str, str]], width: int, rows: int) -> Text:
-    """Return the newest (time, text) lines in at most `rows` rows, each line in at most two.
-
-    The end of a line is often what happened, so one row is not enough.
-    """
-    out: list[str] = []
-    for time, text in lines[-rows:] if rows > 0 else ():
-        parts = wrapped(text, max(1, width - 2 - len(time)), 2)
-        out += [f"{time if k == 0 else ' ' * len(time)}{part}" for k, part in enumerate(parts)]
-    return _rows(out[-rows:])
+        entry, line = self.entry, Text()
+        if entry.mode not in ("keys", "help"):
+            prompt = f"{entry.prompt(self.state.question)} "
+            line = _styled(prompt + end_of(entry.text, max(1, self.width - cell_len(prompt) - 3)), "bold")
+            line.append(" ", "reverse")
+        keys = Text(LINE_KEYS if entry.mode in LINES else KEYS)
+        keys.highlight_regex(r"\S+(?=:)", "bold")
+        note = _styled(plain(entry.note), self.styles["refused"] if entry.loud else "bold")
+        return {"note": note, "line": line, "keys": keys}
 
 
 def help_text() -> Text:
@@ -190,16 +158,6 @@ def plain(text: str) -> str:
     """Return the text without colours, bells and cursor movements, its blanks as spaces."""
     text = _ESCAPES.sub("", text)
     return "".join(" " if c in "\t\n\r" else c for c in text if c.isprintable() or c in "\t\n\r")
-
-
-def wrapped(text: str, width: int, rows: int) -> list[str]:
-    """Wrap a text into at most `rows` rows of at most `width` cells; "…" marks a cut."""
-    lines = [line.plain.rstrip() for line in Text(text).wrap(_RICH, max(1, width))]
-    if len(lines) <= rows:
-        return lines
-    last = Text(" ".join(lines[rows - 1 :]))
-    last.truncate(max(1, width), overflow="ellipsis")
-    return [*lines[: rows - 1], last.plain]
 
 
 def end_of(text: str, width: int) -> str:
@@ -239,6 +197,6 @@ def scale_line(question: Question, cells: int) -> Text:
     return drawn
 
 
-def _rows(rows: Sequence[str], style: str = "") -> Text:
-    # A style of its own, not that of the whole text: textual would read "red" as a colour of CSS.
-    return Text.assemble(("\n".join(f" {row}" for row in rows), style))
+def _styled(text: str, style: str) -> Text:
+    # A span and not the style of the whole text: of that, textual takes "red" for a colour of CSS.
+    return Text.assemble((text, style))

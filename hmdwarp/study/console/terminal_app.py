@@ -24,14 +24,14 @@ from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.drivers.linux_driver import LinuxDriver
-from textual.widgets import Static
+from textual.widgets import RichLog, Static
 
 from ._base import ConsoleState
 from .commands import clock
 from .key_entry import Entered, KeyEntry
 from .message_socket import MessageSocket, PeerGone
 from .output_capture import pieces
-from .screen_text import COLOURED, PLAIN, Scene, help_text, journal, plain
+from .screen_text import COLOURED, PLAIN, Scene, help_text, plain
 
 ROOMY = 24  # rows from which on there are blank ones between the blocks
 REDRAW_S = 0.1  # of new states; keys are shown at once
@@ -83,17 +83,19 @@ class ConsoleApp(App[None], inherit_bindings=False):
     Horizontal { height: 1; }
     .left { width: 1fr; }
     .right, #phase { width: auto; }
-    .block { border-top: solid ansi_bright_black; border-title-color: ansi_bright_black; }
+    .wrapped { height: auto; max-height: 2; padding: 0 1; text-wrap: wrap; }
+    .block { border-top: solid ansi_bright_black; border-title-color: ansi_bright_black; background: ansi_default; }
     .gap, #help, .help .numbers, .help #journal { display: none; }
     .roomy .gap, .help #help { display: block; }
-    .numbers, #question, #anchors { height: auto; }
+    .numbers { height: auto; }
     #title { text-style: reverse; }
     #hint { padding-left: 2; }
     #asked { height: 5; }
     .roomy #asked { height: 6; }
-    #journal, #help { height: 1fr; }
+    #journal, #help { height: 1fr; scrollbar-size: 0 0; padding: 0 1; }
     #bottom { height: 5; dock: bottom; }
-    #note, #keys { height: 2; }
+    .typing #note { max-height: 1; }
+    #keys { dock: bottom; height: 2; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+c", "interrupt('SIGINT')", priority=True),
@@ -110,7 +112,6 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self.left_well = False  # whether the session told it to leave
         self._messages, self._printed_fd, self._session_pid = messages, printed_fd, session_pid
         self._state, self._entry = ConsoleState(), KeyEntry()
-        self._journal_lines: deque[tuple[str, str]] = deque(maxlen=JOURNAL_LINES)  # (time, text)
         self._heard_s = 0.0  # when the newest state came
         self._drawn: dict[str, Text] = {}  # by part
         self._drawn_s = 0.0  # when they were drawn; 0 once something is new
@@ -129,14 +130,16 @@ class ConsoleApp(App[None], inherit_bindings=False):
             yield Static(id="gauges")
             with Vertical(id="asked", classes="block") as asked:
                 asked.border_title = "question"
-                yield Static(id="question")
+                yield Static(id="question", classes="wrapped")
                 yield Horizontal(Static(id="scale", classes="left"), Static(id="entered", classes="right"))
-                yield Static(id="anchors")
-        for name, title in (("journal", "journal"), ("help", "help, Esc closes it")):
-            block = Static(help_text() if name == "help" else "", id=name, classes="block")
-            block.border_title = title
-            yield block
-        yield Vertical(Static(id="note"), Static(id="keys"), id="bottom", classes="block")
+                yield Static(id="anchors", classes="wrapped")
+        journal = RichLog(id="journal", classes="block", max_lines=JOURNAL_LINES, wrap=True, min_width=1)
+        journal.border_title, journal.can_focus = "journal", False
+        yield journal
+        with Static(help_text(), id="help", classes="block") as help_block:
+            help_block.border_title = "help, Esc closes it"
+        lines = (Static(id=name, classes="wrapped") for name in ("note", "line", "keys"))
+        yield Vertical(*lines, id="bottom", classes="block")
 
     def on_mount(self) -> None:
         """Start to listen to the session, and to draw what is new."""
@@ -144,7 +147,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self._heard_s = loop.time()
         self._raw_modes = termios.tcgetattr(0)
         loop.add_reader(self._messages.fileno(), self._hear)
-        loop.add_reader(self._printed_fd, self.hear_printed)
+        loop.add_reader(self._printed_fd, self._hear_printed)
         loop.add_signal_handler(signal.SIGCONT, self._come_back)
         self.set_interval(REDRAW_S, self._redraw)
 
@@ -174,8 +177,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         """Draw everything anew."""
         self.refresh(repaint=True, layout=True)
 
-    def hear_printed(self) -> None:
-        """Note what the session's program has printed."""
+    def _hear_printed(self) -> None:
         for piece in pieces(self._printed_fd):
             for line in self.printed.feed(piece):
                 if line.strip():
@@ -205,8 +207,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self.exit(return_code=status)
 
     def _note(self, text: str) -> None:
-        self._journal_lines.append((f"{clock(self._state.elapsed_s):>7}  ", plain(text)))
-        self._drawn_s = 0.0
+        self.query_one("#journal", RichLog).write(Text(f"{clock(self._state.elapsed_s):>7}  {plain(text)}"))
 
     def _redraw(self) -> None:
         """Draw what is new, and once a second in any case: that no news came is news."""
@@ -222,10 +223,9 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self._entry.follow(self._state)
         self.screen.set_class(self._entry.mode == "help", "help")
         styles = PLAIN if self.no_color else COLOURED
-        heard_s, roomy = self._drawn_s - self._heard_s, self.size.height >= ROOMY
-        parts = Scene(self._state, self._entry, heard_s, self.size.width, roomy, styles).parts()
-        rows = self.query_one("#journal").size.height
-        parts["journal"] = journal(list(self._journal_lines), self.size.width, rows)
+        heard_s = self._drawn_s - self._heard_s
+        parts = Scene(self._state, self._entry, heard_s, self.size.width, styles).parts()
+        self.screen.set_class(bool(parts["line"]), "typing")
         for name, text in parts.items():
             if self._drawn.get(name) != text:
                 self._drawn[name] = text
@@ -253,7 +253,8 @@ def main(messages_fd: int, printed_fd: int, error_fd: int, session_pid: int) -> 
     os.set_blocking(printed_fd, False)
     app = ConsoleApp(MessageSocket(socket.socket(fileno=messages_fd)), printed_fd, session_pid)
     app.run(mouse=False)
-    app.hear_printed()
+    for piece in pieces(printed_fd):
+        app.printed.feed(piece)
     lines = app.printed.all()
     if not app.return_code and not app.left_well:
         lines.append(

@@ -92,6 +92,8 @@ def deed(name: str, console) -> None:
     if name == "print":
         print("a print \x1b[31min red\x1b[0m")
         os.write(2, b"a driver's own words\n")
+    elif name == "say":
+        console.say("Simulator sickness questionnaire (SSQ), question 15 of 16: left unanswered.")
     elif name == "warn":
         warnings.warn("a warning of a library", stacklevel=1)
     elif name == "raise":

@@ -114,7 +114,7 @@ def test_pasted_text_is_no_row_of_keys(log):
 SIZES = [(80, 24), (120, 40), (60, 20), (100, 21)]
 SHOWN = ("participant P07", "trial 3 of 12", "25 %", "12:04", "0:14 left", "SHOWING", "89.9", "missed 3", "+1.62",
          "yaw  -35°",
-         "pitch   +3°", "roll   +0°", "the session begins", "p pause", "s stop", "? help")  # fmt: skip
+         "pitch   +3°", "roll   +0°", "the session begins", "p:pause", "s:stop", "?:help")  # fmt: skip
 ASKED = (
     "ASKING",
     "How good was the picture?",
@@ -148,6 +148,13 @@ def test_what_is_looked_for_is_there_in_every_size(log):
                 assert keys in terminal.until(words[: size[0] - 20])
             terminal.keys("\x1b")
             terminal.until("help, Esc", there=False)
+
+
+def test_what_happened_is_read_to_its_end(log):
+    """The end of a line is often what happened; here it does not fit into one row."""
+    with played(log, "--do", "say", size=(60, 20)) as terminal:
+        terminal.until("questionnaire (SSQ), question")
+        terminal.until("15 of 16: left unanswered.")
 
 
 def test_a_window_too_small_keeps_what_matters(log):

@@ -1,4 +1,6 @@
-"""A question: nothing is chosen beforehand, every value can be chosen in every way, nothing else can, and what is confirmed stays."""
+"""A question: nothing is chosen beforehand, every value can be chosen in every way, nothing else
+can, and what is confirmed stays.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +82,8 @@ def test_every_value_can_be_typed(scale, data):
 
 @pytest.mark.parametrize(
     ("typed", "value", "shown"),
-    [("3", 3, "3"), ("3.", 3, "3."), ("3,2", None, "3.2"), ("3.25", 3.25, "3.25"), ("3.50", 3.5, "3.50"), ("15", 5, "5"), ("9", None, ""),
+    [("3", 3, "3"), ("3.", 3, "3."), ("3,2", None, "3.2"), ("3.25", 3.25, "3.25"), ("3.50", 3.5, "3.50"),
+     ("15", 5, "5"), ("9", None, ""),
      ("39", 3, "3"), ("3.3", 3, "3."), ("..", None, ""), ("6.25", 6, "6."), ("0", None, ""), ("12.5", 2.5, "2.5")],
 )  # fmt: skip
 def test_what_is_typed_on_a_scale_of_grades(typed, value, shown):
