@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import strategies as st
 
 from hmdwarp.display import Command
-from hmdwarp.study.dialogs import KEYS, QuestionDialog, InputHints
 from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import KEYS, InputHints, QuestionDialog
 from hmdwarp.study.scales import Item, Scale, load_scale, scale_names
 
 SHIPPED = [load_scale(name) for name in scale_names()]

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.study.dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, MenuDialog, ConsentDialog, BreakDialog
+from hmdwarp.study.dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, BreakDialog, ConsentDialog, MenuDialog
 
 from .made_scales import said
 

@@ -10,10 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.study.dialogs import CONTROLLERS, QuestionDialog
-from hmdwarp.study.scales import number_text
 from hmdwarp.study.design import Ask
-from hmdwarp.study.scales import load_scale
+from hmdwarp.study.dialogs import CONTROLLERS, QuestionDialog
+from hmdwarp.study.scales import load_scale, number_text
 
 from .made_scales import SHIPPED, any_scale, asked_of, said
 

@@ -1,4 +1,4 @@
-"""A whole session: what is shown, asked and stored, in this order, and what of it nobody may see."""
+"""A whole session: what is shown, asked and stored, in order, and what of it nobody may see."""
 
 from __future__ import annotations
 
