@@ -257,7 +257,7 @@ def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
 
 
 def _of_session(killed: Killed, contents: Contents, session: Session) -> list[str]:
-    """It is complete, every question has one answer that counts, every trial was seen to its end."""
+    """It is complete, each question has one answer that counts, each trial was seen to its end."""
     design = load_design(str(killed.folder / "tiny.toml"))
     steps = steps_of(design, session.order, session.part)
     asked = sorted(step.key for step in steps if isinstance(step, Ask))

@@ -11,10 +11,12 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
+from hmdwarp.errors import InputError
 from hmdwarp.study.store import Store
 
 from . import tiny
@@ -34,10 +36,9 @@ def until_showing(store: Path, process: subprocess.Popen, key: str = "trial/1") 
     until = time.monotonic() + tiny.PATIENCE_S
     while time.monotonic() < until:
         assert process.poll() is None, process.communicate()
-        if (store / "study.sqlite3").exists():
-            with Store(store) as opened:
-                if any(one.key == key for one in opened.contents().showings):
-                    return
+        with suppress(InputError), Store(store) as opened:  # the store is not there yet, or being made
+            if any(one.key == key for one in opened.contents().showings):
+                return
         time.sleep(0.05)
     raise AssertionError("no trial began")
 

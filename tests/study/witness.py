@@ -2,7 +2,7 @@
 else happens.
 
     python -m tests.study.witness FD study run ...      the program as it is
-    python -m tests.study.witness SOCKET                 a nursery: programs forked from a warm one
+    python -m tests.study.witness SOCKET                 a nursery: forks with all imports done
 
 A line is written when the store's call has returned, in one write, which a pipe takes whole or not
 at all; what was told stays in the pipe whatever becomes of this process. So what the witness has
