@@ -1,7 +1,7 @@
 """Experimenter's console: shows how the session goes, and sends the experimenter's commands."""
 
 from ._base import Console, ConsoleState, NoConsole, Question
-from .commands import checked_answer, clock, parse_line, subject_of
+from .console_commands import checked_answer, clock, parse_line, subject_of
 from .key_entry import KeyEntry
 from .line_console import LineConsole, news
 from .message_socket import MessageSocket

@@ -6,7 +6,7 @@ import attrs
 
 from ..scales import number_text
 from ._base import ConsoleState, Question
-from .commands import LONGEST_REMARK, Subject, checked_answer, refusal, subject_of
+from .console_commands import LONGEST_REMARK, Subject, checked_answer, refusal, subject_of
 
 KEYS = {
     "p": "pause", "c": "continue", "b": "break", "r": "again", "a": "answer", "k": "skip", "m": "remark",

@@ -14,7 +14,7 @@ from typing import Self
 from ...display import Command
 from ..scales import range_text
 from ._base import ConsoleState
-from .commands import COMMANDS, parse_line
+from .console_commands import COMMANDS, parse_line
 
 LAST_LINES_S = 1.0
 LONGEST_LINE = 1 << 16  # bytes without a line end: a sender of that sends no commands

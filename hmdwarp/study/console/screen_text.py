@@ -16,7 +16,7 @@ from rich.text import Text
 
 from ..scales import number_text, range_text
 from ._base import ConsoleState, Question
-from .commands import clock
+from .console_commands import clock
 from .key_entry import LINES, KeyEntry
 
 STALE_S = 3.0  # without a new state

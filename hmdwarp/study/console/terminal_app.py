@@ -27,7 +27,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.widgets import RichLog, Static
 
 from ._base import ConsoleState
-from .commands import clock
+from .console_commands import clock
 from .key_entry import Entered, KeyEntry
 from .message_socket import MessageSocket, PeerGone
 from .output_capture import pieces

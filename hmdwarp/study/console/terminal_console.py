@@ -24,7 +24,7 @@ from typing import Self
 from ...display import Command
 from ...errors import InputError, MachineError
 from ._base import Console, ConsoleState, NoConsole
-from .commands import Subject, is_bound, subject_of
+from .console_commands import Subject, is_bound, subject_of
 from .line_console import LineConsole
 from .message_socket import LONGEST_LINE, MessageSocket, PeerGone
 from .output_capture import OutputCapture

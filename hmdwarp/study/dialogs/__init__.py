@@ -3,7 +3,7 @@
 from .buttons import CONTROLLERS, KEYS, InputHints, hints_for
 from .canvas import PAD, TEXT, WIDTH, width_of, wrapped
 from .choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, BreakDialog, ConsentDialog, MenuDialog
-from .panels import MessagePanel, QuestionPanel, message_panel, trial_panel
+from .dialog_panels import MessagePanel, QuestionPanel, message_panel, trial_panel
 from .question_dialog import QuestionDialog
 from .scale_layout import LineLayout, ScaleForm, layout_of
 from .study_controls import CONTROLS

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from ...display import Command
 from .buttons import KEYS, Choices, InputHints, picking_hint
 from .canvas import PAD, TEXT, WIDTH, wrapped
-from .panels import MessagePanel, message_panel
+from .dialog_panels import MessagePanel, message_panel
 
 CONTINUE, BREAK, AGAIN, SKIP, STOP = "continue", "break", "again", "skip", "stop"
 TEXTS = {

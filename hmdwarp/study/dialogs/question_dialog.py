@@ -10,7 +10,7 @@ from ..console import Question
 from ..design import Ask
 from ..scales import number_text, range_text
 from .buttons import KEYS, InputHints
-from .panels import BACK, SKIP, YES, QuestionPanel
+from .dialog_panels import BACK, SKIP, YES, QuestionPanel
 from .scale_layout import ScaleForm, layout_of
 from .typed_numbers import middle, moved, number_of, typed_on, value_of
 

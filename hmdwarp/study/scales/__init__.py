@@ -1,7 +1,7 @@
 """Scales: one .toml file each, with anchors, direction and source."""
 
 from ._load import FOLDER, load_scale, scale_names
-from ._scale import (
+from ._scale_model import (
     KINDS,
     QUESTIONNAIRE,
     RATING,

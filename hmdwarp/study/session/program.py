@@ -23,7 +23,7 @@ from ..design.settings import live_options
 from ..dialogs import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
-from .closing import ClosingWords
+from .closing_words import ClosingWords
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
 from .session_facts import facts_of
