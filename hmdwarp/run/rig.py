@@ -13,7 +13,7 @@ import numpy as np
 from ..auto.levels import QualityLevel
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link.codec import check_codec

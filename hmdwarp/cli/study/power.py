@@ -44,7 +44,7 @@ def power(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate the whole study many times, people who leave and cannot answer included, and analyse each as `study analyse` does."""
-    from ...report.files import OutputFolder
+    from ...report import OutputFolder
     from ...study.design.read import load_design
     from ...study.power import power_of
     from .._show import steps
@@ -125,7 +125,7 @@ def _counts(text: str, design: Design) -> list[int]:
 
 
 def _write(folder, found: Power, wanted: float) -> None:
-    from ...report.power_chart import PowerLine, power_chart
+    from ...report.study import PowerLine, power_chart
     from ...study.power.told import COLUMNS, as_json, name_of, rows_of
 
     rows = rows_of(found)

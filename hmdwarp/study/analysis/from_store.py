@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...report.study_words import counted
+from ...report import counted
 from ..design import Ask, Design, Show, steps_of
 from ..design._parts import ONLY_PART
 from ..export.rows import long_rows, of_origin, plan_of

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study_page import render_study_report
+from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis import Given, from_csv
 from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.analysis.whole import analyse
