@@ -37,7 +37,7 @@ class ConsoleState:
     rate_hz: float = 0.0  # frames per second
     missed: int = 0  # refreshes without a new frame
     position_m: tuple[float, float, float] | None = None  # head (x, y, z); None before there is one
-    turned_deg: tuple[float, float, float] | None = None  # head (yaw, pitch, roll)
+    angles_deg: tuple[float, float, float] | None = None  # head (yaw, pitch, roll)
     notice: str = ""  # "tracking lost"
     condition: str = ""  # "" where it is hidden
 

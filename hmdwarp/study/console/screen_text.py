@@ -115,13 +115,13 @@ class Scene:
     def _head(self) -> dict[str, Text]:
         state = self.state
         pictures = Text(f" pictures {state.rate_hz:5.1f}/s  missed {state.missed}")
-        if state.position_m is None or state.turned_deg is None:
+        if state.position_m is None or state.angles_deg is None:
             return {"pictures": pictures, "head": Text(), "gauges": Text(" head: none yet")}
         x, y, z = state.position_m
         room = max(5, (self.width - 47) // 3 | 1)
         gauges = Text()
         # Turns to the left are positive, and stand on the left.
-        for name, degrees, most in zip(("yaw", "pitch", "roll"), state.turned_deg, (-180.0, 90.0, -90.0), strict=True):
+        for name, degrees, most in zip(("yaw", "pitch", "roll"), state.angles_deg, (-180.0, 90.0, -90.0), strict=True):
             gauges.append(f" {name} {degrees:+4.0f}° ").append(gauge(degrees, most, room), self.styles["bar"])
         return {"pictures": pictures, "head": Text(f"head {x:+.2f} {y:+.2f} {z:+.2f} m "), "gauges": gauges}
 

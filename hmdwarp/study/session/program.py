@@ -28,7 +28,7 @@ from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
 from .session_facts import facts_of
 from .session_options import SessionOptions
-from .trial_runner import TrialRunner, under_way_s
+from .trial_runner import TrialRunner, first_picture_wait_s
 
 Say = Callable[[str], None]
 
@@ -163,7 +163,7 @@ class _Program:
         context = SessionContext(self.design, session, store, display, sources, steps, store.done(session))
         every = self._all_options()
         scenes = {name: load_scene(name) for name in {one.scene for one in every}}
-        wait_s = under_way_s([one.latency_ms for one in every])
+        wait_s = first_picture_wait_s([one.latency_ms for one in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
         self.words.recording = lambda: trials.recording
         no_pipeline: Any = _NoPipeline(self.live)

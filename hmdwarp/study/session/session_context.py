@@ -134,13 +134,13 @@ class SessionContext:
             done=len(self.done.intersection(one.key for one in self.steps)) / max(len(self.steps), 1),
             elapsed_s=(self.display.now_ns() - self._begun_ns) * 1e-9,
             position_m=None if head is None else _triple(head.pose.position_m),
-            turned_deg=None if head is None else turned_deg(head.pose),
+            angles_deg=None if head is None else head_angles_deg(head.pose),
             notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
             **described,
         )
 
 
-def turned_deg(pose: Pose) -> tuple[float, float, float]:
+def head_angles_deg(pose: Pose) -> tuple[float, float, float]:
     """Return yaw (left), pitch (up) and roll (left): the head turns, then nods, then tilts."""
     m = pose.rotation_matrix
     angles = math.atan2(m[0][2], m[2][2]), math.asin(min(max(-m[1][2], -1.0), 1.0)), math.atan2(m[1][0], m[1][1])

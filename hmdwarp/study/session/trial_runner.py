@@ -35,7 +35,7 @@ SETTLED_S = 0.25  # beyond the longest latency: some frames come later
 PATIENCE_S = 30.0  # for the first frame
 
 
-def under_way_s(latencies_ms: Sequence[float]) -> float:
+def first_picture_wait_s(latencies_ms: Sequence[float]) -> float:
     """Return how long frames are under way before the first picture, the same for all trials.
 
     A wait as long as the latency, or as building the pipeline, would tell the condition.
@@ -50,7 +50,7 @@ class TrialHandler(StepHandler):
     the middle of a run; a recorded head starts anew that long before. The time of the trial counts
     from its first picture, on the display's clock.
 
-    panel: lies over the black, since panel_ns. wait_s: see under_way_s.
+    panel: lies over the black, since panel_ns. wait_s: see first_picture_wait_s.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
@@ -136,7 +136,7 @@ class TrialRunner:
     context: SessionContext
     ending: Ending
     options_of: Callable[[Show], LiveOptions]  # of the live run that a step is
-    wait_s: float  # see under_way_s
+    wait_s: float  # see first_picture_wait_s
     scenes: Mapping[str, Scene]  # all that are shown, by name
     recording: Recorder | None = None  # the one under way, None between trials
 

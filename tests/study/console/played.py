@@ -29,12 +29,12 @@ HEADING = "latency-and-warp - participant P07 - session 1"
 SHOWING = ConsoleState(
     heading=HEADING, step="trial 3 of 12", done=0.25, elapsed_s=724.0, left_s=14.0, phase="showing", rate_hz=89.9,
     missed=3,
-    position_m=(0.02, 1.62, -0.1), turned_deg=(-35.0, 3.0, 0.4),
+    position_m=(0.02, 1.62, -0.1), angles_deg=(-35.0, 3.0, 0.4),
 )  # fmt: skip
 ASKING = attrs.evolve(SHOWING, phase="asking", left_s=None, question=attrs.evolve(GRADE, entered=3.25))
 STATES = {
     "reading": attrs.evolve(
-        SHOWING, phase="reading", step="consent", done=0.0, left_s=None, position_m=None, turned_deg=None
+        SHOWING, phase="reading", step="consent", done=0.0, left_s=None, position_m=None, angles_deg=None
     ),
     "waiting": attrs.evolve(SHOWING, phase="waiting", step="about to begin", done=0.0, left_s=None),
     "showing": SHOWING,

@@ -57,7 +57,7 @@ STATE = st.builds(
     rate_hz=st.floats(0, 1e4), missed=st.integers(0, 10**7), notice=TEXTS, condition=TEXTS,
     question=st.none() | QUESTIONS,
     position_m=st.none() | st.tuples(NUMBERS, NUMBERS, NUMBERS),
-    turned_deg=st.none() | st.tuples(NUMBERS, NUMBERS, NUMBERS),
+    angles_deg=st.none() | st.tuples(NUMBERS, NUMBERS, NUMBERS),
 )  # fmt: skip
 
 

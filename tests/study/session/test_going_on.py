@@ -9,7 +9,7 @@ import pytest
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study import actual, scales
 from hmdwarp.study.design.read import load_design
-from hmdwarp.study.session.session_facts import facts_of
+from hmdwarp.study.session import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
 from . import sessions

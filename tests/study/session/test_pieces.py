@@ -13,9 +13,7 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.study.actual import NOTHING, NUMBERS, actual_of
-from hmdwarp.study.session import SessionOptions
-from hmdwarp.study.session.session_context import turned_deg
-from hmdwarp.study.session.trial_runner import under_way_s
+from hmdwarp.study.session import SessionOptions, angles_deg, first_picture_wait_s
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study
@@ -29,12 +27,12 @@ def test_a_head_s_angles_by_scipy_s_way(yaw, pitch, roll):
     digits: 1e-6 degrees are left.
     """
     turn = Rotation.from_euler("YXZ", (yaw, pitch, roll), degrees=True)
-    assert turned_deg(Pose(orientation_xyzw=turn.as_quat())) == pytest.approx((yaw, pitch, roll), abs=1e-6)
+    assert head_angles_deg(Pose(orientation_xyzw=turn.as_quat())) == pytest.approx((yaw, pitch, roll), abs=1e-6)
 
 
 def test_frames_are_under_way_for_longer_than_any_latency():
-    assert under_way_s([]) == under_way_s([0.0]) == SETTLED_S
-    assert under_way_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
+    assert first_picture_wait_s([]) == first_picture_wait_s([0.0]) == SETTLED_S
+    assert first_picture_wait_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
 
 
 def columns(**known: list[float]):
