@@ -1,4 +1,7 @@
-"""Small replays for tests: one call, sensible small defaults, and the pixels of a run's pictures where figures are not enough."""
+"""Small replays for tests.
+
+One call, sensible small defaults, and the pixels of a run's pictures where figures are not enough.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,7 @@ from numpy.typing import NDArray
 
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.loop import Refresh
-from hmdwarp.run import RunOptions
-from hmdwarp.run.replay_run import ReplayResult, replay
-from hmdwarp.run.replay_setup import ReplaySetup, set_up_replay
+from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
 
 SMALL = {
     "trace": "look-around",
@@ -54,7 +55,10 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def each_refresh(options: RunOptions, look: Callable[[ReplaySetup, int, Refresh], None]) -> None:
-    """The loop alone, without measuring and files: look(setup, number, refresh) at every shown refresh."""
+    """The loop alone, without measuring and files.
+
+    look(setup, number, refresh) at every shown refresh.
+    """
     with set_up_replay(options) as setup:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
@@ -66,7 +70,10 @@ def each_refresh(options: RunOptions, look: Callable[[ReplaySetup, int, Refresh]
 
 @attrs.frozen(eq=False)
 class Seen:
-    """One eye at one refresh, top row first: what was shown (h, w, 4), what should have been, coverage before the fill."""
+    """One eye at one refresh, top row first.
+
+    What was shown (h, w, 4), what should have been, coverage before the fill.
+    """
 
     shown: NDArray[np.float32]
     truth: NDArray[np.float32]

@@ -1,21 +1,8 @@
-"""What accuracy costs in time: every method on the same late frames, error against time."""
+"""What accuracy costs in time: every method on the same late frames, error against time.
 
-from __future__ import annotations
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+import lazy_loader
 
-if TYPE_CHECKING:
-    from .options import BenchOptions
-    from .run import BenchResult, bench
-
-_HOME = {"BenchOptions": "options", "BenchResult": "run", "bench": "run"}
-
-__all__ = ["BenchOptions", "BenchResult", "bench"]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value = getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
-    return value
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -17,8 +17,7 @@ from ..errors import HmdwarpError
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link import LinkOptions
-from ..metrics.job import Compared, QualityJob
-from ..metrics.pool import QualityPool
+from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
@@ -101,21 +100,21 @@ def grid_rows(
 def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
     """A loop of its own on the setup's server, whose newest frame was drawn at time 0."""
     needs = needs_of(c.plan for c in warps)
-    history = History(needs.past, needs.past_spacing_ns, setup.server.recycle)
+    history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
     channel = Channel(LinkOptions(), 0, None, 0, history.offer, setup.server.recycle)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
-        PoseRequest(source, None, setup.size, setup.options.guard, needs),
+        PoseRequest(source, None, setup.size, setup.options.guard_factor, needs),
         setup.server,
         channel,
         history,
         main,
         setup.headset,
     )
-    for back in range(needs.past, -1, -1):
-        loop.draw(-back * max(1, needs.past_spacing_ns))
+    for back in range(needs.others.past, -1, -1):
+        loop.draw(-back * max(1, needs.others.spacing_ns))
     return loop
 
 

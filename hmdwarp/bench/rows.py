@@ -7,10 +7,7 @@ from functools import reduce
 from operator import add
 from typing import Any
 
-from ..metrics import QUALITY, STAGES
-from ..metrics.mismatch import Mismatch
-from ..metrics.pool import QualityPool
-from ..metrics.regions import REGIONS, pooled
+from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, pooled
 from ..run.comparison import Measured
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup

@@ -58,7 +58,7 @@ def convert(said: Said) -> None:
 
     from ..errors import InputError
     from ..poses.load import load_trace
-    from ..report.files import write_stream
+    from ..report import write_stream
 
     to, out = said["to"], said["out"]
     target = formats.get(to)
@@ -88,7 +88,7 @@ def synth(
 ) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
-    from ..report.files import write_stream
+    from ..report import write_stream
 
     track = synthesise(kind, seed, seconds, rate)
     write_stream(out, lambda stream: write_synthetic(track, stream))

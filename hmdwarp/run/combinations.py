@@ -9,7 +9,7 @@ import attrs
 
 from ..client.history import History
 from ..client.plan import Plan
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..link import Link, LinkOptions
 from .schedule import Schedule
 
@@ -48,11 +48,15 @@ def batches(
     They need their older frames equally far apart; all fills of a warp stay together. What needs no
     older frames goes along with the first.
     """
-    spacings = sorted({c.plan.needs.past_spacing_ns for c in combinations if c.plan.needs.past})
+    spacings = sorted({c.plan.needs.others.spacing_ns for c in combinations if c.plan.needs.others.past})
     first = spacings[0] if spacings else 0
     found: list[list[Combination]] = []
     for spacing in spacings or [first]:
-        fitting = [c for c in combinations if (c.plan.needs.past_spacing_ns if c.plan.needs.past else first) == spacing]
+        fitting = [
+            c
+            for c in combinations
+            if (c.plan.needs.others.spacing_ns if c.plan.needs.others.past else first) == spacing
+        ]
         current: list[Combination] = []
         for _, group in itertools.groupby(fitting, key=lambda c: c.warp):
             together = list(group)
@@ -93,7 +97,7 @@ def frames_used(schedule: Schedule, link_ns: int, needs: Needs, looked_at: Itera
     pictures.
     """
     wanted, used = set(looked_at), set()
-    history = History(needs.past, needs.past_spacing_ns, lambda frame: None)
+    history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)
     link: Link = LinkOptions().link(link_ns, history.offer)
     for number, instant_ns in schedule.numbered():
         link.send(_Drawn(instant_ns), instant_ns)

@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from ..display import Display, Tick
 from ..display.status import Status
-from ..report.files import OutputFolder
-from ..report.live_page import render_live_report
-from ..report.live_told import live_lines
+from ..report import OutputFolder, live_lines, render_live_report
 from .commands import values
 from .holes import HoleCounter
 from .lines import Lines

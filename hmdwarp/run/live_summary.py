@@ -10,7 +10,7 @@ import numpy as np
 
 from ..display import Display
 from ..geometry import Pose
-from ..metrics.summary import aggregate_columns, middle_and_tail
+from ..metrics import aggregate_columns, middle_and_tail
 from ..scenes.effects import effect_names
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions

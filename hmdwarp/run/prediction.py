@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..link.codec import check_codec
 from ..pipeline.loop import PoseRequest
 from ..pipeline.options import PipelineOptions

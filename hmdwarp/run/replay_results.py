@@ -8,13 +8,8 @@ from typing import Any
 import attrs
 
 from ..link import medians
-from ..metrics.pool import QualityPool
-from ..metrics.summary import aggregate
-from ..metrics.worst import Kept
-from ..report.files import OutputFolder
-from ..report.page import WorstFrame, render_report
-from ..report.pictures import comparison_panels, labelled_strip
-from ..report.schema import FRAME_COLUMNS
+from ..metrics import Kept, QualityPool, aggregate
+from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from ..scenes.effects import effect_names
 from .log import ReplayLog
 from .replay_setup import ReplaySetup

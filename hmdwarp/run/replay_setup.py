@@ -10,7 +10,7 @@ import numpy as np
 
 from ..auto.levels import QualityLevel
 from ..client.plan import Plan, needs_of
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns

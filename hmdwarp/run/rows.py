@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..poses import Origin, PoseSample
-from ..report.schema import FRAME_COLUMNS, POSE_PARTS
+from ..report import FRAME_COLUMNS, POSE_PARTS
 from .speeds import Speeds
 
 if TYPE_CHECKING:

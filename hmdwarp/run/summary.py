@@ -12,7 +12,7 @@ import attrs
 from ..auto.adaptive import AdaptiveCompensator
 from ..gpu.context import Gpu
 from ..pipeline.options import PipelineOptions
-from ..report.schema import SCHEMA
+from ..report import SCHEMA
 from ..version import __version__
 
 _MOST_CHANGES = 8  # in the note; all of them are in the entry and on the page

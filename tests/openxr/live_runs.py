@@ -15,9 +15,8 @@ from pathlib import Path
 import hmdwarp.run.live_run as driver
 from hmdwarp.display import Tick
 from hmdwarp.pipeline.loop import Refresh
-from hmdwarp.report.schema import validate_summary
-from hmdwarp.run import LiveOptions
-from hmdwarp.run.live_log import LiveResult
+from hmdwarp.report import validate_summary
+from hmdwarp.run import LiveOptions, LiveResult
 
 SMALL = (96, 120)
 LONG_S = 90.0  # against hanging; a machine under load is slow

@@ -19,7 +19,7 @@ from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.loop import Loop
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.quaternions import angle_between
-from hmdwarp.run.replay_setup import ReplaySetup, set_up_replay
+from hmdwarp.run import ReplaySetup, set_up_replay
 
 from .live_runs import SMALL, Here, quick
 

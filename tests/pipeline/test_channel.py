@@ -1,4 +1,7 @@
-"""Frames on their way through the loop: what the client warps is what has arrived, and every frame is accounted for."""
+"""Frames on their way through the loop.
+
+What the client warps is what has arrived, and every frame is accounted for.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.gpu.textures import download
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run.replay_setup import set_up_replay
+from hmdwarp.run import set_up_replay
 
 NETWORKS = {
     "plain": {},
@@ -44,7 +47,8 @@ def test_every_frame_is_accounted_for(tmp_path, network, codec):
 
 @pytest.mark.parametrize("codec", ["h264", "hevc"])
 def test_the_client_warps_what_has_arrived(codec):
-    """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within the code's own bound."""
+    """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within
+    the code's own bound."""
     seen = []
     with set_up_replay(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as setup:
         for number, instant_ns in setup.schedule.numbered():

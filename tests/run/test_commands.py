@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from hmdwarp.display import Command
-from hmdwarp.run import LiveOptions
+from hmdwarp.run import LiveOptions, PipelineHost
+from hmdwarp.run import commands as handling
 from hmdwarp.run.commands import CommandHandler, choices
-from hmdwarp.run.host import PipelineHost
 
 from .offscreen import OffscreenDisplay, run_on
 

@@ -7,11 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.display import Lost, Tick
-from hmdwarp.run import LiveOptions
-from hmdwarp.run.driver import Driver, FrameHandler
-from hmdwarp.run.ending import Ending
-from hmdwarp.run.host import PipelineHost
-from hmdwarp.run.live_log import LiveLog
+from hmdwarp.run import Driver, Ending, FrameHandler, LiveLog, LiveOptions, PipelineHost
 
 from .offscreen import PERIOD_NS, SIZE, OffscreenDisplay
 

@@ -8,8 +8,7 @@ import threading
 
 import pytest
 
-from hmdwarp.run import LiveOptions
-from hmdwarp.run.ending import Ending
+from hmdwarp.run import Ending, LiveOptions
 
 from .offscreen import OffscreenDisplay, run_on
 

@@ -10,9 +10,8 @@ import pytest
 import hmdwarp.pipeline.sizes
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.run import LiveOptions
+from hmdwarp.run import LiveOptions, PipelineHost
 from hmdwarp.run.commands import changed
-from hmdwarp.run.host import PipelineHost
 
 from .gl_objects import living
 from .offscreen import OffscreenDisplay

@@ -6,6 +6,7 @@ import textwrap
 import threading
 import time
 
+import attrs
 import numpy as np
 import pytest
 
@@ -139,7 +140,7 @@ CHILD = """
 import sys, time
 from pathlib import Path
 from hmdwarp.geometry import Pose
-from hmdwarp.run.recorder import Recorder
+from hmdwarp.run import Recorder
 from hmdwarp.poses import Origin, PoseSample
 with Recorder(Path(sys.argv[1])) as recorder:
     recorder.begin({"headset": "none"}, 200.0)
@@ -171,7 +172,7 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from hmdwarp.errors import MachineError
-from hmdwarp.run.recorder import Recorder
+from hmdwarp.run import Recorder
 from run.test_recorder import ABOUT, samples
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 told = []

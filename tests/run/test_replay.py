@@ -20,9 +20,8 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace
 from hmdwarp.poses.formats import formats
-from hmdwarp.report.files import write_text
-from hmdwarp.report.schema import FRAME_COLUMNS, validate_summary
-from hmdwarp.run.replay_setup import set_up_replay
+from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
+from hmdwarp.run import set_up_replay
 from hmdwarp.version import __version__
 
 QUALITY_AT = ("psnr_db", "ssim", "flip", "hole_share", "border_share")
@@ -127,7 +126,7 @@ def test_video_has_every_refresh(full):
 
 
 def test_progress_counts_up_to_all(tmp_path):
-    from hmdwarp.run.replay_run import replay
+    from hmdwarp.run import replay
 
     seen = []
     replay(small(tmp_path), lambda done, total: seen.append((done, total)))
@@ -325,7 +324,7 @@ class Made:
 @pytest.mark.parametrize("warp", ["forward", "backward"])
 def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
     """At the second one the frame being drawn, the one shown and those under way exist together for the first time."""
-    from hmdwarp.run.replay_run import replay
+    from hmdwarp.run import replay
 
     made, after = Made(monkeypatch), {}
     passes = {"warp": warp, "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "planar"}
@@ -338,7 +337,7 @@ def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypa
 def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
     """60 s against 2 s: as many textures and buffers ever made, as many frames ever held."""
     from hmdwarp.poses.synth import synthesise
-    from hmdwarp.run.replay_run import replay
+    from hmdwarp.run import replay
 
     path = tmp_path / "long.csv"
     with path.open("w", encoding="utf-8") as stream:
@@ -373,7 +372,7 @@ def most_held(options) -> tuple[int, int]:
 
 
 def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch):
-    from hmdwarp.run.replay_run import replay
+    from hmdwarp.run import replay
 
     run(tmp_path, images=1)
     before = contents(tmp_path)

@@ -19,7 +19,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.planning import build_plan_for
-from hmdwarp.run.replay_setup import set_up_replay
+from hmdwarp.run import set_up_replay
 from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of, draw_truth
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server

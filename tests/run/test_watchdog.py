@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from hmdwarp.errors import MachineError
-from hmdwarp.run.watchdog import Watchdog
+from hmdwarp.run import Watchdog
 
 ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 90  # of a loaded machine; nothing here waits for it unless it fails

@@ -10,12 +10,10 @@ from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
-from hmdwarp.run import RunOptions
-from hmdwarp.run.replay_run import figures, replay
-from hmdwarp.run.replay_setup import set_up_replay
+from hmdwarp.run import RunOptions, figures, replay, set_up_replay
+from hmdwarp.study.design import Show, steps_of
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
-from hmdwarp.study.steps import Show, steps_of
 from hmdwarp.study.store import PERSON, Store
 
 TEXT = """

@@ -1,41 +1,10 @@
-"""Frames as bytes on the network: colour through a video codec, depth through a code of its own.
+"""Coding of frames for the network: colour by a video codec, depth by a code of its own.
 
-The coders are imported when they are first used: an option's declaration must load nothing heavy.
+Names are in __init__.pyi; each loads its module at first use: declaring an option loads no codec.
 """
 
-from __future__ import annotations
+import lazy_loader
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from .codecs import codecs as codecs  # at once: the module of the same name would stand there later
 
-from .codecs import Codec, check_codec, codecs
-from .coding import Coding
-from .errors import Undecodable
-
-if TYPE_CHECKING:
-    from .coder import Decoder, Encoder, Packet, Picture
-    from .depth import STEP, DepthDecoder, DepthEncoder
-    from .layers import packed_bytes
-
-_HOME = {
-    "Decoder": "coder",
-    "DepthDecoder": "depth",
-    "DepthEncoder": "depth",
-    "Encoder": "coder",
-    "Packet": "coder",
-    "Picture": "coder",
-    "STEP": "depth",
-    "packed_bytes": "layers",
-}
-
-__all__ = [
-    "codecs", "STEP", "Codec", "Coding", "Decoder", "DepthDecoder", "DepthEncoder", "Encoder", "Packet", "Picture", "Undecodable",
-    "check_codec", "packed_bytes",
-]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value = getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
-    return value
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
