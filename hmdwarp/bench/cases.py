@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 from ..client.plan import build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
@@ -41,9 +42,9 @@ def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
     return [Combination(w, f, build_plan(effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
-def run_options(options: BenchOptions, case: Case, **changes: object) -> RunOptions:
+def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
     """A run of one case. Its first refresh is the same whatever the latency, so that all latencies see the same head."""
-    known = {
+    known: dict[str, Any] = {
         "trace": case.recording,
         "scene": case.scene,
         "latency_ms": case.latency_ms,

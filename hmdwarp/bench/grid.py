@@ -22,6 +22,7 @@ from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
 from ..run.combinations import Combination
+from ..run.read_back import coverage, shown_picture
 from ..run.replay_setup import ReplaySetup
 from ..scenes import Scene
 from ..server.targets import TargetPool
@@ -83,14 +84,13 @@ def grid_rows(
         target = targets.acquire()
         for number in range(len(moves)):
             refresh = loop.show(number + 1)
+            assert refresh is not None  # the link has no latency
             truth = setup.server.draw(refresh.inputs[0].shown, setup.size, target, refresh.shown_ns)
             picture = picture_from_linear(download(truth.colour))
             for combination, compensator in zip(warps, compensators, strict=True):
                 result = compensator.run(loop.inputs(refresh, combination.plan.needs)[0])
-                shown = Compared(picture_from_linear(download(result.shown.texture)), picture, result.view)
-                pool.submit(
-                    (combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3])
-                )
+                shown = Compared(shown_picture(result), picture, result.view)
+                pool.submit((combination.warp, number), QualityJob(shown, covered=coverage(result)))
             setup.gpu.timer.collect()
             step()
         pool.wait()

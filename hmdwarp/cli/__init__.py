@@ -53,7 +53,7 @@ def main() -> None:
 def _print_what_the_terminal_can() -> None:
     """A dash that the locale's encoding has not, or a file name that is no text, is printed as '?': no reason to end a run that is done."""
     with suppress(AttributeError):  # closed (None), or somebody's own stream
-        sys.stdout.reconfigure(errors="replace")
+        sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
 
 
 def _nobody_reads() -> NoReturn:

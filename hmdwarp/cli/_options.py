@@ -41,7 +41,7 @@ def takes(
 
 
 def _parameter(option: Option, name: str) -> inspect.Parameter:
-    kind = list[str] if option.kind is list else option.kind
+    kind: Any = list[str] if option.kind is list else option.kind
     default = inspect.Parameter.empty if option.required else option.default
     about: dict[str, Any] = {"help": option.help, "metavar": option.metavar}
     if default in (None, ""):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import attrs
 
@@ -105,7 +105,7 @@ class Declared:
     """Base of classes whose fields are options."""
 
     # Options of a base class that this one has no use for.
-    not_offered = ()
+    not_offered: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def of(cls, said: Mapping[str, Any], **fields: Any) -> Self:

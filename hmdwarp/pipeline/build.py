@@ -1,4 +1,4 @@
-"""A picture's whole way on one GPU: server, channel, history, client and the loop that drives them. Every driver builds this one."""
+"""A picture's whole way on one GPU: server, channel, history, client and the loop that drives them."""
 
 from __future__ import annotations
 
@@ -32,29 +32,29 @@ _SAME_REFRESH = 1e-3
 
 
 def latency_ns(options: PipelineOptions) -> int:
-    """What was asked for."""
+    """Return the latency of the options."""
     return round(options.latency_ms * 1e6)
 
 
 def refreshes_of(latency_ms: float, rate_hz: float) -> int:
-    """How many refreshes after it was drawn a frame is shown: it waits for the next one after it has arrived."""
+    """Return how many refreshes after it was drawn a frame is shown: the next one after it has arrived."""
     return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
 
 
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """The most frames there are at a time: under way, shown, being drawn, and older ones kept."""
+    """Return the most frames there are at a time: under way, shown, being drawn, and older ones kept."""
     if options.network.is_plain:
         return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
     return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.others.past
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
-    """How old a frame will be when it is seen, as far as one can know. plain_ns: over a link that does nothing but delay."""
+    """Return the expected age of a frame when it is seen. plain_ns: over a link that only delays."""
     return plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
-    """Errors: as check_room, for the most frames there are at a time."""
+    """Check the room for the most frames there are at a time. Errors: as check_room."""
     check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
@@ -75,11 +75,12 @@ class Target:
 
 @attrs.define(eq=False)
 class Pipeline:
-    """Everything on the GPU that one run needs, ready to go. Use as a context manager; the GPU itself belongs to the caller.
+    """Everything on the GPU that one run needs, ready to go.
 
-    plan: what runs at first; auto: what chooses among several, where something does.
+    Use as a context manager; the GPU itself belongs to the caller.
     """
 
+    # The plan that runs at first.
     plan: Plan
     requested: PoseRequest
     sizes: EyeSizes
@@ -88,15 +89,17 @@ class Pipeline:
     geometry: ClientScene
     channel: Channel
     loop: Loop
+    # The part that chooses the warp; None where the options name one.
     auto: AdaptiveCompensator | None
     lens_of: Headset | None
     _made: list[Compensator | AdaptiveCompensator]
     _cleanup: ExitStack
 
     def compensator(self, plan: Plan) -> Compensator:
-        """A compensator for another plan on the same frames, freed with the pipeline."""
-        self._made.append(_compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry))
-        return self._made[-1]
+        """Return a compensator for another plan on the same frames, freed with the pipeline."""
+        made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
+        self._made.append(made)
+        return made
 
     def exchange(self, plan: Plan) -> None:
         """Run this plan from now on; frames must carry what it reads. What it replaces is freed."""
@@ -155,7 +158,7 @@ def build_pipeline(
         if levels and options.budget_ms is not None:
             governor = Governor(levels, options.budget_ms)
             auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
-        compensator = auto or compensators[0]
+        compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
         loop = Loop(requested, server, channel, history, compensator, target.eyes)
         parts = (gpu, server, geometry, channel, loop, auto, lens_of)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())

@@ -28,7 +28,7 @@ def parse_size(text: str) -> tuple[int, int]:
 def parse_guard(text: str) -> float | Literal["auto"]:
     """Return 'auto' or a number. Errors: InputError."""
     if text.strip() == AUTO:
-        return AUTO
+        return "auto"
     try:
         return float(text)
     except ValueError as error:

@@ -103,5 +103,5 @@ def frames_used(schedule: Schedule, link_ns: int, needs: Needs, looked_at: Itera
         link.send(_Drawn(instant_ns), instant_ns)
         newest = link.newest(instant_ns)
         if number in wanted and number >= 0:
-            used |= {frame.drawn_ns for frame in (newest, *history.frames)}
+            used |= {frame.drawn_ns for frame in (newest, *history.frames) if frame is not None}
     return used

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 
@@ -50,7 +51,8 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
     if name not in _STEPS:
         raise InputError(f"control '{name}' changes nothing of the run: wanted {', '.join(_STEPS)}")
     value = _STEPS[name](options, -1 if command.back else 1) if value is None else _checked(name, value)
-    return attrs.evolve(options, **{"latency_ms" if name == "latency" else name: value})
+    change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
+    return attrs.evolve(options, **change)
 
 
 def _checked(name: str, value: object) -> object:

@@ -20,6 +20,7 @@ from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface
 from ..pipeline.loop import Refresh
 from ..server.targets import TargetPool
 from .combinations import Case, Combination, frames_used, instants_of
+from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .rows import Row, stage_columns
 
@@ -112,7 +113,7 @@ class Comparison:
         shown = []
         for compensator in self._compensators:
             result = compensator.run(self._inputs(compensator, refresh)[eye])
-            shown.append(Compared(_picture(result), truth.picture, result.view))
+            shown.append(Compared(shown_picture(result), truth.picture, result.view))
         self._setup.gpu.timer.collect()
         return shown
 
@@ -154,10 +155,10 @@ class Comparison:
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
             warp = measured.combination.warp
             if warp not in coverages:
-                coverages[warp] = [_coverage(result) for result in results]
+                coverages[warp] = [coverage(result) for result in results]
             measured.mismatch.append(shared.compare(*coverages[warp]))
             job = QualityJob(
-                Compared(_picture(results[eye]), truth.picture, results[eye].view),
+                Compared(shown_picture(results[eye]), truth.picture, results[eye].view),
                 before[index] if before else None,
                 coverages[warp][eye],
                 truth.inverse_depth,
@@ -177,11 +178,3 @@ def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
     """Whether two fills left the same picture, as they do where there is nothing to fill: it need not be measured twice."""
     pairs = [(one.now, other.now)] + ([(one.previous, other.previous)] if one.previous and other.previous else [])
     return all(np.array_equal(a.shown, b.shown) for a, b in pairs)
-
-
-def _picture(result: EyeResult) -> NDArray[np.uint8]:
-    return picture_from_linear(download(result.shown.texture))
-
-
-def _coverage(result: EyeResult) -> NDArray:
-    return download(result.warped.texture)[..., 3]

@@ -18,7 +18,7 @@ from ..pipeline.sizes import guarded_size
 from ..scenes import Scene, load_scene
 from .bench_levels import LevelSet, levels_from_file
 from .options import LiveOptions
-from .prediction import RecentPoses, check_names, pose_request
+from .pose_request import RecentPoses, check_names, pose_request
 
 
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:

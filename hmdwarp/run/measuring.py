@@ -13,10 +13,11 @@ from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
+from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
 
-# The two things measured at a refresh: the asked-for warp and the one it is compared with.
+# The two things measured at a refresh: the run's warp and the one it is compared with.
 MAIN, AGAINST = 0, 1
 Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 
@@ -24,9 +25,10 @@ Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 class Probe:
     """Draws the truth at the shown views, reads pictures back and hands them to the measuring processes.
 
-    Measured is what the eye sees before the lens. A warp that is fused with the lens does not make that, so the same warp without the
-    lens is run for it; what it takes is not counted. The truth of a display that lights up row by row is drawn in bands. Flicker needs
-    the refresh before a measured one too, so that one is drawn and read as well, but not measured.
+    Measured is what the eye sees before the lens. A warp that is fused with the lens does not make
+    that, so the same warp without the lens runs for it; its time is not counted. The truth of a
+    display that lights up row by row is drawn in bands. Flicker needs the refresh before a measured
+    one too, so that one is drawn and read as well, but not measured.
     """
 
     def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
@@ -75,13 +77,19 @@ class Probe:
             if depth is not None:
                 self._count_filled(result)
             if self._against is not None:
-                self._look_against(number, eye, refresh, picture, depth)
+                self._look_against(self._against, (number, eye), refresh, picture, depth)
 
     def _look_against(
-        self, number: int, eye: int, refresh: Refresh, truth: NDArray[np.uint8], depth: NDArray[np.float32] | None
+        self,
+        against: Compensator,
+        where: tuple[int, int],
+        refresh: Refresh,
+        truth: NDArray[np.uint8],
+        depth: NDArray[np.float32] | None,
     ) -> None:
-        """The compared warp knows no effects: its late picture has everything drawn in, nothing as a layer."""
-        inputs, server = self._setup.loop.inputs(refresh, self._against.plan.needs)[eye], self._setup.server
+        """Measure the compared warp, which knows no effects: its rendered picture has everything drawn in."""
+        (number, eye), server = where, self._setup.server
+        inputs = self._setup.loop.inputs(refresh, against.plan.needs)[eye]
         whole = None
         if self._setup.plan.effects:
             whole = server.draw(inputs.rendered.view, inputs.rendered.size, time_ns=inputs.rendered.drawn_ns)
@@ -89,20 +97,22 @@ class Probe:
                 inputs, rendered=attrs.evolve(inputs.rendered, colour=whole.colour, inverse_depth=whole.inverse_depth)
             )
             self._setup.gpu.timer.collect()
-        other = self._against.run(inputs)
-        self.against_ms[number, eye] = tuple(self._setup.gpu.timer.collect())
+        other = against.run(inputs)
+        self.against_ms[where] = tuple(self._setup.gpu.timer.collect())
         self._take(number, eye, AGAINST, inputs.rendered, other, truth, depth)
         if whole is not None:
             server.pool(whole.size).release(whole.colour)
 
     def _count_filled(self, result: EyeResult) -> None:
-        for name, canvas in (("warp", result.warped), *result.filled):
-            self._empty.setdefault(name, []).append(float((download(canvas.texture)[..., 3] == 0).mean()))
+        covered = [("warp", coverage(result))]
+        covered += [(name, download(canvas.texture)[..., 3]) for name, canvas in result.filled]
+        for name, alpha in covered:
+            self._empty.setdefault(name, []).append(float((alpha == 0).mean()))
 
     def filled_shares(self) -> dict[str, float]:
-        """What share of all pixels of the measured pictures each fill of the chain filled, and what was left ("empty").
+        """Return the share of all measured pixels that each fill of the chain filled, and the rest ("empty").
 
-        Without warp "auto": its chain changes, so a share of the whole would mean nothing.
+        Nothing for warp "auto": its chain changes, so a share of the whole would mean nothing.
         """
         if self._setup.auto is not None or not self._empty:
             return {}
@@ -128,7 +138,7 @@ class Probe:
         truth: NDArray[np.uint8],
         truth_inverse_depth: NDArray[np.float32] | None,
     ) -> None:
-        now = Compared(picture_from_linear(download(result.shown.texture)), truth, result.view)
+        now = Compared(shown_picture(result), truth, result.view)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
@@ -136,7 +146,7 @@ class Probe:
         job = QualityJob(
             now,
             before if before_number == number - 1 else None,
-            download(result.warped.texture)[..., 3],
+            coverage(result),
             truth_inverse_depth,
             rendered.view,
             rendered.size,

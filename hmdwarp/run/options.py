@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 import attrs
 
@@ -61,7 +62,7 @@ class LiveOptions(PipelineOptions):
     Errors: InputError for a number or word that makes no sense.
     """
 
-    not_offered = ("scanout", "follow_scanout")
+    not_offered: ClassVar[tuple[str, ...]] = ("scanout", "follow_scanout")
 
     # "auto": the headset's where a window stands for it, none where a runtime corrects its own.
     lens: str = option(

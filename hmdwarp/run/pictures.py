@@ -43,6 +43,8 @@ class Pictures:
 
     def keep(self, number: int, refresh: Refresh) -> None:
         """Read it back. Errors: as OutputFolder.write_png, of a picture before this one."""
+        if self._writer is None:
+            return
         for eye, result in enumerate(refresh.eyes):
             while len(self._under_way) >= _WAITING:
                 self._under_way.popleft().result()

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+from numpy.typing import NDArray
 
 from ..link import medians
 from ..metrics import Kept, QualityPool, aggregate
@@ -100,7 +101,8 @@ def write_results(
     out.write_json("summary.json", result.summary)
 
 
-def _panels_of(kept: Kept):
+def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:
+    assert kept.result.error_map is not None
     return comparison_panels(kept.job.rendered_picture, kept.job.now.shown, kept.job.now.truth, kept.result.error_map)
 
 

@@ -20,7 +20,7 @@ from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, load_scene
 from .options import RunOptions
-from .prediction import check_names, pose_request
+from .pose_request import check_names, pose_request
 from .schedule import Schedule, schedule_of
 
 if TYPE_CHECKING:

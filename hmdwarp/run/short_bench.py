@@ -150,7 +150,7 @@ def _row(measured: Measured, pool: QualityPool, size: tuple[int, int]) -> dict[s
         "fill": measured.combination.fill,
         "size": size,
         "time_ms": {"total": {"median": median(row["total_ms"] for row in measured.times)}},
-        "quality": {name: {"mean": fmean(figure[name] for figure in figures)} for name in ("flip", "psnr_db")},
+        "quality": {name: {"mean": fmean(figure[name] or 0.0 for figure in figures)} for name in ("flip", "psnr_db")},
     }
 
 

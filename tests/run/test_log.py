@@ -19,7 +19,7 @@ from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu.textures import download, flip_rows
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
-from hmdwarp.run import LiveLog, LiveOptions, RunOptions, replay
+from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
 from hmdwarp.run import live_log as log
 from hmdwarp.run.live_figures import Thinned
 
@@ -359,7 +359,7 @@ def test_a_full_disk_ends_it_and_leaves_whole_rows(tmp_path):
 
 def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
     """Ten thousand refreshes and the same again: what is kept for ever would be a megabyte more, at 100 bytes each."""
-    monkeypatch.setattr(log, "Thinned", functools.partial(Thinned, most=64))
+    monkeypatch.setattr(live_figures, "Thinned", functools.partial(Thinned, most=64))
     grown = []
 
     def after(number):

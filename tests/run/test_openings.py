@@ -19,7 +19,7 @@ from hmdwarp.run import LiveOptions
 from hmdwarp.run import live_run as run
 from hmdwarp.run.live_run import display_options, open_display
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 120
 
 

@@ -173,7 +173,7 @@ import resource, sys
 from pathlib import Path
 from hmdwarp.errors import MachineError
 from hmdwarp.run import Recorder
-from run.test_recorder import ABOUT, samples
+from tests.run.test_recorder import ABOUT, samples
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 told = []
 try:

@@ -15,7 +15,7 @@ import pytest
 from hmdwarp.errors import MachineError
 from hmdwarp.run import Watchdog
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 90  # of a loaded machine; nothing here waits for it unless it fails
 
 

@@ -12,7 +12,7 @@ from ..link.codec import check_codec
 from ..pipeline.loop import PoseRequest
 from ..pipeline.options import PipelineOptions
 from ..poses import PoseSample, PoseSource, PoseTrack
-from ..poses.predict import predict
+from ..poses.prediction import predict
 from ..poses.predictors import predictors
 
 KEPT_NS = 1_000_000_000
