@@ -45,7 +45,7 @@ def test_each_name_is_what_it_looks_like(name):
 
 
 def test_names_that_are_not_there_say_so():
-    with pytest.raises(AttributeError, match="no attribute 'warp_imagee'"):
+    with pytest.raises(AttributeError, match="No hmdwarp attribute warp_imagee"):
         hmdwarp.warp_imagee  # noqa: B018
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import HmdwarpError, UnknownNameError
 from hmdwarp.poses import Origin, TraceOptions, load_trace
-from hmdwarp.poses.predict import predict
+from hmdwarp.poses.prediction import predict
 
 from .traces import head, kinds, rows, same_motion, write
 
