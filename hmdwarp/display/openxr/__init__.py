@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from .display import OpenXrDisplay
-    from .head import OpenXrHead
+from .diagnosis import RUNTIME_LABEL
 
-__all__ = ["OpenXrDisplay", "OpenXrHead"]
-WHO = "the OpenXR runtime"  # corrects the lens and takes depth, as a plan tells it
+if TYPE_CHECKING:
+    from .head import OpenXrHead
+    from .openxr_display import OpenXrDisplay
+
+__all__ = ["RUNTIME_LABEL", "OpenXrDisplay", "OpenXrHead"]
 
 
 def __getattr__(name: str) -> Any:
@@ -23,6 +24,6 @@ def __getattr__(name: str) -> Any:
         from .head import OpenXrHead
 
         return OpenXrHead
-    from .display import OpenXrDisplay
+    from .openxr_display import OpenXrDisplay
 
     return OpenXrDisplay

@@ -16,7 +16,7 @@ from xr import raw_functions
 
 from ...errors import HmdwarpError, MachineError
 from .. import Lost
-from .trouble import LOST, manifest_in_words, trouble
+from .diagnosis import LOST, diagnose, manifest_in_words
 
 # What only a caller who does not keep to the specification gets.
 _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "TimeInvalid", "ValidationFailure")
@@ -25,7 +25,7 @@ _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "T
 class Calls:
     """Calls into one runtime.
 
-    stage: progress on the way to a picture, as in trouble.STAGES. name: the runtime's, for
+    stage: progress on the way to a picture, as in diagnosis.STAGES. name: the runtime's, for
     messages.
     """
 
@@ -78,7 +78,7 @@ class Calls:
                 f"{call}: {name}{f' ({message})' if message else ''}, which no call of ours should get from {self.name}"
             )
         said = f"{call}{f', {message}' if message else ''}"
-        words, remedy = trouble(self.stage, name, said, self.name, manifest_in_words(os.environ))
+        words, remedy = diagnose(self.stage, name, said, self.name, manifest_in_words(os.environ))
         lost = self.stage == "running" and name in LOST
         return Lost(words) if lost else MachineError(f"{words}: {remedy}")
 

@@ -14,8 +14,8 @@ from ...errors import InputError, MachineError
 from ...gpu.context import WANTED, Gpu
 from ..controls import CONTROLS, Control
 from .calls import Calls
+from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
 from .instance import Instance
-from .trouble import EGL_EXTENSION, GLX_EXTENSION
 
 if TYPE_CHECKING:
     from .mirror import Mirror

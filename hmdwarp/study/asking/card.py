@@ -14,7 +14,7 @@ Choices = tuple[tuple[str, str], ...]
 
 @attrs.frozen(cache_hash=True)
 class Card:
-    """As display.Plate. lines: of the text, as wide as they are. choices: (name, text) of its buttons. marked: the one that is meant, None
+    """As display.TextPanel. lines: of the text, as wide as they are. choices: (name, text) of its buttons. marked: the one that is meant, None
     for none yet. column: buttons one under the other, else side by side. least_lines: room for so many lines, so that a longer page
     does not make the plate jump. note: said in place of the hint."""
 

@@ -24,5 +24,5 @@ CONTROLS: tuple[Control, ...] = (
     Control("menu", "Escape", "menu: break, stop", "action", also=("M",), buttons=("menu",)),
     control("recentre"),
     control("full_screen"),
-    attrs.evolve(control("help"), beside_plate=True),  # a trial's picture is a trial's picture
+    attrs.evolve(control("help"), needs_text_panel=True),  # a trial's picture is a trial's picture
 )

@@ -16,7 +16,7 @@ TAKE_BACK = (("back", "back to the scale"), ("yes", "leave it unanswered"))
 
 @attrs.frozen(cache_hash=True)
 class QuestionPlate:
-    """As display.Plate. It knows nothing of conditions.
+    """As display.TextPanel. It knows nothing of conditions.
 
     heading: small lines ("item 3 of 16"). text: the question. value: where the marker is, None for nowhere. typed: digits so far.
     skipping: whether it is being left unanswered. note: said in place of the hint.
