@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
 
-# A position in the window's own units from the top left to (u, v) of the text panel; None beside it.
+# A position in the window's own units, from the top left, to (u, v) of the text panel; None beside
+# it.
 Locate = Callable[[float, float], tuple[float, float] | None]
 
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from .. import Command
 from ..controls import Control
 from ..status import Status
-from .control_panel import PANEL_REMEDY, ControlPanel, make_control_panel
+from .control_panel import PANEL_REMEDY, make_control_panel
 from .window import Window
+
+if TYPE_CHECKING:
+    from .control_panel.panel import ControlPanel
 
 NO_PANEL = f"no control panel: {PANEL_REMEDY}"
 TITLE_NS = 250_000_000  # a title that changes more often cannot be read, and costs a round trip to the window manager

@@ -17,7 +17,7 @@ class XConnection:
     """
 
     def __init__(self, glfw: ModuleType) -> None:
-        # Whether the server is gone. Then nothing of the window may be touched, not even to free it.
+        # Whether the server is gone. Then nothing of the window may be touched, even to free it.
         self.broken = False
         # Kept here: Xlib holds the pointers alone.
         self._handlers = _ErrorHandler(lambda _: 0), _ExitHandler(self._note)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 SIZE = (480, 480)
 PERIOD_NS = 30_000_000  # the headset has the machine; the window is content with every second or third picture
-# What its keys do here; a runtime recentres the head and corrects the lens itself, and has one view.
+# What its keys do here. A runtime recentres the head and corrects the lens itself, and has one view
+# alone.
 QUIT = "quit"
 OWN = ("help", "full_screen", QUIT)
 ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
