@@ -196,7 +196,7 @@ class Display(Protocol):
         """
 
     def restart(self) -> None:
-        """Prepare for something new: a recorded head begins anew, a live one goes on."""
+        """Prepare for something new: a recorded head begins anew."""
 
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""

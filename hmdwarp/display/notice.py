@@ -1,4 +1,4 @@
-"""Text over the picture: drawn once into a texture, placed where the eye finds it."""
+"""Text over the picture: drawn once into a texture, placed where the eye sees it."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 Framebuffers instead of pictures, a recording as head, a clock of its own.
 
-Time goes on by one refresh a picture. The same code does everything a run does; only nothing is
-visible. Two runs are equal, whatever else the machine does.
+Time advances by one refresh for each picture. The same code does everything a run does, and nothing
+is visible. Two runs are equal, whatever else the machine does.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class OffscreenDisplay:
         self.source.restart()
 
     def wait(self) -> Tick | None:
-        """Return at once: time goes on."""
+        """Advance the time by one refresh and return at once."""
         self._at_ns += self._period_ns
         return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
 

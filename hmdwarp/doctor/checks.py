@@ -90,12 +90,12 @@ def ask(question: str, seconds: float = PROBE_SECONDS) -> Answer:
         failure = f"gave no answer within {seconds:g} s"
     known = _last_object(stdout.decode(errors="replace"))
     if failure or not known:
-        said = stderr.decode(errors="replace").strip().splitlines()
+        output = stderr.decode(errors="replace").strip().splitlines()
         return {
             "stage": "start",
             **known,
             "error": "died",
-            "message": f"{failure or 'said nothing'}{f' ({said[-1]})' if said else ''}",
+            "message": f"{failure or 'said nothing'}{f' ({output[-1]})' if output else ''}",
         }
     return known
 

@@ -125,7 +125,7 @@ class DesktopDisplay:
         self._views.look(view)
 
     def restart(self) -> None:
-        """Begin a recorded head anew; a live one goes on."""
+        """Begin a recorded head anew."""
         if isinstance(self.source, LoopedSource):
             self.source.restart()
 

@@ -190,7 +190,7 @@ class OpenXrDisplay:
         """Do nothing: a headset has one view."""
 
     def restart(self) -> None:
-        """Do nothing: the head goes on."""
+        """Do nothing: the head is live."""
 
     def commands(self) -> Sequence[Command]:
         """Return the window's keys, where there is one, and the controllers' buttons."""

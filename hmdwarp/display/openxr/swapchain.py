@@ -50,11 +50,11 @@ class Swapchain:
     def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, size: tuple[int, int], kind: int) -> None:
         self._calls, self.size = calls, size
         self.is_depth = kind not in COLOURS  # whether they hold depth
-        wanted = xr.SwapchainCreateInfo(
+        info = xr.SwapchainCreateInfo(
             usage_flags=_DEPTH if self.is_depth else _DRAWN, format=kind, sample_count=1,
             width=size[0], height=size[1], face_count=1, array_size=1, mip_count=1,
         )  # fmt: skip
-        self.handle = calls.ask(xr.create_swapchain, session, wanted)
+        self.handle = calls.ask(xr.create_swapchain, session, info)
         self._textures: list[moderngl.Texture] = []
         self._framebuffers: list[moderngl.Framebuffer] = []
         try:
@@ -85,7 +85,7 @@ class Swapchain:
         return self._framebuffers[self._index.value]
 
     def release(self) -> None:
-        """Hand the drawn picture back. Errors: Lost."""
+        """Hand the picture back. Errors: Lost."""
         self._calls("xrReleaseSwapchainImage", self.handle, None)
 
     def destroy(self) -> None:

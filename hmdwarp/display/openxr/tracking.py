@@ -51,7 +51,7 @@ class HeadTracker:
     A lost head is HELD: where the runtime last knew it, if it still says so (valid, not tracked:
     the specification's way of losing track), else where it was here. Tracked poses of the past are
     MEASURED, of the future PREDICTED. Only the orientation counts: an invalid position, as of 3-DoF
-    headsets, is held while the orientation goes on.
+    headsets, is held while the orientation is tracked.
     Source: OpenXR 1.0, XrSpaceLocationFlagBits.
     """
 

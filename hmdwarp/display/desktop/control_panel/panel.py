@@ -16,7 +16,7 @@ from .plots import Stages, draw_plots, right_aligned
 from .renderer import PanelRenderer
 from .widgets import Widgets
 
-CALM_HZ = 15.0  # new pictures of the panel while nobody touches it; in between the last one is laid over
+CALM_HZ = 15.0  # new pictures of the panel without input; in between the last one is laid over
 LIVELY_S = 0.4  # at first and after a touch it is drawn at every refresh: widgets find their sizes within a few frames
 LONGEST_S = 0.25  # between two frames, for Dear ImGui's own blinking and delays
 WINDOW = (

@@ -99,16 +99,16 @@ class Widgets:
     # --- one widget for each kind of control ---
 
     def _choice(self, control: Control, value: object, status: Status) -> object | None:
-        wanted = None
+        new = None
         if imgui.begin_combo(f"##{control.name}", str(value), imgui.ComboFlags_.height_large):
             for one in status.choices.get(control.name, ()):
                 chosen, _ = imgui.selectable(str(one), one == value)
                 if one == value:
                     imgui.set_item_default_focus()
                 elif chosen:
-                    wanted = one
+                    new = one
             imgui.end_combo()
-        return wanted
+        return new
 
     def _number(self, control: Control, value: object, _: Status) -> object | None:
         """Draw a slider.
@@ -129,12 +129,12 @@ class Widgets:
             self._dragged[name] = now if typed else round(now / STEP[name]) * STEP[name]
         if not imgui.is_item_active() and not moved and name not in self._dragged:
             return None
-        wanted = self._dragged.get(name, float(value))
+        new = self._dragged.get(name, float(value))
         ended = not imgui.is_item_active()
         if ended:
             self._dragged.pop(name, None)
-        wanted = round(wanted, 3)
-        return wanted if (follows or ended) and wanted != value else None
+        new = round(new, 3)
+        return new if (follows or ended) and new != value else None
 
     def _switch(self, control: Control, value: object, _: Status) -> object | None:
         states = STATES.get(control.name)
@@ -145,13 +145,13 @@ class Widgets:
             imgui.text(str(value) if isinstance(value, str) else ("on" if value else "off"))
             return (on if isinstance(value, bool) else "auto" if on else "none") if changed else None
         width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / len(states)
-        wanted = None
+        new = None
         for number, (state, text) in enumerate(states):
             if number:
                 imgui.same_line()
             if button(f"{text}##{control.name}", width, lit=state == value) and state != value:
-                wanted = state
-        return wanted
+                new = state
+        return new
 
     def actions(self, values: Mapping[str, object]) -> list[Command]:
         """Draw buttons for the controls of the display. values: which of its switches are on."""
