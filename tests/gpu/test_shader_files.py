@@ -109,7 +109,7 @@ def _present(gpu: Gpu) -> None:
     for hardware_srgb in (False, True):
         presenter.prepare(hardware_srgb=hardware_srgb)
     presenter.close()
-    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as desktop.panel_renderer, whose package is an extra
+    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as control_panel.renderer, whose package is an extra
 
 
 def _draw_every_content(gpu: Gpu) -> None:
