@@ -1,25 +1,9 @@
 """Displays for live pictures: OpenXR, a desktop window, or offscreen.
 
-The loop knows none of them; hmdwarp.run knows only the protocol re-exported here.
+The loop knows none of them; hmdwarp.run knows only the protocol. Names are in __init__.pyi; each
+loads its module at first use.
 """
 
-from ._base import Closed, Command, Display, DisplayOptions, EyePicture, Label, Lost, Picture, TextPanel, Tick
-from .controls import CONTROLS, Control, control
-from .status import Status
+import lazy_loader
 
-__all__ = [
-    "CONTROLS",
-    "Closed",
-    "Command",
-    "Control",
-    "Display",
-    "DisplayOptions",
-    "EyePicture",
-    "Label",
-    "Lost",
-    "Picture",
-    "Status",
-    "TextPanel",
-    "Tick",
-    "control",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

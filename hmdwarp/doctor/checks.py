@@ -21,7 +21,7 @@ from typing import Any
 
 import attrs
 
-from ..display.openxr.diagnosis import APT, diagnose, lacks, manifest_in_words
+from ..display.openxr import APT, diagnose, lacks, manifest_in_words
 from ..gpu.context import HOW_TO_GET_GL
 from ..version import __version__
 

@@ -97,7 +97,7 @@ def window() -> None:
     """Report whether a desktop window with OpenGL 4.3 opens; it stays hidden."""
     import warnings
 
-    from ..display.desktop.opening import choose_library
+    from ..display.desktop import choose_library
 
     choose_library()
     import glfw

@@ -16,8 +16,8 @@ import threading
 
 from hmdwarp.display import Closed, DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
-from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.scales import load_scale
 
 

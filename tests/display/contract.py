@@ -51,7 +51,7 @@ class Offscreen(Stub):
     name = "offscreen"
 
     def open(self) -> Display:
-        from hmdwarp.display.offscreen import OffscreenDisplay
+        from hmdwarp.display import OffscreenDisplay
 
         return OffscreenDisplay(DisplayOptions(size=SMALL, trace=synthesise("look-around", seed=1, seconds=2)))
 

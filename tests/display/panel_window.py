@@ -16,8 +16,8 @@ import glfw
 import moderngl
 import numpy as np
 
-from hmdwarp.display.desktop.control_panel import make_control_panel
-from hmdwarp.display.status import Status
+from hmdwarp.display import Status
+from hmdwarp.display.desktop import make_control_panel
 
 SIZE = (640, 760)
 

@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.desktop.layout import flat_size, viewports, window_size
-from hmdwarp.display.desktop.opening import variant
-from hmdwarp.display.desktop.views import window_view
+from hmdwarp.display.desktop import flat_size, variant, viewports, window_size, window_view
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset

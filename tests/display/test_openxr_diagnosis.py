@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.display.openxr.diagnosis import LOST, STAGES, diagnose, lacks, manifest, manifest_in_words
+from hmdwarp.display.openxr import LOST, STAGES, diagnose, lacks, manifest, manifest_in_words
 
 ACTIVE = "active is runtime.json, library librt.so"
 DIFFERENT = [

@@ -10,9 +10,8 @@ from itertools import count
 import numpy as np
 import pytest
 
-from hmdwarp.display import Command
-from hmdwarp.display.controls import CONTROLS, control
-from hmdwarp.display.desktop.control_panel import PANEL_REMEDY, installed, make_control_panel
+from hmdwarp.display import CONTROLS, Command, control
+from hmdwarp.display.desktop import PANEL_REMEDY, installed, make_control_panel
 from hmdwarp.display.status import KEPT, Status
 
 if not installed():

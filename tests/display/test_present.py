@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
+from hmdwarp.display import FRAMEBUFFER_SRGB, Presenter, fitted
 from hmdwarp.display.notice import KEPT, Notices, text_ink
-from hmdwarp.display.present import FRAMEBUFFER_SRGB, Presenter, fitted
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate, download, upload
 

@@ -78,8 +78,7 @@ def source() -> None:
 
 def switches() -> None:
     """What the window does by itself, by command of a panel: nobody else hears of it, and what is on is told back."""
-    from hmdwarp.display import Command
-    from hmdwarp.display.status import Status
+    from hmdwarp.display import Command, Status
 
     display, status = DesktopDisplay(SMALL), Status(values={"latency": 0.0})
     refresh(display, 12)

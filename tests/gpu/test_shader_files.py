@@ -18,7 +18,7 @@ from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.display.present import Presenter
+from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers

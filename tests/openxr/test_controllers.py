@@ -6,8 +6,7 @@ import time
 
 import pytest
 
-from hmdwarp.display import Command, DisplayOptions, Lost
-from hmdwarp.display.controls import CONTROLS
+from hmdwarp.display import CONTROLS, Command, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.actions import Actions
 from hmdwarp.display.openxr.session import State

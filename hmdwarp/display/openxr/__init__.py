@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .diagnosis import RUNTIME_LABEL
+from .diagnosis import APT, LOST, RUNTIME_LABEL, STAGES, diagnose, lacks, manifest, manifest_in_words
 
 if TYPE_CHECKING:
     from .head import OpenXrHead
     from .openxr_display import OpenXrDisplay
 
-__all__ = ["RUNTIME_LABEL", "OpenXrDisplay", "OpenXrHead"]
+__all__ = [
+    "APT",
+    "LOST",
+    "RUNTIME_LABEL",
+    "STAGES",
+    "OpenXrDisplay",
+    "OpenXrHead",
+    "diagnose",
+    "lacks",
+    "manifest",
+    "manifest_in_words",
+]
 
 
 def __getattr__(name: str) -> Any:
