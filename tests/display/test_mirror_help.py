@@ -13,9 +13,9 @@ from .virtual_screen import PATIENCE_S, VirtualScreen
 
 PROGRAM = """
 import glfw
-from hmdwarp.display.controls import CONTROLS as LIVE
+from hmdwarp.display import CONTROLS as LIVE
 from hmdwarp.display.openxr.mirror import Mirror
-from hmdwarp.display.present import Presenter
+from hmdwarp.display import Presenter
 from hmdwarp.gpu.context import Gpu
 from hmdwarp.study.dialogs import CONTROLS, message_panel
 

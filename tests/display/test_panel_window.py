@@ -14,12 +14,12 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.display.desktop.panel import HOW_TO_GET_THE_PANEL, installed
+from hmdwarp.display.desktop import PANEL_REMEDY, installed
 
 from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb
 
 if not installed():
-    pytest.skip(f"the panel's package is not installed: {HOW_TO_GET_THE_PANEL}", allow_module_level=True)
+    pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
 skip_without_xvfb()
 TESTS = Path(__file__).resolve().parents[1]
 

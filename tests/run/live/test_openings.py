@@ -99,7 +99,7 @@ def test_a_display_is_told_what_it_must_know():
     watching = lambda what: nullcontext()  # noqa: E731
     inputs = display_options(asked, watching)
     assert (inputs.headset, inputs.view, inputs.size, inputs.watching) == ("cardboard-v2", "flat", (96, 120), watching)
-    assert (inputs.full_screen, inputs.vsync, inputs.panel, inputs.depth_layer) == (True, False, False, False)
+    assert (inputs.full_screen, inputs.vsync, inputs.control_panel, inputs.depth_layer) == (True, False, False, False)
 
 
 def live(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:

@@ -1,4 +1,4 @@
-"""Style of the panel: one font, few colours, sizes in pixels at a content scale of 1."""
+"""Style of the control panel: one font, few colours, sizes in pixels at a content scale of 1."""
 
 from __future__ import annotations
 
@@ -11,12 +11,8 @@ WIDTH = 330  # of the panel
 FONT_SIZE = 15.0
 
 Rgba = tuple[float, float, float, float]
-PLATE: Rgba = (
-    0.055,
-    0.065,
-    0.080,
-    0.86,
-)  # dark enough to read on over a white wall, light enough to see movement through
+# Dark enough to read on over a white wall, light enough to see movement through.
+BACKGROUND: Rgba = (0.055, 0.065, 0.080, 0.86)
 TEXT: Rgba = (0.90, 0.92, 0.94, 1.0)
 DIM: Rgba = (0.60, 0.64, 0.69, 1.0)
 FAINT: Rgba = (0.60, 0.64, 0.69, 0.55)
@@ -69,8 +65,8 @@ def apply(scale: float) -> None:
         setattr(style, name, value * scale)
     for name, (x, y) in _PAIRS.items():
         setattr(style, name, imgui.ImVec2(x * scale, y * scale))
-    for colour, value in _COLOURS.items():
-        style.set_color_(colour, imgui.ImVec4(*value))
+    for colour, rgba in _COLOURS.items():
+        style.set_color_(colour, imgui.ImVec4(*rgba))
     _apply_to_plots(scale)
 
 
@@ -101,8 +97,8 @@ _PAIRS = {
     "item_inner_spacing": (5.0, 4.0),
     "cell_padding": (4.0, 1.5),
 }
-_COLOURS = {
-    imgui.Col_.window_bg: PLATE,
+_COLOURS: dict[int, Rgba] = {
+    imgui.Col_.window_bg: BACKGROUND,
     imgui.Col_.popup_bg: (0.09, 0.10, 0.125, 0.97),
     imgui.Col_.border: LINE,
     imgui.Col_.text: TEXT,

@@ -15,7 +15,7 @@ from .calls import Calls
 _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 
 
-class Frames:
+class FrameCalls:
     """Frame calls of one session. state: result of the last xrWaitFrame.
 
     blend_mode: how the picture meets the room. A frame counts as waited for from before xrWaitFrame

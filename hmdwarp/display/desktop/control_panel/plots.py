@@ -10,11 +10,11 @@ import attrs
 import numpy as np
 from imgui_bundle import imgui, implot
 
-from ..status import KEPT, Status
-from . import panel_style as style
+from ...status import KEPT, Status
+from . import style
 
 HEIGHT = 34.0  # of a plot, at a content scale of 1
-CALM = 15  # refreshes behind a printed number: a quarter of a second, or nobody could read it
+CALM = 15  # refreshes behind a printed number: a quarter of a second, to be readable
 BARE = implot.Flags_.canvas_only | implot.Flags_.no_inputs | implot.Flags_.no_frame
 AXIS = implot.AxisFlags_.no_decorations
 
@@ -27,7 +27,7 @@ class Plot:
     values: Sequence[float]
     unit: str = "ms"
     limit: float | None = None  # where a line is drawn across, None for nowhere
-    told: bool = False  # whether the number names the limit too
+    names_limit: bool = False  # whether the number names the limit too
     over: float = math.inf  # above this the number is bad
     least: float = 1.0  # lowest top of the axis, so that noise does not fill the plot
 
@@ -39,7 +39,7 @@ def plots_of(status: Status) -> list[Plot]:
     latency = status.values.get("latency")
     holes = [100 * share for share in status.holes]
     return [
-        Plot("all passes", status.total_ms, limit=budget, told=True, over=bad, least=1.2 * (budget or 1.0)),
+        Plot("all passes", status.total_ms, limit=budget, names_limit=True, over=bad, least=1.2 * (budget or 1.0)),
         # Any two refreshes differ a little: half a refresh late is a picture missed.
         Plot("between pictures", status.period_ms, limit=budget, over=1.5 * bad, least=2 * (budget or 1.0)),
         Plot(
@@ -63,7 +63,7 @@ def draw_plots(status: Status, scale: float) -> None:
         imgui.text_disabled(plot.name)
         imgui.same_line()
         imgui.text_colored(imgui.ImVec4(*style.FAINT), f"0 to {top:g}")
-        right_aligned(said(now, plot), style.BAD if now is not None and now > plot.over else style.TEXT)
+        right_aligned(number_text(now, plot), style.BAD if now is not None and now > plot.over else style.TEXT)
         _draw(plot, values, top, scale)
 
 
@@ -89,9 +89,9 @@ def calm(values: Iterable[float]) -> float | None:
     return fmean(last) if last else None
 
 
-def said(value: float | None, plot: Plot) -> str:
+def number_text(value: float | None, plot: Plot) -> str:
     """Return a number and its unit, in about three figures; "-" for none."""
-    limit = f" of {plot.limit:.1f}" if plot.told and plot.limit else ""
+    limit = f" of {plot.limit:.1f}" if plot.names_limit and plot.limit else ""
     return "-" if value is None else f"{value:.{0 if abs(value) >= 100 else 1}f}{limit} {plot.unit}"
 
 

@@ -9,14 +9,15 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Iterator, Sequence
+from typing import Protocol
 
 import attrs
 import moderngl
 import numpy as np
 from imgui_bundle import imgui
 
-from ...gpu.scopes import drawing_into
-from ...gpu.shaders import ShaderLibrary
+from ....gpu.scopes import drawing_into
+from ....gpu.shaders import ShaderLibrary
 
 CORNER = np.dtype([("position_px", "<f4", 2), ("ink_uv", "<f4", 2), ("tint", "u1", 4)])  # ImDrawVert
 LEAST_BYTES = 1 << 18  # of each buffer: a panel in full has some 8000 corners
@@ -25,6 +26,26 @@ LEAST_BYTES = 1 << 18  # of each buffer: a panel in full has some 8000 corners
 # themselves would have.
 INTO_TEXTURE = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 OVER_PICTURE = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+
+
+class _Vector(Protocol):
+    """One of Dear ImGui's vectors."""
+
+    def size(self) -> int: ...
+
+    def data_address(self) -> int: ...
+
+
+@attrs.frozen(eq=False)
+class _Painting:
+    """The panel's picture, and the framebuffer that draws into it."""
+
+    texture: moderngl.Texture
+    framebuffer: moderngl.Framebuffer
+
+    def release(self) -> None:
+        self.framebuffer.release()
+        self.texture.release()
 
 
 @attrs.frozen
@@ -51,8 +72,12 @@ class PanelRenderer:
         self._indices = _Growing(gl)
         self._array: moderngl.VertexArray | None = None
         self._atlases: dict[int, moderngl.Texture] = {}
-        self.picture: moderngl.Texture | None = None
-        self._framebuffer: moderngl.Framebuffer | None = None
+        self._painting: _Painting | None = None
+
+    @property
+    def picture(self) -> moderngl.Texture | None:
+        """The painted picture; None before the first."""
+        return self._painting.texture if self._painting is not None else None
 
     # --- the picture ---
 
@@ -69,37 +94,38 @@ class PanelRenderer:
 
     def draw(self, corners: np.ndarray, indices: np.ndarray, batches: Sequence[Batch], size: tuple[int, int]) -> None:
         """Draw triangles into the texture. corners: CORNER; indices: uint32, three a triangle."""
-        self._resize(size)
-        with drawing_into(self._framebuffer, moderngl.BLEND):
-            self._framebuffer.scissor = None
-            self._framebuffer.clear()
-            self._gl.blend_func = INTO_TEXTURE
-            self._write(corners, indices)
+        framebuffer = self._resize(size).framebuffer
+        with drawing_into(framebuffer, moderngl.BLEND):
+            _clip(framebuffer, None)
+            framebuffer.clear()
+            _blend(self._gl, INTO_TEXTURE)
+            array = self._write(corners, indices)
             self._uniforms.set(panel_size=tuple(map(float, size)))
             for batch in batches:
                 left, top, right, bottom = _inside(batch.clip, size)
                 if right > left and bottom > top:
                     batch.texture.use()
-                    self._framebuffer.scissor = (left, size[1] - bottom, right - left, bottom - top)
-                    self._array.render(vertices=batch.count, first=batch.first)
-            self._framebuffer.scissor = None
-            self._gl.blend_func = moderngl.DEFAULT_BLENDING
+                    _clip(framebuffer, (left, size[1] - bottom, right - left, bottom - top))
+                    array.render(vertices=batch.count, first=batch.first)
+            _clip(framebuffer, None)
+            _blend(self._gl, moderngl.DEFAULT_BLENDING)
 
-    def _resize(self, size: tuple[int, int]) -> None:
-        if self.picture is not None and self.picture.size == size:
-            return
-        self._drop_picture()
-        self.picture = self._gl.texture(size, 4)
-        self.picture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._framebuffer = self._gl.framebuffer([self.picture])
+    def _resize(self, size: tuple[int, int]) -> _Painting:
+        if self._painting is None or self._painting.texture.size != size:
+            self._drop_picture()
+            texture = self._gl.texture(size, 4)
+            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            self._painting = _Painting(texture, self._gl.framebuffer([texture]))
+        return self._painting
 
-    def _write(self, corners: np.ndarray, indices: np.ndarray) -> None:
+    def _write(self, corners: np.ndarray, indices: np.ndarray) -> moderngl.VertexArray:
         grown = self._corners.write(corners), self._indices.write(indices)
         if self._array is None or any(grown):
             if self._array is not None:
                 self._array.release()
             layout = [(self._corners.buffer, "2f 2f 4f1", "position_px", "ink_uv", "tint")]
             self._array = self._gl.vertex_array(self._program, layout, self._indices.buffer, index_element_size=4)
+        return self._array
 
     # --- over the picture ---
 
@@ -113,18 +139,18 @@ class PanelRenderer:
         w, h = self.picture.size
         before = into.viewport
         with drawing_into(into, moderngl.BLEND):
-            self._gl.blend_func = OVER_PICTURE
+            _blend(self._gl, OVER_PICTURE)
             # The whole texture's place, so that its pixels and the framebuffer's coincide; what
             # lies below the part is cut off.
             into.viewport = (corner[0], corner[1] - (h - size[1]), w, h)
-            into.scissor = (*corner, *size)
-            self._write(*_whole(w, h))
+            _clip(into, (*corner, *size))
+            array = self._write(*_whole(w, h))
             self._uniforms.set(panel_size=(float(w), float(h)))
             self.picture.use()
-            self._array.render(vertices=6)
-            into.scissor = None
+            array.render(vertices=6)
+            _clip(into, None)
             into.viewport = before
-            self._gl.blend_func = moderngl.DEFAULT_BLENDING
+            _blend(self._gl, moderngl.DEFAULT_BLENDING)
 
     # --- the atlases of glyphs ---
 
@@ -154,10 +180,9 @@ class PanelRenderer:
         texture.set_status(imgui.ImTextureStatus.destroyed)
 
     def _drop_picture(self) -> None:
-        if self.picture is not None:
-            self._framebuffer.release()
-            self.picture.release()
-        self.picture = self._framebuffer = None
+        if self._painting is not None:
+            self._painting.release()
+        self._painting = None
 
     def close(self) -> None:
         """Free everything; Dear ImGui's context must still be there and current."""
@@ -199,7 +224,9 @@ def gathered(
     data: imgui.ImDrawData, atlases: dict[int, moderngl.Texture]
 ) -> tuple[np.ndarray, np.ndarray, list[Batch]]:
     """Return copies of all corners and indices of a frame, one array each, and their batches."""
-    corners, indices, batches = [], [], []
+    corners: list[np.ndarray] = []
+    indices: list[np.ndarray] = []
+    batches: list[Batch] = []
     first_corner = first_index = 0
     for drawn in data.cmd_lists:
         corners.append(_copied(drawn.vtx_buffer, CORNER))
@@ -220,12 +247,21 @@ def _batches(drawn: imgui.ImDrawList, first_index: int, atlases: dict[int, moder
             yield Batch(texture, first_index + command.idx_offset, command.elem_count, (clip.x, clip.y, clip.z, clip.w))
 
 
-def _copied(vector, dtype: np.dtype) -> np.ndarray:
+def _copied(vector: _Vector, dtype: np.dtype) -> np.ndarray:
     """Copy the elements of one of Dear ImGui's vectors, valid only until its next frame."""
     count = vector.size()
     if not count:
         return np.empty(0, dtype)
     return np.frombuffer(ctypes.string_at(vector.data_address(), count * dtype.itemsize), dtype)
+
+
+# moderngl annotates what these two read, not all that they take.
+def _clip(framebuffer: moderngl.Framebuffer, rectangle: tuple[int, int, int, int] | None) -> None:
+    framebuffer.scissor = rectangle  # type: ignore[assignment]
+
+
+def _blend(gl: moderngl.Context, factors: tuple[int, ...] | int) -> None:
+    gl.blend_func = factors  # type: ignore[assignment]
 
 
 def _pixels(texture: imgui.ImTextureData) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The connection to an X server: notices when it breaks, where Xlib would end the program at once."""
+"""The connection to an X server, which notices a break where Xlib would end the program."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ _ErrorHandler = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
 _ExitHandler = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
-class Connection:
-    """A connection. broken: whether the server is gone (logged out, ssh ended, crashed).
+class XConnection:
+    """A connection that may break (logged out, ssh ended, server crashed).
 
-    Then nothing of the window may be touched, not even to free it. Xlib 1.7 or later (2020) lets a
-    program survive that; an older one exits with status 1 as it always did, and Wayland tells glfw
-    by closing the window.
+    Xlib 1.7 or later (2020) lets a program survive that; an older one exits with status 1. Under
+    Wayland the window closes instead.
     """
 
     def __init__(self, glfw: ModuleType) -> None:
+        # Whether the server is gone. Then nothing of the window may be touched, even to free it.
         self.broken = False
         # Kept here: Xlib holds the pointers alone.
         self._handlers = _ErrorHandler(lambda _: 0), _ExitHandler(self._note)
@@ -27,14 +27,15 @@ class Connection:
     def _listen(self, display: ctypes.c_void_p) -> None:
         try:
             xlib = ctypes.CDLL("libX11.so.6")  # the one that glfw has loaded
-            ask = xlib.XSetIOErrorExitHandler
+            set_exit_handler = xlib.XSetIOErrorExitHandler
         except (OSError, AttributeError):
             return
-        # The usual error handler exits before the exit handler is asked, so both must be ours.
+        # The default error handler exits before the exit handler is called: both must be replaced.
         xlib.XSetIOErrorHandler.argtypes, xlib.XSetIOErrorHandler.restype = (_ErrorHandler,), ctypes.c_void_p
         xlib.XSetIOErrorHandler(self._handlers[0])
-        ask.argtypes, ask.restype = (ctypes.c_void_p, _ExitHandler, ctypes.c_void_p), None
-        ask(display, self._handlers[1], None)
+        set_exit_handler.argtypes = (ctypes.c_void_p, _ExitHandler, ctypes.c_void_p)
+        set_exit_handler.restype = None
+        set_exit_handler(display, self._handlers[1], None)
 
     def _note(self, *_: object) -> None:
         self.broken = True

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 import attrs
 from imgui_bundle import imgui
 
-from .._base import Command
-from ..controls import CONTROLS, Control
-from ..status import Status
-from . import panel_style as style
+from ... import Command
+from ...controls import CONTROLS, Control
+from ...status import Status
+from . import style
 
 LABEL, KEY = 60.0, 50.0  # widths of the columns, at a content scale of 1
 STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a number that is typed in (ctrl and click) is taken as it is
@@ -18,7 +18,7 @@ FORMAT = {"latency": "%.0f ms", "guard": "%.2f x"}
 STATES = {
     "view": (("both", "both eyes"), ("flat", "one flat view"))
 }  # switches between two things, neither of which is off
-PATIENCE_S = 0.5  # how long a value that was asked for is shown before what the run says counts again
+PATIENCE_S = 0.5  # how long a requested value is shown before the run's own is shown again
 ACTIONS = ("recentre", "full_screen", "vsync", "help", "panel", "quit")
 LIT = ("full_screen", "vsync", "help")  # those that show whether they are on; the panel is, wherever it is seen
 LABELS = {
@@ -32,22 +32,29 @@ LABELS = {
 
 
 @attrs.define
-class _Asked:
+class _Requested:
+    """A value that the run has not taken yet."""
+
     value: object
     until_s: float
 
 
-class Controls:
-    """Draws the widgets and turns input into commands.
+# Draws one control with its value, and returns the value it is set to now, None for no change.
+Widget = Callable[[Control, object, Status], object | None]
 
-    label: what is printed on a key. controls: which ones.
+
+class Widgets:
+    """Widgets for some controls, which turn input into commands.
+
+    label: returns what is printed on a key.
     """
 
     def __init__(self, label: Callable[[str], str], controls: tuple[Control, ...] = CONTROLS) -> None:
         self._label, self._controls = label, controls
-        self._asked: dict[str, _Asked] = {}
+        self._requested: dict[str, _Requested] = {}
         self._commands: list[Command] = []
         self._dragged: dict[str, float] = {}
+        self._by_kind: dict[str, Widget] = {"choice": self._choice, "number": self._number, "switch": self._switch}
 
     def draw(self, status: Status, scale: float, now_s: float) -> list[Command]:
         """Draw the rows of controls that change the run; return the requests.
@@ -73,36 +80,35 @@ class Controls:
         imgui.text_disabled(control.name)
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
-        asked = self._asked.get(control.name)
-        value = asked.value if asked else status.values[control.name]
-        widget: Callable[[Control, object, Status], object | None] = getattr(self, f"_{control.kind}")
-        wanted = widget(control, value, status)
-        if wanted is not None:
-            self._asked[control.name] = _Asked(wanted, now_s + PATIENCE_S)
-            self._commands.append(Command(control.name, wanted))
+        requested = self._requested.get(control.name)
+        value = requested.value if requested else status.values[control.name]
+        new = self._by_kind[control.kind](control, value, status)
+        if new is not None:
+            self._requested[control.name] = _Requested(new, now_s + PATIENCE_S)
+            self._commands.append(Command(control.name, new))
         imgui.table_next_column()
         keycap(keys_of(control, self._label))
 
     def _forget(self, status: Status, now_s: float) -> None:
         done = [
-            name for name, one in self._asked.items() if now_s > one.until_s or status.values.get(name) == one.value
+            name for name, one in self._requested.items() if now_s > one.until_s or status.values.get(name) == one.value
         ]
         for name in done:
-            del self._asked[name]
+            del self._requested[name]
 
-    # --- one widget for each kind; each gives the value that is wanted now, or None ---
+    # --- one widget for each kind of control ---
 
     def _choice(self, control: Control, value: object, status: Status) -> object | None:
-        wanted = None
+        new = None
         if imgui.begin_combo(f"##{control.name}", str(value), imgui.ComboFlags_.height_large):
             for one in status.choices.get(control.name, ()):
                 chosen, _ = imgui.selectable(str(one), one == value)
                 if one == value:
                     imgui.set_item_default_focus()
                 elif chosen:
-                    wanted = one
+                    new = one
             imgui.end_combo()
-        return wanted
+        return new
 
     def _number(self, control: Control, value: object, _: Status) -> object | None:
         """Draw a slider.
@@ -123,12 +129,12 @@ class Controls:
             self._dragged[name] = now if typed else round(now / STEP[name]) * STEP[name]
         if not imgui.is_item_active() and not moved and name not in self._dragged:
             return None
-        wanted = self._dragged.get(name, float(value))
+        new = self._dragged.get(name, float(value))
         ended = not imgui.is_item_active()
         if ended:
             self._dragged.pop(name, None)
-        wanted = round(wanted, 3)
-        return wanted if (follows or ended) and wanted != value else None
+        new = round(new, 3)
+        return new if (follows or ended) and new != value else None
 
     def _switch(self, control: Control, value: object, _: Status) -> object | None:
         states = STATES.get(control.name)
@@ -139,16 +145,16 @@ class Controls:
             imgui.text(str(value) if isinstance(value, str) else ("on" if value else "off"))
             return (on if isinstance(value, bool) else "auto" if on else "none") if changed else None
         width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / len(states)
-        wanted = None
+        new = None
         for number, (state, text) in enumerate(states):
             if number:
                 imgui.same_line()
             if button(f"{text}##{control.name}", width, lit=state == value) and state != value:
-                wanted = state
-        return wanted
+                new = state
+        return new
 
     def actions(self, values: Mapping[str, object]) -> list[Command]:
-        """Draw buttons for what the display handles itself. values: which of its switches are on."""
+        """Draw buttons for the controls of the display. values: which of its switches are on."""
         commands, across = [], 2
         width = (imgui.get_content_region_avail().x - (across - 1) * imgui.get_style().item_spacing.x) / across
         for number, control in enumerate(one for name in ACTIONS for one in self._controls if one.name == name):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.display.openxr.trouble import LOST, STAGES, lacks, manifest, manifest_in_words, trouble
+from hmdwarp.display.openxr import LOST, STAGES, diagnose, lacks, manifest, manifest_in_words
 
 ACTIVE = "active is runtime.json, library librt.so"
 DIFFERENT = [
@@ -25,7 +25,7 @@ DIFFERENT = [
 
 
 def test_every_trouble_has_words_of_its_own():
-    told = [trouble(stage, error, "why\nso", "Runtime 1", ACTIVE) for stage, error in DIFFERENT]
+    told = [diagnose(stage, error, "why\nso", "Runtime 1", ACTIVE) for stage, error in DIFFERENT]
     assert len({words for words, _ in told}) == len(DIFFERENT)
     for words, remedy in told:
         assert words and remedy and "\n" not in words
@@ -34,18 +34,18 @@ def test_every_trouble_has_words_of_its_own():
 @pytest.mark.parametrize("stage", STAGES)
 @pytest.mark.parametrize("error", ["InstanceLostError", "SomethingNewError", "died", "OSError", "LimitReachedError"])
 def test_nothing_is_without_an_answer(stage, error):
-    words, remedy = trouble(stage, error)
+    words, remedy = diagnose(stage, error)
     assert words and remedy
 
 
 @pytest.mark.parametrize("error", LOST)
 def test_what_is_lost_in_the_middle_went_away(error):
-    words, remedy = trouble("running", error, "", "Runtime 1")
+    words, remedy = diagnose("running", error, "", "Runtime 1")
     assert words.startswith("Runtime 1 went away") and "restart" in remedy
 
 
 def test_an_unknown_error_keeps_its_name_and_words():
-    words, _ = trouble("session", "OutOfMemoryError", "no\n  memory", "Runtime 1")
+    words, _ = diagnose("session", "OutOfMemoryError", "no\n  memory", "Runtime 1")
     assert words == "Runtime 1 failed when a session was made: OutOfMemoryError: no memory"
 
 

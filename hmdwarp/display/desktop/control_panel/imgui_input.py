@@ -1,16 +1,19 @@
-"""Mouse and keyboard for Dear ImGui, through chained callbacks, so that the window keeps its input."""
+"""Mouse and keyboard for Dear ImGui, through callbacks chained to those of the window."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import glfw
 from imgui_bundle import imgui
 
-from .keys import label
+from ..keys import label
 
-NOWHERE = (-3.4e38, -3.4e38)  # Dear ImGui's word for a mouse that is not here
+if TYPE_CHECKING:
+    from ..window_types import WindowHandle
+
+NOWHERE = (-3.4e38, -3.4e38)  # what Dear ImGui takes for an absent mouse
 BUTTONS = 3  # left, right, middle
 # What is needed to type a number into a slider; everything else stays the window's alone.
 KEYS = {
@@ -39,21 +42,21 @@ MODIFIERS = {
 Event = Callable[[imgui.IO], None]
 
 
-class PanelInput:
-    """Listens to a glfw window from now on.
+class ImGuiInput:
+    """Input of a glfw window.
 
-    Make it after the window has set callbacks of its own, which are still called. To be set: left,
-    where the panel begins, in framebuffer pixels; typing, whether keys are being typed into it; on,
-    whether to listen.
+    Make it after the window has set callbacks of its own, which are still called.
     """
 
-    def __init__(self, window: Any) -> None:
+    def __init__(self, window: WindowHandle) -> None:
         self._window = window
         self._events: list[Event] = []
         self._before: list[tuple[Callable, Callable, Any]] = []
         self._place: tuple[float, float] | None = None
-        self.left, self.typing, self.on = 0, False, True
-        for setter, heard in (
+        self.left = 0  # where the panel begins, in framebuffer pixels; set by the panel
+        self.typing = False  # whether keys are being typed into the panel; set by it
+        self.on = True  # whether to listen
+        for setter, callback in (
             (glfw.set_cursor_pos_callback, self._moved),
             (glfw.set_cursor_enter_callback, self._entered),
             (glfw.set_mouse_button_callback, self._clicked),
@@ -62,11 +65,11 @@ class PanelInput:
             (glfw.set_char_callback, self._typed),
             (glfw.set_window_focus_callback, self._focused),
         ):
-            self._chain(setter, heard)
+            self._chain(setter, callback)
 
-    def _chain(self, setter: Callable, heard: Callable) -> None:
+    def _chain(self, setter: Callable[..., Any], callback: Callable[..., None]) -> None:
         def both(*arguments: Any) -> None:
-            heard(*arguments[1:])
+            callback(*arguments[1:])
             if before:
                 before(*arguments)
 
@@ -79,7 +82,7 @@ class PanelInput:
         return max(glfw.get_window_content_scale(self._window)) or 1.0
 
     @property
-    def caught(self) -> bool:
+    def captured(self) -> bool:
         """Whether the mouse turns the head just now, and serves nothing else."""
         return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
 
@@ -87,9 +90,9 @@ class PanelInput:
     def cursor(self) -> tuple[float, float] | None:
         """The mouse in framebuffer pixels from the top left.
 
-        None outside, or while the window caught it.
+        None outside, or while the window has captured it.
         """
-        return None if self.caught else self._place  # glfw puts a mouse that is let go back to where it was caught
+        return None if self.captured else self._place  # glfw puts a released mouse back to where it was captured
 
     @staticmethod
     def label(key: str) -> str:
@@ -113,10 +116,9 @@ class PanelInput:
     # --- callbacks, without the window ---
 
     def _moved(self, x: float, y: float) -> None:
-        place = None if self.caught else self._in_pixels(x, y)
+        place = None if self.captured else self._in_pixels(x, y)
         self._place = place or self._place
-        # A place beside the panel is told too, or a slider would not follow a hand that slips off
-        # it.
+        # A position beside the panel counts too, or a slider would not follow a mouse slipping off.
         self._note(lambda io: io.add_mouse_pos_event(*((place[0] - self.left, place[1]) if place else NOWHERE)))
 
     def _entered(self, entered: int) -> None:
@@ -125,11 +127,11 @@ class PanelInput:
             self._note(lambda io: io.add_mouse_pos_event(*NOWHERE))
 
     def _clicked(self, button: int, action: int, _: int) -> None:
-        if button < BUTTONS and not (action == glfw.PRESS and self.caught):
+        if button < BUTTONS and not (action == glfw.PRESS and self.captured):
             self._note(lambda io: io.add_mouse_button_event(button, action == glfw.PRESS))
 
     def _scrolled(self, x: float, y: float) -> None:
-        if not self.caught:
+        if not self.captured:
             self._note(lambda io: io.add_mouse_wheel_event(x, y))
 
     def _pressed(self, key: int, _: int, action: int, __: int) -> None:
@@ -162,7 +164,8 @@ def _nothing(*_: object) -> None:
 class NoInput:
     """Input of a panel that is only looked at, in a picture for instance."""
 
-    caught, cursor = False, None
+    captured = False
+    cursor: tuple[float, float] | None = None
 
     def __init__(self, scale: float = 1.0) -> None:
         self.scale = scale

@@ -7,16 +7,16 @@ from collections.abc import Callable
 import moderngl
 from imgui_bundle import imgui, implot
 
-from .._base import Command
-from ..controls import CONTROLS, Control
-from ..status import Status
-from . import panel_style as style
-from .panel_controls import Controls
-from .panel_input import NoInput, PanelInput
-from .panel_plots import Stages, draw_plots, right_aligned
-from .panel_renderer import PanelRenderer
+from ... import Command
+from ...controls import CONTROLS, Control
+from ...status import Status
+from . import style
+from .imgui_input import ImGuiInput, NoInput
+from .plots import Stages, draw_plots, right_aligned
+from .renderer import PanelRenderer
+from .widgets import Widgets
 
-CALM_HZ = 15.0  # new pictures of the panel while nobody touches it; in between the last one is laid over
+CALM_HZ = 15.0  # new pictures of the panel without input; in between the last one is laid over
 LIVELY_S = 0.4  # at first and after a touch it is drawn at every refresh: widgets find their sizes within a few frames
 LONGEST_S = 0.25  # between two frames, for Dear ImGui's own blinking and delays
 WINDOW = (
@@ -30,27 +30,26 @@ WINDOW = (
 )
 
 
-class Panel:
+class ControlPanel:
     """Controls and plots, over the right edge of a framebuffer.
 
-    A Dear ImGui display of its own, one column wide, so that what is open in it never reaches over
-    the picture beside it. heard: mouse and keyboard. into: where it is shown. clock: running
-    seconds.
+    A Dear ImGui display of its own, one column wide, so that nothing open in it reaches over the
+    picture beside it. into: where it is shown. clock: running seconds.
     """
 
     def __init__(
         self,
         gl: moderngl.Context,
-        heard: PanelInput | NoInput,
+        panel_input: ImGuiInput | NoInput,
         into: moderngl.Framebuffer,
         clock: Callable[[], float],
         controls: tuple[Control, ...] = CONTROLS,
     ) -> None:
-        self._into, self._heard, self._clock = into, heard, clock
+        self._into, self._input, self._clock = into, panel_input, clock
         self._context = imgui.create_context()
         self._plots = implot.create_context()
         self._renderer = PanelRenderer(gl)
-        self._controls, self._stages = Controls(heard.label, controls), Stages()
+        self._widgets, self._stages = Widgets(panel_input.label, controls), Stages()
         self._size, self._column, self._height, self._scale = (0, 0), 0, 0, 0.0
         self._painted_s, self._lively_until_s = -1.0, 0.0
         self._on, self._closed = True, False
@@ -71,7 +70,7 @@ class Panel:
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
 
-    # --- what the window asks ---
+    # --- for the window ---
 
     @property
     def on(self) -> bool:
@@ -80,30 +79,30 @@ class Panel:
 
     @on.setter
     def on(self, on: bool) -> None:
-        self._on = self._heard.on = on
-        self._heard.typing = False
+        self._on = self._input.on = on
+        self._input.typing = False
         self._painted_s = -1.0  # a picture of before would be seen for a moment
 
     @property
     def column(self) -> int:
         """Pixels of the framebuffer's width it takes at the right edge; 0 while it is off."""
-        return round(style.WIDTH * self._heard.scale) if self._on else 0
+        return round(style.WIDTH * self._input.scale) if self._on else 0
 
     @property
     def wants_mouse(self) -> bool:
         """Whether the mouse is the panel's: over it, or held since it was."""
-        if not self._on or self._heard.caught:
+        if not self._on or self._input.captured:
             return False
         self._enter()
         return self._over() or imgui.get_io().want_capture_mouse
 
     @property
     def wants_keys(self) -> bool:
-        """Whether a number is being typed into the panel; at all other times keys are the window's."""
-        return self._on and self._heard.typing
+        """Whether a number is being typed into the panel; otherwise keys are the window's."""
+        return self._on and self._input.typing
 
     def _over(self) -> bool:
-        place = self._heard.cursor
+        place = self._input.cursor
         return place is not None and place[0] >= self._size[0] - self._column and 0 <= place[1] < self._height
 
     # --- a refresh ---
@@ -116,18 +115,18 @@ class Panel:
         if not self._on or min(framebuffer_size) < 1:
             return []
         now_s = self._clock()
-        events = self._heard.take()
+        events = self._input.take()
         begins = self._painted_s < 0  # or begins again
         if begins or events and (self._over() or self.wants_mouse or self.wants_keys or now_s < self._lively_until_s):
             self._lively_until_s = now_s + LIVELY_S
         due = now_s - self._painted_s >= 1 / CALM_HZ or now_s < self._lively_until_s or framebuffer_size != self._size
-        self._hear(events, framebuffer_size)
+        self._feed(events, framebuffer_size)
         commands = self._paint(status, framebuffer_size, now_s) if due else []
         x = self._size[0] - self._column
         self._renderer.put(self._into, (x, self._size[1] - self._height), (self._column, self._height))
         return commands
 
-    def _hear(self, events: list, size: tuple[int, int]) -> None:
+    def _feed(self, events: list, size: tuple[int, int]) -> None:
         self._enter()
         self._settle(size)
         io = imgui.get_io()
@@ -136,12 +135,12 @@ class Panel:
 
     def _settle(self, size: tuple[int, int]) -> None:
         """Update sizes for the window as it is now."""
-        scale = self._heard.scale
+        scale = self._input.scale
         if scale != self._scale:
             self._scale = scale
             style.apply(scale)
         self._size, self._column = size, min(self.column, size[0])
-        self._heard.left = size[0] - self._column
+        self._input.left = size[0] - self._column
         imgui.get_io().display_size = imgui.ImVec2(self._column, size[1])
 
     def _paint(self, status: Status, size: tuple[int, int], now_s: float) -> list[Command]:
@@ -150,7 +149,7 @@ class Panel:
         imgui.new_frame()
         commands = self._lay_out(status, now_s)
         imgui.render()
-        self._heard.typing = imgui.get_io().want_text_input
+        self._input.typing = imgui.get_io().want_text_input
         self._height = self._renderer.paint(imgui.get_draw_data(), (self._column, size[1]))
         return commands
 
@@ -159,14 +158,14 @@ class Panel:
         imgui.set_next_window_size_constraints((self._column, 0), (self._column, self._size[1]))
         imgui.begin("hmdwarp", None, WINDOW)
         _header(status, self._scale)
-        commands = self._controls.draw(status, self._scale, now_s)
+        commands = self._widgets.draw(status, self._scale, now_s)
         imgui.separator()
         draw_plots(status, self._scale)
         imgui.separator()
         imgui.text_disabled("stages, in ms")
         self._stages.draw(status, self._scale)
         imgui.separator()
-        commands += self._controls.actions(status.values)
+        commands += self._widgets.actions(status.values)
         imgui.end()
         return commands
 
@@ -175,7 +174,7 @@ class Panel:
         if self._closed:
             return
         self._closed = True
-        self._heard.close()
+        self._input.close()
         self._enter()
         self._renderer.close()
         implot.destroy_context(self._plots)

@@ -1,4 +1,4 @@
-"""What keeps a headset from showing anything, in words, for the display and the doctor."""
+"""Diagnosis of a headset that shows nothing, for the display and the doctor."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import platform
 from collections.abc import Mapping
 from pathlib import Path
 
+RUNTIME_LABEL = "the OpenXR runtime"  # what corrects the lens and takes depth, for a plan
 APT = "Debian, Ubuntu: sudo apt-get install"
 A_BINDING = f"{APT} libgl1, and pip install pyopenxr"
 A_RUNTIME = (
@@ -60,7 +61,7 @@ _KNOWN = {
 }
 
 
-def trouble(
+def diagnose(
     stage: str, error: str, message: object = "", name: str = "the runtime", active: str = ""
 ) -> tuple[str, str]:
     """Return what happened and what to do about it.

@@ -27,7 +27,7 @@ _TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", 
 PROFILES: dict[str, Bindings] = {
     # Two buttons a hand and no stick: each hand's main one moves the marker its own way; of the
     # others the right hand's confirms, as most write with it, and the left hand's is the menu.
-    # Nothing is told from how long one is held: that is learnt by nobody in a headset.
+    # How long one is held means nothing: in a headset that cannot be learnt.
     "/interaction_profiles/khr/simple_controller": (
         ("left", f"{_LEFT}/select/click"),
         ("right", f"{_RIGHT}/select/click"),
