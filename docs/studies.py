@@ -15,8 +15,8 @@ from hmdwarp.cli.catalogue import entries
 from hmdwarp.display import Command
 from hmdwarp.report.study_words import p_text
 from hmdwarp.study.asking import CONTROLS, Asked
+from hmdwarp.study.design import Ask
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 Program = Callable[..., None]
 WORDS = ("pairs (+/0/-)", "mean difference", "BCa 95 %", "Hodges-Lehmann", "exact p", "Holm 3 / 6", "r")

@@ -15,8 +15,8 @@ import threading
 from hmdwarp.display import Closed, DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
 from hmdwarp.study.asking import CONTROLS, Asked
+from hmdwarp.study.design import Ask
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 
 class AskedWindow:

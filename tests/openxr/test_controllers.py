@@ -10,8 +10,8 @@ from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.session import State
 from hmdwarp.study import asking
 from hmdwarp.study.asking import CONTROLLERS, Asked
+from hmdwarp.study.design import Ask
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 from .live_runs import SMALL
 from .remote_head import RemoteHead

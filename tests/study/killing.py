@@ -28,10 +28,9 @@ import numpy as np
 
 from hmdwarp.errors import InputError
 from hmdwarp.poses import load_trace
+from hmdwarp.study.design import Ask, Show, steps_of
 from hmdwarp.study.design.read import load_design
-from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.simulated import load_model, person_of
-from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.respondents import Population, load_model, person_of
 from hmdwarp.study.store import COMPLETE, Contents, Session, Store
 
 from . import tiny

@@ -20,9 +20,7 @@ from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.design import Comparison, Design
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.power.simulation import differences
-from hmdwarp.study.respondents.cohort import Cohort, Population
-from hmdwarp.study.respondents.model import Model, SicknessModel
-from hmdwarp.study.respondents.simulated import load_model, person_of
+from hmdwarp.study.respondents import Cohort, Model, Population, SicknessModel, load_model, person_of
 from hmdwarp.study.store import SIMULATED, Contents, Store
 
 from . import tiny

@@ -64,7 +64,7 @@ def nursery(link: socket.socket) -> None:
         "cli._app",
         "study.run.session",
         "study.run.options",
-        "study.respondents.simulated",
+        "study.respondents",
         "display.offscreen",
     ):
         importlib.import_module(f"hmdwarp.{name}")

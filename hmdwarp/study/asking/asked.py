@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ...display import Command
+from ..design import Ask
 from ..desk import Question
-from ..steps import Ask
 from .entry import middle, moved, number_of, on_scale, range_in_words, typed_on, written
 from .hints import KEYS, Hints
 from .question import BACK, SKIP, YES, QuestionPlate

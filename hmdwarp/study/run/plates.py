@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..asking import Card, Hints, card, trial_card
-from ..steps import Pause, Show, Step
+from ..design import Pause, Show, Step
 from ..store import COMPLETE, SICK, STOPPED
 from .telling import told, trials
 

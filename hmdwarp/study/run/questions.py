@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ...display import Command, Label
 from ...run.live.driver import FrameHandler
 from ..asking import Asked, Card, Menu, Reading, Resting, hints_for
-from ..steps import Ask, Pause, Read, Step
+from ..design import Ask, Pause, Read, Step
 from .room import Room
 from .voices import PARTICIPANT
 from .watch import StepHandler

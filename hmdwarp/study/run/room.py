@@ -9,9 +9,8 @@ import attrs
 from ...display import Command, Display
 from ...display.status import Status
 from ...poses import Origin, PoseSample
-from ..design import NOBODY, PARTICIPANT, Design
+from ..design import NOBODY, PARTICIPANT, Design, Show, Step
 from ..desk import DeskState
-from ..steps import Show, Step
 from ..store import Session, Store
 from .telling import told, turned_deg
 from .voices import Voices

@@ -16,12 +16,11 @@ from ...run.live.openings import open_display
 from ...run.live.watchdog import Watchdog
 from ...scenes import load_scene
 from ..asking import CONTROLS, hints_for
-from ..design import Design
+from ..design import Ask, Design, Show, Step, steps_of
 from ..design.read import design_from_text, load_design
 from ..design.settings import live_options
 from ..desk import Desk, make_desk
-from ..respondents import Nobody, Respondent
-from ..steps import Ask, Show, Step, steps_of
+from ..respondents import NoRespondent, Respondent
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Showing, Store, store_folder
 from . import plates
 from .afterwards import Afterwards
@@ -91,9 +90,8 @@ def _asked_for(options: RunSession, design: Design, store: Store) -> tuple[str, 
 def _respondent(options: RunSession, design: Design, part: str) -> Callable[[Session], Respondent]:
     """Who answers in a session, beside the participant. Errors: InputError for a model that cannot be used, before there is a session."""
     if options.simulate is None:
-        return lambda session: Nobody()
-    from ..respondents.cohort import Population
-    from ..respondents.simulated import Simulated, load_model, person_of
+        return lambda session: NoRespondent()
+    from ..respondents import Population, Simulated, load_model, person_of
 
     model = load_model(options.simulate)
     Population(model, design, part)  # raises where the model has no answer to what the study asks

@@ -16,7 +16,7 @@ from ...run.live.host import Stage
 from ...run.live.log import LiveLog
 from ...run.live.recorder import Recorder
 from ...scenes import Scene
-from ..steps import Show
+from ..design import Show
 from ..store import Showing
 from .actual import actual_of
 from .room import Room

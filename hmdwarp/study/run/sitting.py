@@ -12,7 +12,7 @@ from ...display import Closed
 from ...run.live.driver import Driver
 from ...run.live.ending import Ending
 from ..asking import AGAIN, BREAK, CONTINUE, SKIP, STOP, Hints
-from ..steps import Ask, Pause, Read, Show, Step
+from ..design import Ask, Pause, Read, Show, Step
 from ..store import COMPLETE, STOPPED, Showing
 from ..store import SICK as ENDED_SICK
 from . import plates

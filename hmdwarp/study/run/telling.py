@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from ...geometry import Pose
-from ..steps import Ask, Pause, Read, Show, Step
+from ..design import Ask, Pause, Read, Show, Step
 
 READY, MENU, ASKED_BREAK, SICK, END = (
     "ready",

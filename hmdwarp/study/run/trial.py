@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...display import Command, Label
 from ...errors import InputError
-from ..steps import Show
+from ..design import Show
 from .room import Room
 from .watch import LOST, StepHandler
 

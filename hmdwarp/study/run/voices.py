@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import attrs
 
 from ...display import Command
+from ..design import Show, Step
 from ..desk import Desk
 from ..respondents import Respondent
-from ..steps import Show, Step
 
 PARTICIPANT, EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"
 

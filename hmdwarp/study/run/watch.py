@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...display import Command
 from ...run.live.driver import FrameHandler
-from ..steps import Step
+from ..design import Step
 from .room import Room
 from .voices import BREAK, INTENTS, REMARK, STOP
 

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.display import Command
 from hmdwarp.study.asking import KEYS, Asked, Hints
+from hmdwarp.study.design import Ask
 from hmdwarp.study.scales import Item, Scale, load_scale, scale_names
-from hmdwarp.study.steps import Ask
 
 SHIPPED = [load_scale(name) for name in scale_names()]
 STEPS = (0.01, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)

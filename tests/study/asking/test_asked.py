@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.study.asking import CONTROLLERS, Asked
 from hmdwarp.study.asking.entry import written
+from hmdwarp.study.design import Ask
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 from .scales import SHIPPED, any_scale, asked_of, said
 

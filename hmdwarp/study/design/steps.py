@@ -1,19 +1,20 @@
-"""What a session consists of, step by step: a plan and an order give the same steps every time, so going on is finding the first undone.
+"""Steps of a session, made from a plan and an order.
 
-Each step has a key that stays: what is done is known by it, in the store and after a crash.
+The same plan and order give the same steps every time, and each step has a fixed key under which
+the store keeps it. Resuming a session, after a crash too, means finding the first undone step.
 """
 
 from __future__ import annotations
 
 import attrs
 
-from .design import Condition, Design
-from .scales import Item, Scale
+from ..scales import Item, Scale
+from .nouns import Condition, Design
 
 
 @attrs.frozen
 class Read:
-    """Consent: a text that is agreed to, or not."""
+    """Consent: a text that the participant agrees to or refuses."""
 
     key: str
     text: str
@@ -21,41 +22,43 @@ class Read:
 
 @attrs.frozen
 class Show:
-    """A condition, for some seconds. trial: its number from 1 on, 0 for the practice. repeat: which time it is shown, from 1 on."""
+    """One presentation of a condition."""
 
     key: str
-    trial: int
+    trial: int  # from 1 on; 0 for the practice
     condition: Condition
     seconds: float
-    repeat: int = 1
+    repeat: int = 1  # from 1 on
 
 
 @attrs.frozen
 class Ask:
-    """One item of a scale. phase: "before", "practice", "trial" or "after". trial: the one it is about, 0 for none. about: the key of the
-    Show it is about, "" for none: what is asked must have been seen just before."""
+    """One item of a scale."""
 
     key: str
     scale: Scale
     item: Item
-    phase: str
-    trial: int = 0
-    about: str = ""
+    phase: str  # "before", "practice", "trial" or "after"
+    trial: int = 0  # the trial it is about; 0 for none
+    about: str = ""  # key of the Show that must have been seen just before; "" for none
 
 
 @attrs.frozen
 class Pause:
-    """A break. seconds: at least."""
+    """A break."""
 
     key: str
-    seconds: float
+    seconds: float  # at least
 
 
 Step = Read | Show | Ask | Pause
 
 
 def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> tuple[Step, ...]:
-    """All steps of a session. order: names of the part's conditions, a tuple for each repeat."""
+    """Return all steps of a session.
+
+    order: names of the part's conditions, one tuple per repeat.
+    """
     conditions = design.part(part)
     steps: list[Step] = []
     if design.consent is not None:
@@ -82,10 +85,10 @@ def _trial(design: Design, trial: int, condition: Condition, repeat: int) -> lis
     return steps
 
 
-def _sickness(design: Design, key: str, trial: int) -> list[Step]:
+def _sickness(design: Design, key: str, trial: int) -> tuple[Ask, ...]:
     if design.sickness is None:
-        return []
-    return list(_asks(design.sickness.scale, key, "trial" if trial else "practice", trial))
+        return ()
+    return _asks(design.sickness.scale, key, "trial" if trial else "practice", trial)
 
 
 def _asks(scale: Scale, key: str, phase: str, trial: int = 0) -> tuple[Ask, ...]:

@@ -11,8 +11,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import FIXED, RANDOM, WILLIAMS, Condition, Design, Part
-from hmdwarp.study.orders import RANDOM_ROWS, allot, rows_for, williams
+from hmdwarp.study.design import (
+    FIXED,
+    RANDOM,
+    RANDOM_ROWS,
+    WILLIAMS,
+    Condition,
+    Design,
+    Part,
+    allot,
+    rows_for,
+    williams,
+)
 
 
 def design(count: int, *, order: str = WILLIAMS, repeats: int = 1, seed: int = 0, part: str = "p") -> Design:
@@ -61,7 +71,9 @@ def test_each_repeat_is_balanced_by_itself_and_seams_are_spread(n, repeats):
 
 @pytest.mark.parametrize("n", [4, 5, 6, 9])
 def test_seams_are_balanced_exactly_where_that_is_possible(n):
-    """A seam gives all pairs of one distance (or of two, n odd); after as many as there are distances, each pair came equally often."""
+    """A seam gives all pairs of one distance (or of two, n odd); after as many as there are
+    distances, each pair came equally often.
+    """
     repeats = (n if n % 2 == 0 else (n + 1) // 2) + 0
     rows = rows_for(design(n, repeats=repeats), "p")
     seams = Counter((one[-1], other[0]) for order in rows for one, other in pairwise(order))
@@ -69,7 +81,9 @@ def test_seams_are_balanced_exactly_where_that_is_possible(n):
 
 
 def test_nobody_sees_one_row_again_while_others_are_left_to_see():
-    """Of n rows (or n of each half) each participant sees several; evenness of the seams comes first, and costs a few."""
+    """Of n rows (or n of each half) each participant sees several; evenness of the seams comes
+    first, and costs a few.
+    """
     for n in range(3, 13):
         shown = [len(set(order)) for order in rows_for(design(n, repeats=3), "p")]
         assert min(shown) >= 2
@@ -97,7 +111,8 @@ def test_random_orders_are_uniform_and_do_not_repeat_at_a_seam(n):
     assert len(rows) == RANDOM_ROWS
     assert all(sorted(names) == [f"c{number}" for number in range(n)] for order in rows for names in order)
     assert not any(one[-1] == other[0] for order in rows for one, other in pairwise(order))
-    # Each condition comes first 1000 / n times; four standard deviations of the binomial about that.
+    # Each condition comes first 1000 / n times; four standard deviations of the binomial about
+    # that.
     first = Counter(order[0][0] for order in rows)
     spread = 4 * (RANDOM_ROWS * (1 / n) * (1 - 1 / n)) ** 0.5
     assert all(abs(first[f"c{number}"] - RANDOM_ROWS / n) < spread for number in range(n))
@@ -112,7 +127,7 @@ def test_one_condition_has_one_order():
     assert rows_for(design(1, order=RANDOM, repeats=2), "p")[0] == (("c0",), ("c0",))
 
 
-# --- allotting ---------------------------------------------------------------------------------------------------------
+# --- allotting ----------------------------------------------------------------------------------
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=30), st.integers(0, 2**63))
@@ -125,7 +140,9 @@ def test_one_of_the_least_filled_is_taken(filled, seed):
 @settings(deadline=None)
 @given(st.integers(1, 14), st.integers(0, 9), st.integers(0, 2**32), st.floats(0, 0.9))
 def test_rows_stay_level_whoever_drops_out(rows, seed, chance, dropping):
-    """Counts differ by more than one only where people dropped out of one row; those who come next fill just these gaps."""
+    """Counts differ by more than one only where people dropped out of one row; those who come next
+    fill just these gaps.
+    """
     rng = random.Random(chance)
     filled = [0] * rows
     for _ in range(60):
@@ -142,7 +159,9 @@ def test_rows_stay_level_whoever_drops_out(rows, seed, chance, dropping):
 
 
 def test_who_comes_next_gets_no_row_that_can_be_told_from_the_number():
-    """The first of a study gets any of the rows, as the seed decides: of 600 seeds each of 6 rows gets 100, give or take 4 sd (37)."""
+    """The first of a study gets any of the rows, as the seed decides: of 600 seeds each of 6 rows
+    gets 100, give or take 4 sd (37).
+    """
     first = Counter(allot([0] * 6, seed) for seed in range(600))
     assert all(63 <= first[row] <= 137 for row in range(6))
     taken = []

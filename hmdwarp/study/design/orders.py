@@ -1,23 +1,27 @@
-"""In which order conditions come: balanced, and allotted by what is missing, not by the number of a participant."""
+"""Balanced orders of conditions, and the choice of the order that the next session gets."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
 
-from ..errors import InputError
-from .design import FIXED, RANDOM, WILLIAMS, Design, Part
+from ...errors import InputError
+from .nouns import FIXED, RANDOM, WILLIAMS, Design, Part
 
-Order = tuple[tuple[str, ...], ...]  # names of conditions, a tuple for each repeat
-RANDOM_ROWS = 1000  # more than there are participants: each gets a row nobody else had
+Order = tuple[tuple[str, ...], ...]  # names of conditions, one tuple per repeat
+RANDOM_ROWS = 1000  # more than there are participants, so that no two share a row
 
 
 def williams(n: int) -> tuple[tuple[int, ...], ...]:
-    """Rows of 0 .. n-1: n of them where n is even, 2n where it is odd.
+    """Return the rows of a Williams design over 0 .. n-1: n for even n, 2n for odd n.
 
-    Over all rows every number is in each place equally often (once, or twice), and every ordered pair of different numbers stands side
-    by side equally often. Source: Williams 1949, Experimental designs balanced for the estimation of residual effects of treatments,
-    Aust J Sci Res A 2(2). For n = 6 it is the square of his table: 1 2 6 3 5 4 and its shifts.
+    Over all rows every number stands in each place equally often, and every ordered pair of
+    different numbers stands side by side equally often. For n = 6 it is the square of Williams'
+    table: 1 2 6 3 5 4 and its shifts.
+
+    Errors: InputError for n below 1.
+    Source: Williams 1949, Experimental designs balanced for the estimation of residual effects of
+    treatments, Aust J Sci Res A 2(2).
     """
     if n < 1:
         raise InputError(f"a Williams design of {n} conditions: wanted 1 or more")
@@ -29,19 +33,24 @@ def williams(n: int) -> tuple[tuple[int, ...], ...]:
 
 
 def _zigzag(n: int) -> tuple[int, ...]:
-    """0, 1, n-1, 2, n-2, ..: neighbours differ by every number of 1 .. n-1 once (n even), or by each and its opposite (n odd)."""
+    """Return 0, 1, n-1, 2, n-2, ..
+
+    Neighbours differ by every number of 1 .. n-1 once (n even), or by it and its opposite (n odd).
+    """
     return tuple((k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n))
 
 
 def rows_for(design: Design, part: str) -> tuple[Order, ...]:
-    """All orders of a part; a participant gets one of them. Names of conditions, a tuple for each repeat.
+    """Return all orders of a part; each participant gets one of them.
 
-    williams: the rows of the square, which condition is which number by a draw from the seed. Every repeat goes through the whole square,
-    in other rows each time, so that over all orders each repeat is balanced by itself. Between two repeats, pairs are spread as evenly
-    as they can be over the orders, and no condition follows itself (unless it is the only one).
-    random: RANDOM_ROWS of them, every repeat a permutation of its own that does not begin with what the one before ended with.
-    fixed: one, as in the file.
-    The same file gives the same orders, on every machine and with every version of Python.
+    williams: the rows of the square; the seed draws which condition gets which number. Every repeat
+    goes through the whole square, in other rows each time, so that each repeat is balanced over all
+    orders. Between two repeats pairs are spread as evenly as possible over the orders, and no
+    condition follows itself (unless it is the only one).
+    random: RANDOM_ROWS orders; each repeat is its own permutation, and does not begin with the last
+    condition of the repeat before.
+    fixed: one order, that of the file.
+    The same file gives the same orders on every machine and with every version of Python.
     """
     conditions = design.part(part)
     names = tuple(one.name for one in conditions.conditions)
@@ -57,7 +66,10 @@ def rows_for(design: Design, part: str) -> tuple[Order, ...]:
 
 
 def _rows_of(square: tuple[tuple[int, ...], ...], row: int, shifts: Sequence[int], names: Sequence[str]) -> Order:
-    """The order that begins with that row of the square. The mirrored half of an odd one moves the other way: see _seam_shifts."""
+    """Return the order that begins with that row of the square.
+
+    The mirrored half of an odd square moves the other way: see _seam_shifts.
+    """
     n = len(names)
     half, place = divmod(row, n)
     rows = [square[half * n + (place + (-shift if half else shift)) % n] for shift in shifts]
@@ -65,12 +77,13 @@ def _rows_of(square: tuple[tuple[int, ...], ...], row: int, shifts: Sequence[int
 
 
 def _seam_shifts(n: int, repeats: int) -> tuple[int, ...]:
-    """How far each repeat's row lies from the first one's.
+    """Return how far each repeat's row lies from the row of the first repeat.
 
-    Rows are shifts of one sequence, so where the row moves by s from one repeat to the next, what stands last before the seam and what
-    comes first after it differ by d = s - reach in all orders at once (reach: from the first to the last of a row). Over all orders that
-    is each pair of distance d once; in the mirrored half, which moves by -s, each pair of distance -d. So d = 0 is never taken, the least
-    used d is, and of these one whose row was used least.
+    Rows are shifts of one sequence. Where the row moves by s from one repeat to the next, the last
+    number before the seam and the first after it differ by d = s - reach in all orders at once
+    (reach: from the first to the last number of a row). Over all orders that is each pair of
+    distance d once; in the mirrored half, which moves by -s, each pair of distance -d. So d = 0 is
+    never chosen; the least used d is, and of several the one whose row was used least.
     """
     first = _zigzag(n)
     reach, mirrored = first[-1], n % 2 == 1
@@ -100,10 +113,13 @@ def _random_order(design: Design, part: Part, row: int) -> Order:
 
 
 def allot(filled: Sequence[int], seed: int) -> int:
-    """The row whose turn it is: one of those taken least often. filled: how often each row is taken, by sessions that are over or going on.
+    """Return the row for the next session: one of those filled least often.
 
-    Between several, a draw from the seed and from what is filled decides, never the number of a participant: who comes next cannot be
-    told from who came before, and gaps that dropouts left are filled first.
+    filled: how many complete or running sessions each row has.
+    Among several rows a draw from the seed and from `filled` decides, never the number of a
+    participant: the next order cannot be guessed, and gaps left by drop-outs are filled first.
+
+    Errors: InputError where there are no rows.
     """
     if not filled:
         raise InputError("there is no order to allot: the part has no conditions")
@@ -113,7 +129,7 @@ def allot(filled: Sequence[int], seed: int) -> int:
 
 
 def _shuffled(names: Sequence[str], seed: int, *words: object) -> tuple[str, ...]:
-    """A permutation that these words decide (Fisher and Yates)."""
+    """Return a permutation that the seed and these words decide (Fisher and Yates)."""
     out = list(names)
     for last in range(len(out) - 1, 0, -1):
         chosen = _draw(last + 1, seed, *words, last)
@@ -122,7 +138,10 @@ def _shuffled(names: Sequence[str], seed: int, *words: object) -> tuple[str, ...
 
 
 def _draw(below: int, seed: int, *words: object) -> int:
-    """0 .. below-1, decided by the words alone: NumPy's and Python's generators may change what a seed gives. Of 256 bits, so each
-    number is as likely as any other to 70 places."""
-    told = "\x1f".join(map(str, (seed, *words)))
-    return int.from_bytes(hashlib.sha256(told.encode()).digest(), "big") % below
+    """Draw from 0 .. below-1, decided by seed and words alone.
+
+    NumPy's and Python's generators may change what a seed gives; SHA-256 does not. With 256 bits
+    every number is equally likely to 70 places.
+    """
+    text = "\x1f".join(map(str, (seed, *words)))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest(), "big") % below
