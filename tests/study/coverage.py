@@ -17,10 +17,8 @@ import attrs
 import numpy as np
 from scipy.stats import binom, t
 
-from hmdwarp.study.design import Comparison, Design
-from hmdwarp.study.design.read import load_design
-from hmdwarp.study.power.effects import with_effect
-from hmdwarp.study.power.simulation import differences, significant
+from hmdwarp.study.design import Comparison, Design, load_design
+from hmdwarp.study.power import differences, significant, with_effect
 from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model
 from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, wilcoxon_exact
 

@@ -1,4 +1,4 @@
-"""Ratings from long tables: our own exports, and those of others."""
+"""Ratings from long tables: those that hmdwarp exports, and those of other programs."""
 
 from __future__ import annotations
 
@@ -12,46 +12,47 @@ import attrs
 
 from ...errors import InputError
 from ...report.study_words import counted
-from ..scales import RATING, load_scale, scale_names
-from .columns import MISSING, SETTINGS
-from .csv_lines import Line, lines_of, numbers_of, whole
-from .ratings import Felt, Measure, Rating, Ratings
+from ..scales import RATING, Scale, load_scale, scale_names
+from .csv_table import MISSING, SETTINGS, Line, lines_of, numbers_of, whole_number
+from .ratings import Rating, Ratings, ScaleInfo, SurveyAnswer
 
 _ORIGINS = ("person", "simulated", "pilot")
 
 
 @attrs.frozen
-class Given:
-    """What a table does not say itself. columns: role to column name. scale: a shipped one's name or a file. low_is_good: None where not
-    told. origin: whose ratings, where the table has several."""
+class SourceOptions:
+    """What a table does not say itself."""
 
-    columns: Mapping[str, str] = attrs.field(factory=dict, hash=False)
-    scale: str = ""
-    low_is_good: bool | None = None
-    origin: str = ""
+    columns: Mapping[str, str] = attrs.field(factory=dict, hash=False)  # role to column name
+    scale: str = ""  # a shipped one's name or a file
+    low_is_good: bool | None = None  # None where not known
+    origin: str = ""  # whose ratings, where there are several; "" for people first
 
 
-def from_csv(path: Path, given: Given = Given()) -> Ratings:  # noqa: B008  (frozen)
-    """The ratings in a long table, one row each; columns are found by their names (study/analysis/columns.py), delimiters , ; and tab.
+def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  # noqa: B008  (frozen)
+    """Read the ratings of a long table, one per row.
 
-    An empty field is a missing rating. Ratings of one participant of one condition count as repeats. A decimal comma is understood where no
-    value has a point. Errors: InputError naming the file, the line, what was found and what was wanted.
+    Columns are recognised by their names (csv_table.ROLES), delimiters are , ; and tab. An empty
+    field is a missing rating. Several ratings of one participant of one condition are repeats. A
+    decimal comma is read as such where no value has a point.
+
+    Errors: InputError naming the file, the line, what was found and what was wanted.
     """
-    lines, header = lines_of(path, given.columns)
-    lines, origin, notes = _of_one_origin(lines, path, given.origin)
+    lines, header = lines_of(path, options.columns)
+    lines, origin, notes = _of_one_origin(lines, path, options.origin)
     numbers, comma = numbers_of(lines, path)
     if comma:
         notes.append("Ratings have a decimal comma: 3,25 was read as 3.25.")
-    measures, unnamed = _measures(lines, numbers, path, given, notes)
-    rows, felt, used = _rows(lines, numbers, measures, unnamed, path, header)
+    infos, unnamed = _scale_infos(lines, numbers, path, options, notes)
+    rows, survey, used = _rows(lines, numbers, infos, unnamed, path, header)
     if not rows:
         raise InputError(f"{path}: holds no ratings: {counted(len(lines), 'row')}, none of them on a rating scale")
     repeated = sum(count > 1 for count in Counter((r.participant, r.part, r.condition, r.scale) for r in rows).values())
     if repeated:
         notes.append(f"{repeated} times a participant rated a condition more than once: the mean counts.")
     return Ratings(
-        tuple(rows), measures, origin=origin, source=path.name, title=path.stem, felt=tuple(felt), notes=tuple(notes),
-        long=_long(rows, used, measures),
+        tuple(rows), infos, origin=origin, source=path.name, title=path.stem, survey=tuple(survey), notes=tuple(notes),
+        long=_long(rows, used, infos),
     )  # fmt: skip
 
 
@@ -66,91 +67,88 @@ def _of_one_origin(lines: list[Line], path: Path, wanted: str) -> tuple[list[Lin
         else []
     )
     left = ", ".join(f"{count} of {name}" for name, count in sorted(there.items()) if name != origin)
-    notes += [f"Left out, as they never count together: {left} rows."] if left else []
+    notes += [f"Left out, because origins are never mixed: {left} rows."] if left else []
     return [line for line in lines if (line.fields.get("origin") or "person") == origin], origin, notes
 
 
-def _measures(
-    lines: Sequence[Line], numbers: Sequence[float | None], path: Path, given: Given, notes: list[str]
-) -> tuple[dict[str, Measure], str]:
-    """What each scale is: of its name where it is known, else as the user or the table says. And which one rows without a name are on."""
-    names = dict.fromkeys(line.fields.get("scale", "") for line in lines)
+def _scale_infos(
+    lines: Sequence[Line], numbers: Sequence[float | None], path: Path, options: SourceOptions, notes: list[str]
+) -> tuple[dict[str, ScaleInfo], str]:
+    """Return each scale by the name that rows have, and the scale of rows without a name."""
     found, unnamed = {}, ""
-    for name in names:
+    for name in dict.fromkeys(line.fields.get("scale", "") for line in lines):
         own = [
             (line, value) for line, value in zip(lines, numbers, strict=True) if line.fields.get("scale", "") == name
         ]
-        measure = _measure(name, own, path, given, notes)
-        if measure is not None:
-            found[name or measure.name] = measure
-            unnamed = unnamed if name else measure.name
+        info = _scale_info(name, own, path, options, notes)
+        if info is not None:
+            found[name or info.name] = info
+            unnamed = unnamed if name else info.name
     return found, unnamed
 
 
-def _measure(
-    name: str, own: list[tuple[Line, float | None]], path: Path, given: Given, notes: list[str]
-) -> Measure | None:
-    known = given.scale or (name if name in scale_names() else "")
+def _scale_info(
+    name: str, own: list[tuple[Line, float | None]], path: Path, options: SourceOptions, notes: list[str]
+) -> ScaleInfo | None:
+    """Return a scale known by name, else as the user or the table describes it; None for a survey."""
+    known = options.scale or (name if name in scale_names() else "")
     if known:
         scale = load_scale(known)
         if scale.kind != RATING and name:
-            return None  # sickness and questionnaires are told apart from ratings
-        measure = Measure.of(scale)
-        _check_range(own, measure, path)
-        return measure
+            return None
+        _check_range(own, scale, path)
+        return ScaleInfo.of(scale)
     values = [value for _, value in own if value is not None]
-    said = own[0][0].fields.get("low_is_good", "").lower()
-    low = (
-        given.low_is_good
-        if given.low_is_good is not None
-        else {"true": True, "1": True, "false": False, "0": False}.get(said)
-    )
+    column = own[0][0].fields.get("low_is_good", "").lower()
+    low = {"true": True, "1": True, "false": False, "0": False}.get(column)
+    if options.low_is_good is not None:
+        low = options.low_is_good
     if low is not None:
-        return Measure(name or "rating", name or "Rating", low)
+        return ScaleInfo(name or "rating", name or "Rating", low)
     grade = load_scale("grade")
-    # A value above 5 cannot be one of the five ACR categories; whole numbers from 1 to 5 could be either way round.
+    # A value above 5 cannot be one of the five ACR categories; whole numbers from 1 to 5 fit either direction.
     if values and min(values) >= grade.least and 5 < max(values) <= grade.most:
         notes.append(
-            f"The table does not say which way its ratings go: all lie in {grade.least:g} to {grade.most:g}, so they are taken for the "
-            "scale 'grade', where 1 is the best. If that is wrong, say --scale NAME, --low-is-good or --high-is-good."
+            f"The table does not give the direction of its ratings. All lie in {grade.least:g} to {grade.most:g}, so they "
+            "are read on the scale 'grade', where 1 is the best. Otherwise use --scale NAME, --low-is-good or --high-is-good."
         )
-        return Measure.of(grade)
+        return ScaleInfo.of(grade)
     raise InputError(
-        f"{path}: nothing says whether a high rating is good or bad: say --low-is-good, --high-is-good, or --scale with one of "
+        f"{path}: the direction of the ratings is unknown: use --low-is-good, --high-is-good, or --scale with one of "
         f"{', '.join(scale_names())}"
     )
 
 
-def _check_range(own: list[tuple[Line, float | None]], measure: Measure, path: Path) -> None:
+def _check_range(own: list[tuple[Line, float | None]], scale: Scale, path: Path) -> None:
     for line, value in own:
-        if value is not None and not measure.least <= value <= measure.most:
-            scale = f"the scale '{measure.name}' goes from {measure.least:g} to {measure.most:g}"
-            raise InputError(f"{path}:{line.number}: rating {value:g}: {scale}")
+        if value is not None and not scale.least <= value <= scale.most:
+            limits = f"the scale '{scale.name}' goes from {scale.least:g} to {scale.most:g}"
+            raise InputError(f"{path}:{line.number}: rating {value:g}: {limits}")
 
 
 def _rows(
     lines: Sequence[Line],
     numbers: Sequence[float | None],
-    measures: Mapping[str, Measure],
+    infos: Mapping[str, ScaleInfo],
     unnamed: str,
     path: Path,
     header: Mapping[str, str],
-) -> tuple[list[Rating], list[Felt], list[Line]]:
-    """Ratings, what else was answered, and the lines that the ratings stand in."""
+) -> tuple[list[Rating], list[SurveyAnswer], list[Line]]:
+    """Return the ratings, the survey answers, and the lines of the ratings."""
     rows: list[Rating] = []
-    felt: list[Felt] = []
+    survey: list[SurveyAnswer] = []
     used: list[Line] = []
     for line, value in zip(lines, numbers, strict=True):
         fields = line.fields
         if fields["participant"].lower() in MISSING:
-            raise InputError(f"{path}:{line.number}: no participant: every rating needs to say whose it is")
-        place = whole(line, "place", path, 0)
+            raise InputError(f"{path}:{line.number}: no participant: every rating needs one")
+        place = whole_number(line, "place", path, 0)
         part = _part(fields.get("part", ""), header.get("part", ""))
-        session = whole(line, "session", path, 1)
+        session = whole_number(line, "session", path, 1)
         scale = fields.get("scale", "") or unnamed
-        if scale not in measures:
-            phase = "trial" if place else fields.get("=phase", "")
-            felt.append(Felt(fields["participant"], part, session, phase, place, scale, fields.get("item", ""), value))
+        if scale not in infos:
+            phase, item = "trial" if place else fields.get("=phase", ""), fields.get("item", "")
+            survey.append(SurveyAnswer(fields["participant"], part, session, phase, place, scale, item, value))
             continue
         condition, settings = _condition(line, path)
         if not condition:
@@ -165,20 +163,20 @@ def _rows(
                 value=value,
                 why_missing="" if value is not None else _why(line),
                 reference=fields.get("reference", "").lower() in ("true", "1", "yes"),
-                repeat=whole(line, "repeat", path, 1),
+                repeat=whole_number(line, "repeat", path, 1),
                 place=place,
                 previous="" if fields.get("previous", "").lower() in MISSING else fields["previous"],
                 session=session,
                 settings=settings,
             )
         )
-    return _with_previous(rows), felt, used
+    return _with_previous(rows), survey, used
 
 
 def _why(line: Line) -> str:
-    told = line.fields.get("=why_missing", "")
-    if told.lower() not in MISSING:
-        return told
+    why = line.fields.get("=why_missing", "")
+    if why.lower() not in MISSING:
+        return why
     status = line.fields.get("status", "")
     return f"empty in line {line.number}" + (
         f"; the session's status is '{status}'" if status not in ("", "complete") else ""
@@ -186,7 +184,7 @@ def _why(line: Line) -> str:
 
 
 def _part(text: str, column: str) -> str:
-    """As "run 1" where the column says just 1."""
+    """Return "run 1" where the column "run" holds just 1."""
     return f"{column} {text}" if re.fullmatch(r"\d+", text) else text
 
 
@@ -208,7 +206,7 @@ def _condition(line: Line, path: Path) -> tuple[str, dict[str, Any]]:
 
 
 def name_of(settings: Mapping[str, Any]) -> str:
-    """What a condition is called that has no name: "forward + interpolate, 200 ms"."""
+    """Name a condition by its settings, like "forward + interpolate, 200 ms"."""
     passes = [str(settings[name]) for name in ("warp", "fill") if settings.get(name)]
     if len(passes) > 1 and passes[1] == "none":
         passes.pop()
@@ -218,7 +216,7 @@ def name_of(settings: Mapping[str, Any]) -> str:
 
 
 def _with_previous(rows: list[Rating]) -> list[Rating]:
-    """The condition before each, where the table has the places of the trials and does not say it itself."""
+    """Add the condition before each, from the places of the trials, where the table lacks it."""
     at = {(r.participant, r.part, r.session, r.place): r.condition for r in rows if r.place}
 
     def before(row: Rating) -> str:
@@ -227,14 +225,17 @@ def _with_previous(rows: list[Rating]) -> list[Rating]:
     return [attrs.evolve(row, previous=before(row)) if row.place else row for row in rows]
 
 
-def _long(rows: Sequence[Rating], used: Sequence[Line], measures: Mapping[str, Measure]) -> tuple[dict[str, Any], ...]:
-    """The rows of ratings with all columns of the table, as export.long_rows has them: for what was measured while pictures were shown."""
+def _long(rows: Sequence[Rating], used: Sequence[Line], infos: Mapping[str, ScaleInfo]) -> tuple[dict[str, Any], ...]:
+    """Return the rows of ratings with all columns of the table, as export.long_rows does.
+
+    Empty where the table has no measures.
+    """
     if not any(name.startswith(("=actual_", "=measured_")) for line in used[:1] for name in line.fields):
         return ()
     return tuple(
         {name[1:]: _typed(text) for name, text in line.fields.items() if name.startswith("=")}
         | {name: getattr(row, name) for name in ("participant", "part", "condition", "scale", "value", "session")}
-        | {"low_is_good": measures[row.scale].low_is_good, "trial": row.place}
+        | {"low_is_good": infos[row.scale].low_is_good, "trial": row.place}
         for row, line in zip(rows, used, strict=True)
     )
 

@@ -9,90 +9,82 @@ import attrs
 
 from ...errors import InputError
 from ...report.study_words import counted
-from ..design import Ask, Design, Show, steps_of
-from ..design._parts import ONLY_PART
-from ..export.rows import long_rows, of_origin, plan_of
-from ..export.words import nobody
-from ..scales import RATING, Scale
+from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
+from ..export import long_rows, no_sessions, of_origin, plan_of
+from ..scales import RATING
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
-from .ratings import Felt, Measure, Rating, Ratings, Sitting
+from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 
 _WHY = {
     SICK: "the stop rule for sickness ended the session before",
     STOPPED: "the session was stopped before",
-    INTERRUPTED: "the session was interrupted and not gone on with",
+    INTERRUPTED: "the session was interrupted and not resumed",
     RUNNING: "the session is still running, or its program died",
     COMPLETE: "not answered",
 }
-_CANNOT_SAY = "the participant could not say"
 
 
 def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
-    """The ratings of one origin, each with its place and the condition before it.
+    """Return the ratings of one origin, each with its place and the condition before it.
 
-    origin: "person", "pilot" or "simulated". Every session is read by the plan it was run by. What was not rated is there too, with the
-    reason. Errors: InputError where there are no such sessions.
+    origin: "person", "pilot" or "simulated". Every session is read by the plan that it ran with.
+    Missing ratings are included, with the reason. Errors: InputError where there are no sessions.
     """
-    # By their random words: who came first is nobody's business.
+    # By their random words: in which order people came must not show.
     sessions = sorted((one for one in contents.sessions if one.origin == origin), key=lambda one: (one.sub, one.number))
     if not sessions:
-        raise InputError(nobody(contents, origin, "analyse"))
+        raise InputError(no_sessions(contents, origin, "analyse"))
     latest = _latest(contents.answers)
     rows: list[Rating] = []
-    felt: list[Felt] = []
-    sittings: list[Sitting] = []
+    survey: list[SurveyAnswer] = []
+    summaries: list[SessionSummary] = []
     for session in sessions:
         plan = plan_of(session, design)
-        known = latest.get(session.id, {})
-        found = _ratings(session, plan, known)
-        rows += found
+        answers = latest.get(session.id, {})
+        of_session = _ratings(session, plan, answers)
+        rows += of_session
         rating = {scale.name for scale in plan.scales if scale.kind == RATING}
-        felt += [_felt(session, one) for one in known.values() if one.scale not in rating]
+        survey += [_survey_answer(session, one) for one in answers.values() if one.scale not in rating]
         trials = sum(len(names) for names in session.order)
-        rated = len({row.place for row in found if row.value is not None})
-        sittings.append(Sitting(session.sub, session.part, session.number, session.status, session.why, rated, trials))
+        rated = len({row.place for row in of_session if row.value is not None})
+        summaries.append(
+            SessionSummary(session.sub, session.part, session.number, session.status, session.why, rated, trials)
+        )
     found = Ratings(
         rows=tuple(rows),
-        measures={scale.name: Measure.of(scale) for scale in design.scales if scale.kind == RATING},
+        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING},
         families=design.families,
         planned={part.name: tuple(one.name for one in part.conditions) for part in design.parts},
         origin=origin,
         source=f"the store of '{contents.name}'",
         title=design.title,
-        sittings=tuple(sittings),
-        felt=tuple(felt),
-        others=_others(design),
+        sessions=tuple(summaries),
+        survey=tuple(survey),
+        scales={scale.name: scale for scale in every_scale(design)},
         notes=tuple(_notes(contents, sessions, design, origin)),
         long=tuple(long_rows(of_origin(contents, origin), design)),
     )
     return _without_part(found) if [part.name for part in design.parts] == [ONLY_PART] else found
 
 
-def _others(design: Design) -> dict[str, Scale]:
-    asked = (
-        *design.scales,
-        *design.before,
-        *design.after,
-        *(() if design.sickness is None else (design.sickness.scale,)),
-    )
-    return {scale.name: scale for scale in asked}
-
-
 def _without_part(ratings: Ratings) -> Ratings:
-    """The same under no name of a part: the plan has none, so nothing said of it needs one."""
-    families = (
+    """Drop the part's name where the plan has only one part and does not name it."""
+    families = tuple(
         attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons))
         for one in ratings.families
     )
-    lists = {
-        name: tuple(attrs.evolve(one, part="") for one in getattr(ratings, name))
-        for name in ("rows", "sittings", "felt")
-    }
-    return attrs.evolve(ratings, families=tuple(families), planned={"": ratings.planned[ONLY_PART]}, **lists)
+    return attrs.evolve(
+        ratings,
+        families=families,
+        planned={"": ratings.planned[ONLY_PART]},
+        rows=tuple(attrs.evolve(one, part="") for one in ratings.rows),
+        sessions=tuple(attrs.evolve(one, part="") for one in ratings.sessions),
+        survey=tuple(attrs.evolve(one, part="") for one in ratings.survey),
+    )
 
 
 def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
-    """By session and key, the revision that counts."""
+    """Return the last revision of each answer, by session and key."""
     found: dict[int, dict[str, Answer]] = {}
     for one in answers:
         of = found.setdefault(one.session, {})
@@ -101,7 +93,7 @@ def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
     return found
 
 
-def _ratings(session: Session, plan: Design, known: Mapping[str, Answer]) -> list[Rating]:
+def _ratings(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Rating]:
     names = {scale.name for scale in plan.scales if scale.kind == RATING}
     rows: list[Rating] = []
     show: Show | None = None
@@ -109,42 +101,37 @@ def _ratings(session: Session, plan: Design, known: Mapping[str, Answer]) -> lis
     for step in steps_of(plan, session.order, session.part):
         if isinstance(step, Show) and step.trial:
             before, show = (show.condition.name if show else ""), step
-        elif (
-            isinstance(step, Ask)
-            and step.trial
-            and show is not None
-            and step.scale.name in names
-            and step.phase == "trial"
-        ):
-            answer = known.get(step.key)
-            rows.append(
-                Rating(
-                    participant=session.sub,
-                    part=session.part,
-                    condition=show.condition.name,
-                    scale=step.scale.name,
-                    value=None if answer is None else answer.value,
-                    why_missing=_WHY[session.status]
-                    if answer is None
-                    else ("" if answer.value is not None else _CANNOT_SAY),
-                    reference=show.condition.reference,
-                    repeat=show.repeat,
-                    place=step.trial,
-                    previous=before,
-                    session=session.number,
-                    settings=_settings(show.condition.settings),
-                )
-            )
+        elif isinstance(step, Ask) and show is not None and step.phase == "trial" and step.scale.name in names:
+            rows.append(_rating(session, show, before, step, answers.get(step.key)))
     return rows
 
 
+def _rating(session: Session, show: Show, before: str, ask: Ask, answer: Answer | None) -> Rating:
+    value = None if answer is None else answer.value
+    why = _WHY[session.status] if answer is None else "the participant could not say"
+    return Rating(
+        participant=session.sub,
+        part=session.part,
+        condition=show.condition.name,
+        scale=ask.scale.name,
+        value=value,
+        why_missing="" if value is not None else why,
+        reference=show.condition.reference,
+        repeat=show.repeat,
+        place=ask.trial,
+        previous=before,
+        session=session.number,
+        settings=_settings(show.condition.settings),
+    )
+
+
 def _settings(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """With the unit in the name, as tables have it."""
+    """Put the unit into the name, as tables have it."""
     return {"latency_ms" if name == "latency" else name: value for name, value in settings.items()}
 
 
-def _felt(session: Session, one: Answer) -> Felt:
-    return Felt(session.sub, session.part, session.number, one.phase, one.trial, one.scale, one.item, one.value)
+def _survey_answer(session: Session, one: Answer) -> SurveyAnswer:
+    return SurveyAnswer(session.sub, session.part, session.number, one.phase, one.trial, one.scale, one.item, one.value)
 
 
 def _notes(contents: Contents, sessions: list[Session], design: Design, origin: str) -> Iterable[str]:
@@ -152,13 +139,13 @@ def _notes(contents: Contents, sessions: list[Session], design: Design, origin: 
     if origin != PERSON:
         yield f"These ratings are of origin '{origin}', not of people taking part in the study."
     if others:
-        yield f"Sessions of origin {' and '.join(sorted(others))} are left out: they never count together."
+        yield f"Sessions of origin {' and '.join(sorted(others))} are left out: origins are never mixed."
     changed = sum(session.plan != design.text for session in sessions)
     if changed:
         those = f"{changed} of {counted(len(sessions), 'session')}"
-        yield f"The study's file was changed after {those}; each is read by the plan it was run by."
+        yield f"The study's file was changed after {those}; each is read by the plan that it ran with."
     again = len({session.sub for session in sessions if session.number > 1})
     if again:
         yield f"Participants with more than one session: {again}; their ratings of a condition are averaged over all of them."
     if contents.withdrawn:
-        yield f"Withdrawn, with nothing left of their data: {contents.withdrawn}."
+        yield f"Withdrawn, with all data erased: {contents.withdrawn}."

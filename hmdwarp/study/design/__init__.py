@@ -1,10 +1,12 @@
 """Plan of a study: conditions, their orders, and the steps of a session."""
 
-from .nouns import (
+from .as_json import design_as_json
+from .definitions import (
     BLIND,
     BOTH,
     FIXED,
     NOBODY,
+    ONLY_PART,
     ORDERS,
     PARTICIPANT,
     RANDOM,
@@ -17,21 +19,31 @@ from .nouns import (
     Family,
     Part,
     Sickness,
+    every_scale,
 )
 from .orders import RANDOM_ROWS, Order, allot, rows_for, williams
+from .outline import Balance, SessionPhase, balance, least_participants, notes, session_phases
+from .read import SHIPPED, design_from_text, load_design, study_names
+from .settings import DISPLAY, FILES, KINDS, SettingFault, at, check_settings, live_options
 from .steps import Ask, Pause, Read, Show, Step, steps_of
 
 __all__ = [
     "BLIND",
     "BOTH",
+    "DISPLAY",
+    "FILES",
     "FIXED",
+    "KINDS",
     "NOBODY",
+    "ONLY_PART",
     "ORDERS",
     "PARTICIPANT",
     "RANDOM",
     "RANDOM_ROWS",
+    "SHIPPED",
     "WILLIAMS",
     "Ask",
+    "Balance",
     "Breaks",
     "Comparison",
     "Condition",
@@ -42,11 +54,25 @@ __all__ = [
     "Part",
     "Pause",
     "Read",
+    "SessionPhase",
+    "SettingFault",
     "Show",
     "Sickness",
     "Step",
     "allot",
+    "at",
+    "balance",
+    "check_settings",
+    "design_as_json",
+    "design_from_text",
+    "every_scale",
+    "least_participants",
+    "live_options",
+    "load_design",
+    "notes",
     "rows_for",
+    "session_phases",
     "steps_of",
+    "study_names",
     "williams",
 ]

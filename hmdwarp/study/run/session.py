@@ -16,9 +16,7 @@ from ...run.live.openings import open_display
 from ...run.live.watchdog import Watchdog
 from ...scenes import load_scene
 from ..asking import CONTROLS, hints_for
-from ..design import Ask, Design, Show, Step, steps_of
-from ..design.read import design_from_text, load_design
-from ..design.settings import live_options
+from ..design import Ask, Design, Show, Step, design_from_text, live_options, load_design, steps_of
 from ..desk import Desk, make_desk
 from ..respondents import NoRespondent, Respondent
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Showing, Store, store_folder

@@ -1,7 +1,8 @@
-"""What happened, on the disk before the next thing happens."""
+"""Store of a study's data: everything is on the disk before the next thing happens."""
 
-from .folders import store_folder
-from .nouns import (
+from .clock import Clock
+from .folders import DATABASE, store_folder
+from .records import (
     COMPLETE,
     INTERRUPTED,
     ORIGINS,
@@ -18,10 +19,12 @@ from .nouns import (
     Session,
     Showing,
 )
+from .signature import plan_signature, signature_changes
 from .store import Store
 
 __all__ = [
     "COMPLETE",
+    "DATABASE",
     "INTERRUPTED",
     "ORIGINS",
     "PERSON",
@@ -32,10 +35,13 @@ __all__ = [
     "STATUSES",
     "STOPPED",
     "Answer",
+    "Clock",
     "Contents",
     "Event",
     "Session",
     "Showing",
     "Store",
+    "plan_signature",
+    "signature_changes",
     "store_folder",
 ]

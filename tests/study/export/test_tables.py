@@ -11,10 +11,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study.design.read import design_from_text
-from hmdwarp.study.export import COLUMNS, LONG_COLUMNS, ExportOptions, columns_for, export, long_rows
-from hmdwarp.study.export.columns import FLAG, NUMBER, WHOLE
-from hmdwarp.study.export.text import csv_text, field_text, tsv_text
+from hmdwarp.study.design import design_from_text
+from hmdwarp.study.export import (
+    COLUMNS,
+    FLAG,
+    LONG_COLUMNS,
+    NUMBER,
+    WHOLE,
+    ExportOptions,
+    columns_for,
+    csv_text,
+    export,
+    field_text,
+    long_rows,
+    tsv_text,
+)
 from hmdwarp.study.store import PILOT, SIMULATED
 
 from .conftest import NASTY, TEXT
@@ -107,7 +118,7 @@ def test_how_the_pictures_were_measured_stands_beside_what_was_measured(store, d
 def test_a_files_folder_is_not_told(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
-    from hmdwarp.study.export.rows import settings_row
+    from hmdwarp.study.export import settings_row
 
     row = settings_row(design_from_text(text, str(tmp_path / "s.toml"), checked=False).parts[0].conditions[0].settings)
     assert row["delay_trace"] == "delays.csv"

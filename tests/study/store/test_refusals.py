@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design.read import design_from_text
-from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store
-from hmdwarp.study.store.meaning import differences, meaning
+from hmdwarp.study.design import design_from_text
+from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store, plan_signature, signature_changes
 
 from .sessions import TEXT, begun, design, whole
 
@@ -162,22 +161,22 @@ def test_orders_made_in_another_way_are_noticed(store, monkeypatch):
 
 
 def test_meanings_of_one_text_agree():
-    assert differences(meaning(design(), "one"), meaning(design(), "one")) == []
-    swapped = meaning(design(), "one")
+    assert signature_changes(plan_signature(design(), "one"), plan_signature(design(), "one")) == []
+    swapped = plan_signature(design(), "one")
     swapped["conditions"] = swapped["conditions"][::-1]
-    assert differences(meaning(design(), "one"), swapped) == ["conditions (in another order)"]
+    assert signature_changes(plan_signature(design(), "one"), swapped) == ["conditions (in another order)"]
 
 
 def test_a_plan_is_the_same_from_another_working_folder_and_when_its_folder_was_moved(tmp_path, monkeypatch):
     text = TEXT.replace("[trial]", '[common]\nscene = "mine.glb"\n[trial]')
     monkeypatch.chdir(tmp_path)
     here, there, whole_path, elsewhere = (
-        meaning(design_from_text(text, str(path), checked=False), "one")
+        plan_signature(design_from_text(text, str(path), checked=False), "one")
         for path in ("s.toml", "moved/s.toml", tmp_path / "s.toml", tmp_path.parent / "s.toml")
     )
     assert here == there == whole_path == elsewhere
-    other = meaning(design_from_text(text.replace("mine.glb", "../mine.glb"), "s.toml", checked=False), "one")
-    assert differences(here, other)
+    other = plan_signature(design_from_text(text.replace("mine.glb", "../mine.glb"), "s.toml", checked=False), "one")
+    assert signature_changes(here, other)
 
 
 def test_the_text_agreed_to_is_known_by_its_hash(store):

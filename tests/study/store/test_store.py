@@ -286,7 +286,7 @@ def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert store_folder(design(path="some/late.toml"), None).as_posix() == "some/late-data"
     assert store_folder(design(path="some/late.toml"), tmp_path / "x") == tmp_path / "x"
-    from hmdwarp.study.design.read import load_design
+    from hmdwarp.study.design import load_design
 
     assert store_folder(load_design("quick"), None).as_posix() == "quick-data"
 

@@ -59,7 +59,7 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
                 "the test looks for what is there"
             )
         erased = withdraw(store, "P2")
-        assert "1 session, " in erased.words() and "5 head traces" in erased.words()
+        assert "1 session, " in erased.describe() and "5 head traces" in erased.describe()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
             assert subs[2].encode() not in data and not [mark for mark in told_of(2) if mark in data], when

@@ -1,4 +1,4 @@
-"""Rows of the tables as nouns."""
+"""Queries of the store: rows of the tables as records."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sqlite3
 from pathlib import Path
 
 from ._json import from_json
-from .nouns import PILOT, Answer, Contents, Event, Session, Showing
+from .records import PILOT, Answer, Contents, Event, Session, Showing
 
 _SESSION = """SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, s.status, plan.text,
   s.started_utc, s.ended_utc, s.why, s.facts FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
@@ -16,8 +16,7 @@ _SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, c
 _EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
 
 
-def session_of(row: tuple) -> Session:
-    """A row of _SESSION."""
+def _session_of(row: tuple) -> Session:
     id_, code, sub, number, part, order_row, names, origin, status, plan, started, ended, why, facts = row
     order = tuple(tuple(repeat) for repeat in from_json(names))
     return Session(
@@ -25,51 +24,49 @@ def session_of(row: tuple) -> Session:
     )
 
 
-def showing_of(row: tuple) -> Showing:
-    """A row of _SHOWING."""
-    id_, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual, measured, started = (
-        row
-    )
-    texts = (from_json(text) for text in (settings, actual, measured))
-    settings, actual, measured = texts
+def _showing_of(row: tuple) -> Showing:
+    id_, session, key, trial, repeat, condition, presentation, complete, *texts, started = row
+    settings, trace, actual, measured = texts
+    settings, actual, measured = (from_json(text) for text in (settings, actual, measured))
     return Showing(
         id_, session, key, trial, repeat, condition, presentation, bool(complete), settings, trace, actual, measured, started
     )  # fmt: skip
 
 
 def _event_of(row: tuple) -> Event:
-    return Event(*row[:-1], from_json(row[-1]))
+    id_, session, kind, key, at_utc, mono_ns, data = row
+    return Event(id_, session, kind, key, at_utc, mono_ns, from_json(data))
 
 
 def session(db: sqlite3.Connection, id_: int) -> Session:
-    """The one of that id. Errors: KeyError."""
+    """Return the session of that id. Errors: KeyError."""
     row = db.execute(f"{_SESSION} WHERE s.id = ?", (id_,)).fetchone()
     if row is None:
         raise KeyError(id_)
-    return session_of(row)
+    return _session_of(row)
 
 
 def sessions_of(db: sqlite3.Connection, code: str) -> list[Session]:
-    """All of a participant, the first one first."""
+    """Return all sessions of a participant, the first one first."""
     rows = db.execute(f"{_SESSION} WHERE p.code = ? AND NOT p.withdrawing ORDER BY s.number", (code,))
-    return [session_of(row) for row in rows]
+    return [_session_of(row) for row in rows]
 
 
 def answer(db: sqlite3.Connection, id_: int) -> Answer:
-    """The one of that id."""
+    """Return the answer of that id."""
     return Answer(*db.execute(f"{_ANSWER} WHERE id = ?", (id_,)).fetchone())
 
 
 def showing(db: sqlite3.Connection, id_: int) -> Showing:
-    """The one of that id. Errors: KeyError."""
+    """Return the showing of that id. Errors: KeyError."""
     row = db.execute(f"{_SHOWING} WHERE id = ?", (id_,)).fetchone()
     if row is None:
         raise KeyError(id_)
-    return showing_of(row)
+    return _showing_of(row)
 
 
-def counting(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
-    """The answers of a session that count, each question once, in the order they were first asked."""
+def last_answers(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
+    """Return the last answer to each question of a session, in the order of the questions."""
     rows = db.execute(f"{_ANSWER} WHERE session = ? ORDER BY id", (session_id,))
     latest: dict[str, Answer] = {}
     for row in rows:
@@ -79,7 +76,7 @@ def counting(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
 
 
 def done(db: sqlite3.Connection, session_id: int) -> set[str]:
-    """Keys of the steps that are over."""
+    """Return the keys of the finished steps."""
     rows = db.execute(
         "SELECT key FROM answer WHERE session = :id UNION SELECT key FROM showing WHERE session = :id AND complete "
         "UNION SELECT key FROM event WHERE session = :id AND kind = 'finished'",
@@ -89,14 +86,14 @@ def done(db: sqlite3.Connection, session_id: int) -> set[str]:
 
 
 def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
-    """Everything of one moment: of people and simulated ones, or of pilots."""
-    db.execute("BEGIN")  # one state for all the queries, a writer beside or not
+    """Return all data of one moment: of people and simulated participants, or of pilots."""
+    db.execute("BEGIN")  # one state for all queries, beside a writer too
     try:
         where = f"NOT p.withdrawing AND p.origin {'=' if pilot else '<>'} '{PILOT}'"
-        sessions = tuple(session_of(row) for row in db.execute(f"{_SESSION} WHERE {where} ORDER BY s.id"))
+        sessions = tuple(_session_of(row) for row in db.execute(f"{_SESSION} WHERE {where} ORDER BY s.id"))
         of = f"WHERE session IN (SELECT s.id FROM session s JOIN participant p ON p.id = s.participant WHERE {where}) ORDER BY id"
         answers = tuple(Answer(*row) for row in db.execute(f"{_ANSWER} {of}"))
-        showings = tuple(showing_of(row) for row in db.execute(f"{_SHOWING} {of}"))
+        showings = tuple(_showing_of(row) for row in db.execute(f"{_SHOWING} {of}"))
         events = tuple(_event_of(row) for row in db.execute(f"{_EVENT} {of}"))
         name = study_name(db)
         gone = "SELECT (SELECT count(*) FROM withdrawn) + (SELECT count(*) FROM participant WHERE withdrawing)"
@@ -107,24 +104,25 @@ def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
 
 
 def study_name(db: sqlite3.Connection) -> str:
-    """Whose store it is."""
+    """Return the name of the study."""
     return db.execute("SELECT name FROM study").fetchone()[0]
 
 
 def code_of(db: sqlite3.Connection, participant: int) -> str:
-    """A participant's code, as it was first written: capitals and small letters are one when it is looked for."""
+    """Return a participant's code as it was first written; searches ignore case."""
     return db.execute("SELECT code FROM participant WHERE id = ?", (participant,)).fetchone()[0]
 
 
 def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:
-    """How many rows there are of a participant."""
-    tables = {"answers": "answer", "showings": "showing", "events": "event"}
+    """Count the rows of a participant."""
     of = "WHERE session IN (SELECT id FROM session WHERE participant = ?)"
-    out = {
-        name: db.execute(f"SELECT count(*) FROM {table} {of}", (participant,)).fetchone()[0]
-        for name, table in tables.items()
+    tables = {
+        "sessions": "session WHERE participant = ?",
+        "answers": f"answer {of}",
+        "showings": f"showing {of}",
+        "events": f"event {of}",
     }
     return {
-        "sessions": db.execute("SELECT count(*) FROM session WHERE participant = ?", (participant,)).fetchone()[0],
-        **out,
+        name: db.execute(f"SELECT count(*) FROM {table}", (participant,)).fetchone()[0]
+        for name, table in tables.items()
     }

@@ -1,4 +1,4 @@
-"""Rows that two parts share: people's ratings that look copied."""
+"""Rows of ratings that two parts share and that look copied."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ _LEAST_CONDITIONS = 2  # equal ratings of one condition say nothing
 _DRAWS = 20_000
 
 
-def copied(ratings: Ratings, scale: str, seed: int) -> list[dict[str, Any]]:
-    """For every two parts with conditions in common (same name or same settings): which rows are equal there, missing ones included.
+def copied_rows(ratings: Ratings, scale: str, seed: int) -> list[dict[str, Any]]:
+    """Return, for every two parts with conditions in common, the rows that are equal there.
 
-    by_chance: how often at least as many people of the second part would have such a double in the first, were every rating drawn by itself
-    from all ratings of its condition (seeded draws). within: equal rows among the people of one part, of all pairs, which says how common
-    such doubles are where nobody copied.
+    Conditions are common by name or by settings; missing ratings count as equal.
+    "by_chance": how often as many people of the second part would have an equal row in the first if
+    every rating were drawn by itself from all ratings of its condition (seeded draws). "within":
+    equal rows among the people of one part, of all pairs: how common they are without copying.
     """
     found = []
     for first, second in itertools.combinations(ratings.parts(), 2):
@@ -52,7 +53,7 @@ def copied(ratings: Ratings, scale: str, seed: int) -> list[dict[str, Any]]:
 
 
 def _shared(ratings: Ratings, first: str, second: str) -> list[tuple[str, str]]:
-    """Conditions of both, as (name in the first, name in the second)."""
+    """Return the conditions of both, as (name in the first, name in the second)."""
     pairs = []
     for a in ratings.conditions(first):
         own = ratings.settings(first, a)
@@ -65,7 +66,7 @@ def _shared(ratings: Ratings, first: str, second: str) -> list[tuple[str, str]]:
 
 
 def _columns(table: Table, names: list[str]) -> np.ndarray:
-    """(participants, conditions), missing as -1 so that it equals itself; rows of nothing but missing ones are as good as none."""
+    """Return ratings (participants, conditions), missing ones as -1 so that they equal each other."""
     values = np.stack([table.column(name) for name in names], axis=1)
     return np.where(np.isfinite(values), np.round(values, 6), -1.0)
 
@@ -84,12 +85,12 @@ def _within(table: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _by_chance(first: np.ndarray, second: np.ndarray, people: int, seed: int) -> float:
-    """The share of draws with as many people of the second part whose row is in the first, the data themselves counted as one draw."""
+    """Return the share of draws with as many equal rows; the data themselves count as one draw."""
     random = np.random.default_rng(seed)
     pool = np.concatenate([first, second])
     n, columns = len(pool), np.arange(pool.shape[1])
     hits = 1
-    for start in range(0, _DRAWS, 2000):  # so that the memory taken stays small
+    for start in range(0, _DRAWS, 2000):  # little memory at a time
         count = min(2000, _DRAWS - start)
         drawn = pool[random.integers(0, n, (count, n, pool.shape[1])), columns]
         a, b = drawn[:, : len(first)], drawn[:, len(first) :]

@@ -1,4 +1,7 @@
-"""What of a plan makes ratings comparable: sessions of one part must agree in it, whatever else of the file was mended meanwhile."""
+"""Signature of a plan: the settings that must not change between sessions of one part.
+
+With equal signatures ratings are comparable, whatever else of the file was edited meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,12 @@ from ..design import Condition, Design
 from ..scales import Scale
 
 
-def meaning(design: Design, part: str) -> dict[str, Any]:
-    """As JSON has it. Titles, comments, breaks, the consent's text, the families and other parts are not in it: they may change.
-    So may the folder that the file lies in, with the files it names beside it."""
+def plan_signature(design: Design, part: str) -> dict[str, Any]:
+    """Return the signature as JSON data.
+
+    Titles, comments, breaks, the consent's text, families and other parts are not in it: they may
+    change. So may the folder of the file, together with the files beside it.
+    """
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     return {
         "conditions": [_condition(one, folder) for one in design.part(part).conditions],
@@ -40,7 +46,7 @@ def _condition(condition: Condition, folder: str) -> dict[str, Any]:
 
 
 def _scale(scale: Scale) -> dict[str, Any]:
-    """What is asked, in which words, and what may be answered."""
+    """Return the questions in their words, and the possible answers."""
     return {
         "name": scale.name,
         "asked": [scale.prompt, *([item.key, item.text] for item in scale.items)],
@@ -59,13 +65,10 @@ def _sickness(design: Design) -> dict[str, Any] | None:
     )
 
 
-def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """In what two meanings differ, in words; none, where they agree. Both as JSON gives them back."""
-    told = []
-    for key in now:
-        if before.get(key) != now[key]:
-            told.append(_conditions(before[key], now[key]) if key == "conditions" else key)
-    return told
+def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Describe what differs between two signatures, both decoded from JSON; empty where none does."""
+    changed = [key for key in now if before.get(key) != now[key]]
+    return [_conditions(before[key], now[key]) if key == "conditions" else key for key in changed]
 
 
 def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
@@ -73,5 +76,5 @@ def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
     words = [f"'{name}' is new" for name in is_ if name not in was] + [
         f"'{name}' is gone" for name in was if name not in is_
     ]
-    words += [f"'{name}' is another" for name in is_ if name in was and was[name] != is_[name]]
+    words += [f"'{name}' changed" for name in is_ if name in was and was[name] != is_[name]]
     return f"conditions ({', '.join(words) or 'in another order'})"

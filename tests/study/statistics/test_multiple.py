@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
 from hmdwarp.study.statistics import friedman, holm, kendalls_w
-
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
 
 
 def by_conover(table: np.ndarray) -> float:
@@ -56,6 +54,15 @@ def test_holm_is_step_down(ps):
         worst = max(worst, min(1.0, (len(ps) - step) * ps[k]))
         expected[k] = worst
     assert holm(ps) == pytest.approx(expected, abs=1e-12)
+
+
+@settings(max_examples=20)  # statsmodels collects all garbage in each call
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
+def test_holm_is_that_of_statsmodels(ps):
+    theirs = pytest.importorskip(
+        "statsmodels.stats.multitest", reason="statsmodels is not installed (pip install 'hmdwarp[study]')"
+    )
+    assert holm(ps) == pytest.approx(theirs.multipletests(ps, method="holm")[1], abs=1e-15)
 
 
 def test_holm_of_nothing():

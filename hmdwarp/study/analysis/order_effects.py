@@ -1,4 +1,4 @@
-"""Whether it mattered when a condition was shown, and what was shown before it: linear models with everybody's own level."""
+"""Effects of a trial's place and of the condition before it: linear models with a level per person."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...report.study_words import counted
-from ..extra import needed
+from ..extra import import_extra
 from .ratings import Rating
 
 _LEAST_REST = 5  # degrees of freedom that must be left for the noise
@@ -18,11 +18,12 @@ _FIRST = "(nothing)"
 
 
 def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
-    """Of the place of a trial (a slope per trial) and of the condition before it, beside participants and conditions (type II F tests by
-    ordinary least squares). rows: of one part on one scale.
+    """Estimate the effect of a trial's place (a slope per trial) and of the condition before it.
 
-    Where the two cannot be told from one another each is estimated without the other, and names it ("or"). An effect that the ratings
-    cannot tell is {"why_not": sentence}: the order is not recorded, or it is the same for everybody.
+    Type II F tests by ordinary least squares, beside participants and conditions. rows: of one part
+    on one scale. Where the two effects are confounded, each is estimated without the other and
+    names it ("or"). An effect that cannot be estimated is {"why_not": sentence}: the order is not
+    recorded, or it is the same for all participants.
     """
     rated = [row for row in rows if row.value is not None]
     if not any(row.place for row in rated):
@@ -52,23 +53,23 @@ def _dummies(names: Sequence[str]) -> NDArray[np.float64]:
 
 
 def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) -> dict[str, Any]:
-    """One effect beside all others; the other one is left out of the model where it cannot be told from what is in it."""
+    """Estimate one effect; the other one leaves the model where the two are confounded."""
     effect = blocks[name]
     rest = blocks["base"] if not _adds(blocks["base"], blocks[other]) else np.hstack([blocks["base"], blocks[other]])
-    whole = np.hstack([rest, effect])
-    df = _rank(whole) - _rank(rest)
+    model = np.hstack([rest, effect])
+    df = _rank(model) - _rank(rest)
     if df == 0:
         if _rank(np.hstack([blocks["base"], effect])) > _rank(blocks["base"]):
             alone = _effect(values, {**blocks, other: np.zeros((len(values), 0))}, name, other)
             return alone if "why_not" in alone else alone | {"or": other}
-        return {"why_not": "it cannot be told from the conditions: everybody saw them in the same order"}
-    if len(values) - _rank(whole) < _LEAST_REST:
+        return {"why_not": "it is confounded with the conditions: all participants saw them in the same order"}
+    if len(values) - _rank(model) < _LEAST_REST:
         return {"why_not": f"{counted(len(values), 'rating')} {'is' if len(values) == 1 else 'are'} too few for it"}
-    api = needed("statsmodels.api", "statsmodels")
+    api = import_extra("statsmodels.api", "statsmodels")
     with warnings.catch_warnings():
-        # The least squares of least norm: sums of squares, ranks and the slope are the same whichever of the solutions is taken.
+        # Sums of squares, ranks and the slope are the same for every solution of least squares.
         warnings.filterwarnings("ignore", "The design matrix is rank-deficient")
-        full, reduced = api.OLS(values, whole).fit(), api.OLS(values, rest).fit()
+        full, reduced = api.OLS(values, model).fit(), api.OLS(values, rest).fit()
     noise = float(full.ssr)
     if noise <= 1e-20 * max(float((values**2).sum()), 1e-300):
         return {"why_not": "the ratings leave no noise to compare it with"}

@@ -1,9 +1,11 @@
-"""Which measure of the pictures predicts their ratings best, and how sure that is.
+"""Finds the measure of the pictures that predicts their ratings best.
 
-People differ in how they use a scale, so everything is within a person: ratings and measures count from each person's own mean, and one
-slope holds for all (repeated-measures correlation). How sure it is comes from drawing people anew, with all their ratings, for the
-ratings of one person are no independent ones.
-Source: Bakdash and Marusich 2017, Repeated measures correlation, Front Psychol 8, 456; Efron 1987, Better bootstrap confidence intervals.
+People differ in how they use a scale, so everything is within a person: ratings and measures count
+from each person's own mean, and one slope holds for all (repeated-measures correlation). Intervals
+come from drawing people anew, with all their ratings, because the ratings of one person are not
+independent.
+Source: Bakdash and Marusich 2017, Repeated measures correlation, Front Psychol 8, 456; Efron 1987,
+Better bootstrap confidence intervals.
 """
 
 from __future__ import annotations
@@ -16,8 +18,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report.study_words import counted
-from .prediction_sums import (
+from ...report.study_words import counted
+from .sums import (
     Sums,
     bca_intervals,
     correlations,
@@ -32,7 +34,7 @@ from .prediction_sums import (
 Row = Mapping[str, Any]
 Array = NDArray[np.float64]
 
-# Column of the long table to what it is called.
+# Title of each column of the long table that is a measure.
 MEASURES = {
     "measured_flip": "error (FLIP)",
     "measured_psnr_db": "error (PSNR)",
@@ -48,112 +50,101 @@ MEASURES = {
     "actual_period_ms_p95": "95th percentile between pictures",
     "actual_angular_speed_deg_s_median": "speed of the turning head",
 }
-LEAST_PEOPLE = 6  # with 5 no association can be sure: flipping signs gives p = 2/32 at least; and 4 people drawn anew give but 35 draws
+# With 5 people flipping signs gives p = 2/32 at least, and 4 people drawn anew give but 35 draws.
+LEAST_PEOPLE = 6
 LEAST_ROWS = 2  # of a person: a single rating has no mean to differ from
 LEAST_CONDITIONS = 3  # two give a line through two points, whatever is measured
-MOST_MISSING = 0.5  # of the ratings; a measure that is missing more often is left out rather than the ratings
-ALIKE = 0.95  # within-person correlation from which two measures are not told apart
+MOST_MISSING = 0.5  # share of ratings without a measure, above which the measure is left out
+ALIKE = 0.95  # within-person correlation from which two measures cannot be distinguished
 ALPHA = 0.05
 RESAMPLES, SEED = 10_000, 20140612
-_STILL = 1e-9  # of its own size: what moves less is constant but for rounding
+_STILL = 1e-9  # of its own size: a measure that varies less is constant but for rounding
 
 
 @attrs.frozen
-class Measure:
-    """One measure and the ratings.
+class MeasureResult:
+    """How one measure goes with the ratings."""
 
-    r: repeated-measures correlation, positive where more of it was rated worse; low, high: its 95 % BCa interval over people; p, dof: of
-    Student's t for it. p_any: of no measure having to do with the ratings, over all measures at once, by flipping people's signs.
-    rank_r: the same of ranks within each person. rmse: of a rating predicted from the person's own mean and the slope of the others, in the
-    scale's units. skill: how much of the squared error of the person's mean alone that takes away; 0 for none, below where it adds to it;
-    skill_low, skill_high: its 95 % percentile interval over people. skill_condition: the same for a condition that nobody's slope or mean
-    has seen. best: share of the resamples in which it predicts best. behind_p: of being no worse than the best one, by flipping the
-    signs of people's differences. alike: measures it moves with.
-    """
-
-    name: str
+    name: str  # column of the long table
     title: str
-    r: float
-    low: float
+    r: float  # repeated-measures correlation; positive where more of it was rated worse
+    low: float  # 95 % BCa interval of r over people
     high: float
-    p: float
+    p: float  # of Student's t for r
     dof: int
-    p_any: float
-    rank_r: float
-    rmse: float
-    skill: float
-    skill_low: float
+    p_any: float  # that no measure is associated with the ratings, over all measures, by sign flips
+    rank_r: float  # r of ranks within each person
+    rmse: float  # of a rating predicted from the person's own mean and the others' slope, scale units
+    skill: float  # share of the person's mean's squared error that the measure removes; may be below 0
+    skill_low: float  # 95 % percentile interval of skill over people
     skill_high: float
-    skill_condition: float
-    best: float
-    behind_p: float
-    alike: tuple[str, ...]
+    skill_condition: float  # skill for a condition left out of slope and means; NaN for none
+    best: float  # share of the resamples in which it predicts best
+    behind_p: float  # that it is no worse than the best, by flipping signs of people's differences
+    alike: tuple[str, ...]  # titles of measures that move with it
 
 
 @attrs.frozen(kw_only=True)
 class Prediction:
-    """measures: by |r|, the best first. left_out: (title, reason). refused: why there are none, "" where there are. rmse_of_mean: error of
-    each person's own mean, which every measure has to beat."""
+    """All measures of a study against the ratings on one scale."""
 
     scale: str
     low_is_good: bool
     people: int = 0
     ratings: int = 0
     conditions: int = 0
-    dropped: int = 0
-    rmse_of_mean: float = 0.0
-    measures: tuple[Measure, ...] = ()
-    left_out: tuple[tuple[str, str], ...] = ()
-    refused: str = ""
+    dropped: int = 0  # ratings without all measures, or of people with a single one
+    rmse_of_mean: float = 0.0  # error of each person's own mean, which every measure has to beat
+    measures: tuple[MeasureResult, ...] = ()  # by |r|, the best first
+    left_out: tuple[tuple[str, str], ...] = ()  # (title, reason)
+    refused: str = ""  # why there are no measures; "" where there are
     resamples: int = RESAMPLES
     seed: int = SEED
 
     @property
-    def candidates(self) -> tuple[Measure, ...]:
-        """The best one, and those that may be as good."""
+    def candidates(self) -> tuple[MeasureResult, ...]:
+        """The best measure, and those that may be as good."""
         return tuple(one for one in self.measures if one is self.measures[0] or one.behind_p > ALPHA)
 
     @property
     def sure(self) -> bool:
-        """Whether the best one has anything to do with the ratings."""
+        """Whether the best measure is associated with the ratings at all."""
         return bool(self.measures) and self.measures[0].p_any <= ALPHA
-
-    def sentences(self) -> list[str]:
-        """What it comes to, in words."""
-        from .prediction_words import sentences
-
-        return sentences(self)
 
 
 def predict(rows: Sequence[Row], scale: str = "", resamples: int = RESAMPLES, seed: int = SEED) -> Prediction | None:
-    """rows: as export.long_rows gives, of one origin. scale: which ratings, by default the first in the rows. None where nothing was
-    measured at all; what is too little says so in `refused`."""
+    """Return how each measure predicts the ratings on one scale; None where nothing was measured.
+
+    rows: as export.long_rows gives, of one origin. scale: by default the first in the rows.
+    Too few data are not an error: `refused` gives the reason.
+    """
     scale = scale or next((row["scale"] for row in rows), "")
     rated = [row for row in rows if row["scale"] == scale and row.get("value") is not None]
-    there = [name for name in MEASURES if any(_number(row, name) is not None for row in rated)]
-    if not there:
+    measured = [name for name in MEASURES if any(_number(row, name) is not None for row in rated)]
+    if not measured:
         return None
     low_is_good = bool(rated[0]["low_is_good"])
-    usable, left_out = _often_enough(rated, there)
-    kept = _with_company([row for row in rated if all(_number(row, name) is not None for name in usable)])
-    moving, still = _that_move(kept, usable)
-    facts = {
+    usable, left_out = _often_enough(rated, measured)
+    kept = _rated_twice([row for row in rated if all(_number(row, name) is not None for name in usable)])
+    varying, still = _varying(kept, usable)
+    counts = {
         "people": len({row["participant"] for row in kept}),
         "ratings": len(kept),
         "conditions": len({(row.get("part"), row["condition"]) for row in kept}),
     }
-    common = {
+    common: dict[str, Any] = {
         "scale": scale,
         "low_is_good": low_is_good,
         "dropped": len(rated) - len(kept),
         "resamples": resamples,
         "seed": seed,
+        "left_out": (*left_out, *still),
+        **counts,
     }
-    common |= {**facts, "left_out": (*left_out, *still)}
-    refused = _refused(**facts, moving=moving) or _all_alike(kept)
+    refused = _refused(**counts, varying=varying) or _all_alike(kept)
     if refused:
         return Prediction(refused=refused, **common)
-    measures, rmse = _measures(kept, moving, low_is_good, resamples, seed)
+    measures, rmse = _results(kept, varying, low_is_good, resamples, seed)
     return Prediction(measures=measures, rmse_of_mean=rmse, **common)
 
 
@@ -166,17 +157,13 @@ def _was_measured(row: Row) -> bool:
     return any(_number(row, name) is not None for name in MEASURES if name.startswith("measured_"))
 
 
-def _often_enough(rated: Sequence[Row], there: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
-    usable, left_out = [], [(MEASURES[name], "nobody measured it") for name in MEASURES if name not in there]
+def _often_enough(rated: Sequence[Row], measured: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
+    usable, left_out = [], [(MEASURES[name], "not measured") for name in MEASURES if name not in measured]
     unlike = len({(row.get("measured_size"), row.get("measured_every")) for row in rated if _was_measured(row)}) > 1
-    for name in there:
+    for name in measured:
         if unlike and name.startswith("measured_"):
-            left_out.append(
-                (
-                    MEASURES[name],
-                    "measured with several sizes or steps: 'study measure' with one --size makes them alike",
-                )
-            )
+            why = "measured with several sizes or steps: 'study measure' with one --size makes them alike"
+            left_out.append((MEASURES[name], why))
             continue
         missing = sum(_number(row, name) is None for row in rated)
         if missing > MOST_MISSING * len(rated):
@@ -186,14 +173,14 @@ def _often_enough(rated: Sequence[Row], there: Sequence[str]) -> tuple[list[str]
     return usable, left_out
 
 
-def _with_company(rows: list[Row]) -> list[Row]:
-    """Without people who rated once."""
+def _rated_twice(rows: list[Row]) -> list[Row]:
+    """Leave out people with a single rating."""
     counts = Counter(row["participant"] for row in rows)
     return [row for row in rows if counts[row["participant"]] >= LEAST_ROWS]
 
 
-def _that_move(rows: Sequence[Row], names: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
-    moving, still = [], []
+def _varying(rows: Sequence[Row], names: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
+    varying, still = [], []
     who = _people_of(rows)
     for name in names:
         values = np.array([_number(row, name) for row in rows], dtype=np.float64)
@@ -201,8 +188,8 @@ def _that_move(rows: Sequence[Row], names: Sequence[str]) -> tuple[list[str], li
         if spread <= _STILL * max(np.abs(values).max(initial=0.0), 1e-300):
             still.append((MEASURES[name], "the same in all trials of each person"))
         else:
-            moving.append(name)
-    return moving, still
+            varying.append(name)
+    return varying, still
 
 
 def _people_of(rows: Sequence[Row]) -> NDArray[np.intp]:
@@ -211,7 +198,7 @@ def _people_of(rows: Sequence[Row]) -> NDArray[np.intp]:
 
 
 def _centred(values: Array, who: NDArray[np.intp]) -> Array:
-    """(n, m) less each person's mean."""
+    """Subtract each person's mean from values (n, m)."""
     count = int(who.max(initial=-1)) + 1
     sums = np.zeros((count, values.shape[1]))
     np.add.at(sums, who, values)
@@ -219,7 +206,7 @@ def _centred(values: Array, who: NDArray[np.intp]) -> Array:
 
 
 def _ranked(values: Array, who: NDArray[np.intp]) -> Array:
-    """Midranks within each person."""
+    """Return midranks within each person."""
     from scipy.stats import rankdata
 
     out = np.empty_like(values)
@@ -228,37 +215,34 @@ def _ranked(values: Array, who: NDArray[np.intp]) -> Array:
     return out
 
 
-def _refused(people: int, ratings: int, conditions: int, moving: Sequence[str]) -> str:
+def _refused(people: int, ratings: int, conditions: int, varying: Sequence[str]) -> str:
     if people < LEAST_PEOPLE:
         who = f"{counted(people, 'person')} with at least {LEAST_ROWS} ratings and all measures"
-        return f"{who}: wanted {LEAST_PEOPLE}, to tell how sure anything is"
+        return f"{who}; intervals need {LEAST_PEOPLE}"
     if conditions < LEAST_CONDITIONS:
-        return f"{counted(conditions, 'condition')}: wanted {LEAST_CONDITIONS}, for any measure fits a line through two"
-    if not moving:
+        need = f"needs {LEAST_CONDITIONS}, because any measure fits a line through two"
+        return f"{counted(conditions, 'condition')}; it {need}"
+    if not varying:
         return "no measure differs between the trials of a person"
-    return (
-        ""
-        if ratings - people - 1 > 1
-        else f"{counted(ratings, 'rating')} of {counted(people, 'person')}: too few for a slope"
-    )
+    if ratings - people - 1 > 1:
+        return ""
+    return f"{counted(ratings, 'rating')} of {counted(people, 'person')} are too few for a slope"
 
 
 def _all_alike(rows: Sequence[Row]) -> str:
-    """Whether everybody gave one rating throughout."""
     values = np.array([[row["value"]] for row in rows], dtype=np.float64)
-    return (
-        "" if np.abs(_centred(values, _people_of(rows))).max() > _STILL else "everybody gave the same rating throughout"
-    )
+    alike = np.abs(_centred(values, _people_of(rows))).max() <= _STILL
+    return "every person gave the same rating throughout" if alike else ""
 
 
-def _measures(
+def _results(
     rows: Sequence[Row], names: Sequence[str], low_is_good: bool, resamples: int, seed: int
-) -> tuple[tuple[Measure, ...], float]:
+) -> tuple[tuple[MeasureResult, ...], float]:
     from scipy.stats import t as student
 
     who = _people_of(rows)
     x = np.array([[_number(row, name) for name in names] for row in rows], dtype=np.float64)
-    x = x / np.abs(x).max(axis=0)  # squares of what is 1e-9 and of what is 1e9 are then of one size
+    x = x / np.abs(x).max(axis=0)  # so that squares of 1e-9 and of 1e9 are of one size
     y = np.array([row["value"] for row in rows], dtype=np.float64) * (1 if low_is_good else -1)
     sums = Sums.of(_centred(x, who), _centred(y[:, None], who)[:, 0], who)
     ranks = Sums.of(_centred(_ranked(x, who), who), _centred(_ranked(y[:, None], who), who)[:, 0], who)
@@ -281,7 +265,7 @@ def _measures(
         t = abs(r[k]) * np.sqrt(dof / max(1 - r[k] ** 2, 1e-300))
         alike = tuple(MEASURES[names[j]] for j in range(len(names)) if j != k and together[k, j] >= ALIKE)
         found.append(
-            Measure(
+            MeasureResult(
                 name=names[k],
                 title=MEASURES[names[k]],
                 r=float(r[k]),
@@ -305,7 +289,7 @@ def _measures(
 
 
 def _together(x: Array) -> Array:
-    """(m, m) within-person correlations of the measures among one another."""
+    """Return the within-person correlations (m, m) of the measures with one another."""
     cross = x.T @ x
     size = np.sqrt(np.diag(cross))
     return cross / np.outer(size, size)
