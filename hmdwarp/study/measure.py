@@ -1,9 +1,9 @@
 """Measures the pictures of each trial: replays its head trace against a renderer without latency.
 
-A trial cannot be measured while it runs: the truth is a second picture, and FLIP takes a second. The
-replay is the same pipeline with the trial's settings, on the recorded head and instants. It is even
-in time where the display was not, and its first picture comes with the first frame, so the first
-moments of a trial (its latency) are left out.
+A trial cannot be measured while it runs: the truth is a second picture, and FLIP takes a second.
+The replay is the same pipeline with the trial's settings, on the recorded head and instants. It is
+even in time where the display was not, and its first picture comes with the first frame, so the
+first moments of a trial (its latency) are left out.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ def measure_study(
     """Measure every complete trial, one after the other.
 
     Each is in the store when the next begins: running it again resumes. A trial whose trace or
-    settings do not allow it is left out. progress(done, total): in refreshes, roughly. say: receives
-    a sentence for each trial.
+    settings do not allow it is left out. progress(done, total): in refreshes, roughly. say:
+    receives a sentence for each trial.
     Errors: InputError where there is nothing to measure; MachineError for what the machine lacks,
     and while a session runs.
     """
@@ -94,7 +94,7 @@ def measure_study(
 
 
 class _Bar:
-    """One progress bar over replays of different lengths, in refreshes, roughly."""
+    """One progress bar over replays of different lengths."""
 
     def __init__(self, progress: Progress, lengths: list[int]) -> None:
         self._progress, self._lengths, self._at = progress, lengths, 0
@@ -115,9 +115,9 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     """Return the options to replay a showing.
 
     Size and rate are by default those of the display; a headset with unknown optics is replaced by
-    the study's. The lens plays no part: quality is measured before it. Over a link that only delays,
-    frames are as old as they really were: a display that shows a picture two refreshes later adds
-    them.
+    the study's. The lens plays no part: quality is measured before it. Over a link that only
+    delays, frames are as old as they really were: a display that shows a picture two refreshes
+    later adds them.
     Errors: InputError where there is no trace, or warp auto chose by the machine's speed.
     """
     if not showing.trace or not (traces / showing.trace).is_file():

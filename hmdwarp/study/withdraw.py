@@ -29,11 +29,14 @@ class Holdings:
     bytes: int  # of the traces
 
     def describe(self) -> str:
-        """Return "1 session, 12 answers (revisions included), 6 showings, 6 head traces (1.2 MB)"."""
+        """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
         counts = (
-            (self.sessions, "session", ""), (self.answers, "answer", " (revisions included)"), (self.showings, "showing", ""),
-            (self.events, "event", ""), (self.traces, "head trace", ""),
-        )  # fmt: skip
+            (self.sessions, "session", ""),
+            (self.answers, "answer", " (revisions included)"),
+            (self.showings, "showing", ""),
+            (self.events, "event", ""),
+            (self.traces, "head trace", ""),
+        )
         text = ", ".join(
             f"{count} {name}{'' if count == 1 else 's'}{more if count else ''}" for count, name, more in counts
         )

@@ -119,7 +119,7 @@ def test_more_people_find_more_and_dropouts_cost():
         assert less.at[0].found[one].value < found.at[0].found[one].value
         assert less.at[1].pairs[one] < found.at[1].pairs[one] <= 12
     told = " ".join(sentences(less, 0.8))
-    assert "do not finish" in told and "plans for" in told
+    assert "do not finish" in told and "complete sessions plan" in told
 
 
 def test_enough_is_from_where_on_it_stays_enough():

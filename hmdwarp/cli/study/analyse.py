@@ -64,10 +64,10 @@ def analyse(
     ] = 20_000,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Analyse ratings: exact tests, intervals, order effects, missing ratings; tables, plots, one page.
+    """Analyse ratings: exact tests, intervals, order effects; writes tables, plots and one page.
 
-    Only sessions with people count; --pilot and --simulated analyse the others by themselves. The name of a shipped
-    study without sessions here stands for the ratings published with it ('thesis').
+    Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
+    name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
     import attrs
 
@@ -105,8 +105,8 @@ def _print(data: dict[str, Any]) -> None:
 
     screen = console()
     paragraph(typer.style(data["title"], bold=True))
-    counts = f"{counted(data['participants'], 'participant')}, {counted(data['ratings'], 'rating')}, {data['missing']} missing"
-    paragraph(f"{counts}; from {data['source']}.")
+    counts = f"{counted(data['participants'], 'participant')}, {counted(data['ratings'], 'rating')}"
+    paragraph(f"{counts}, {data['missing']} missing; from {data['source']}.")
     for note in data["notes"]:
         paragraph(f"note: {note}")
     for scale in data["scales"]:

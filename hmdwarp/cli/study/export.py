@@ -35,7 +35,7 @@ def export(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Write the ratings as CSV, TSV and Parquet, and the study as a BIDS data set with the motion of the heads."""
+    """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
     from ...errors import InputError
     from ...study.design import load_design
     from ...study.export import ExportOptions

@@ -33,7 +33,7 @@ def measure(
     pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of participants.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Replay each trial's head trace and measure its pictures against zero latency; resumes where it stopped."""
+    """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
     from ...pipeline.options import parse_size
     from ...study.design import load_design
     from ...study.measure import MeasureOptions, measure_study

@@ -19,7 +19,7 @@ def plan(
     json: Annotated[bool, typer.Option("--json", help="Print the plan as one JSON object.")] = False,
     orders: Annotated[bool, typer.Option("--orders", help="Print every order as well.")] = False,
 ) -> None:
-    """Check a study's file and print its conditions, steps, time, orders, scales and comparisons."""
+    """Check a study's file and print conditions, steps, time, orders, scales and comparisons."""
     from ...study.design import design_as_json, load_design
 
     design = load_design(study)
@@ -82,7 +82,8 @@ def _sickness(asked: Sickness) -> str:
         ends.append(f"{asked.stop_at:g} or {'more' if asked.scale.low_is_good else 'less'}")
     if asked.rise is not None:
         ends.append(f"{asked.rise:g} worse than at first")
-    return f"{asked.scale.name} after {often}; {'ends the session at ' + ' or at '.join(ends) if ends else 'never ends the session'}"
+    rule = f"ends the session at {' or at '.join(ends)}" if ends else "never ends the session"
+    return f"{asked.scale.name} after {often}; {rule}"
 
 
 def _settings(condition: Condition) -> str:
@@ -228,7 +229,8 @@ def _family(family: Family) -> str:
     pairs = ", ".join(f"{one.a} - {one.b}" for one in family.comparisons)
     count = len(family.comparisons)
     need = least_participants(count)
-    return f"{pairs}\np below 0.05 is out of reach with fewer than {need} people ({count} x {smallest_p(need):.2g} at best with {need})"
+    best = f"{count} x {smallest_p(need):.2g} at best with {need}"
+    return f"{pairs}\np below 0.05 is out of reach with fewer than {need} people ({best})"
 
 
 def _print_notes(design: Design) -> None:

@@ -45,7 +45,7 @@ def power(
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of the simulation.")] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Simulate the study many times, with dropouts and missing answers, and analyse each as `study analyse` does."""
+    """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
     from ...report.files import OutputFolder
     from ...study.design import load_design
     from ...study.power import power_of
@@ -148,7 +148,8 @@ def _print(found: Power, people: Model, target: float, out: Path) -> None:
     from .._show import console, paragraph
 
     paragraph(
-        f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} after Holm:"
+        f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} "
+        "after Holm:"
     )
     table = Table(box=None, pad_edge=False)
     table.add_column("people who begin")

@@ -86,7 +86,8 @@ def run(
 
 def _run(options: RunSession, quiet: bool) -> None:
     """Leaves the program where the session was interrupted. What it left is told by then; the line for commands that leave nothing behind
-    would be wrong."""
+    would be wrong.
+    """
     from ...study.run.session import run_session
 
     said: list[str] = []

@@ -19,7 +19,7 @@ def withdraw(
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Erase without confirmation.")] = False,
 ) -> None:
-    """Erase all ratings, events and head traces of a participant; only the code stays, so that it is never reused."""
+    """Erase all ratings, events and head traces of a participant; only the code stays reserved."""
     from ...errors import InputError
     from ...study.store import Store
     from ...study.withdraw import BEYOND, finish_interrupted, holdings
@@ -43,7 +43,7 @@ def withdraw(
 
 
 def _where(study: str, store: Path | None) -> tuple[Path, str | None]:
-    """Return folder and name of the study; for a broken study file --store is enough to withdraw."""
+    """Return folder and name of the study; with --store a broken study file does not matter."""
     from ...errors import InputError
     from ...study.design import load_design
     from ...study.store import store_folder

@@ -1,4 +1,4 @@
-"""Analysis of ratings: tests, intervals, order effects, copied rows, published figures, predictors."""
+"""Analysis of ratings: tests, intervals, order effects, copied rows, published figures."""
 
 from .analyse import analyse, write_analysis
 from .claims import Claim, Claims, checked, load_claims

@@ -54,9 +54,9 @@ def write_analysis(folder: str | os.PathLike, data: Mapping[str, Any], command: 
 
 def analyse(
     ratings: Ratings,
-    resampling: Resampling = Resampling(),
+    resampling: Resampling = Resampling(),  # noqa: B008  (frozen)
     families: Sequence[str] = (),
-    claims: Claims | None = None,  # noqa: B008  (frozen)
+    claims: Claims | None = None,
 ) -> dict[str, Any]:
     """Return the whole analysis as plain data, the same whatever the order of the rows.
 

@@ -92,8 +92,8 @@ def _compared(
 
 
 _STATISTICS = (
-    "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial", "shift", "shift_low", "shift_high", "shift_level",
-    "low", "high",
+    "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial",
+    "shift", "shift_low", "shift_high", "shift_level", "low", "high",
 )  # fmt: skip
 
 
@@ -105,9 +105,10 @@ def _statistics(values: np.ndarray, resampling: Resampling) -> dict[str, Any]:
     test = wilcoxon_exact(values)
     # One difference, or equal ones, have no spread to resample: a point is no interval.
     low, high = (None, None) if is_degenerate(values) else bca(values, resampling.seed, resampling.resamples)
+    sd = float(values.std(ddof=1)) if len(values) > 1 else None
     found = (
-        float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None, float(np.median(values)), test.w_plus, test.w_minus,
-        test.p, smallest_p(test.n), rank_biserial(values), *shift_of(values), low, high,
+        float(values.mean()), sd, float(np.median(values)), test.w_plus, test.w_minus, test.p, smallest_p(test.n),
+        rank_biserial(values), *shift_of(values), low, high,
     )  # fmt: skip
     return dict(zip(_STATISTICS, found, strict=True))
 

@@ -66,7 +66,7 @@ def _shared(ratings: Ratings, first: str, second: str) -> list[tuple[str, str]]:
 
 
 def _columns(table: Table, names: list[str]) -> np.ndarray:
-    """Return ratings (participants, conditions), missing ones as -1 so that they equal each other."""
+    """Return ratings (participants, conditions), missing ones as -1, equal to each other."""
     values = np.stack([table.column(name) for name in names], axis=1)
     return np.where(np.isfinite(values), np.round(values, 6), -1.0)
 
@@ -85,7 +85,7 @@ def _within(table: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _by_chance(first: np.ndarray, second: np.ndarray, people: int, seed: int) -> float:
-    """Return the share of draws with as many equal rows; the data themselves count as one draw."""
+    """Return the share of draws with as many equal rows; the data count as one draw."""
     random = np.random.default_rng(seed)
     pool = np.concatenate([first, second])
     n, columns = len(pool), np.arange(pool.shape[1])

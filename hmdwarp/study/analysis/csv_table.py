@@ -74,7 +74,8 @@ def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[s
                 raise InputError(
                     f"{path}:{reader.line_num}: {len(fields)} fields, wanted {len(header)} as in the first line"
                 )
-            # Every column under its own name too, behind a mark that no role has: measures are looked up there.
+            # Every column under its own name too, behind a mark that no role has: measures are
+            # looked up there.
             own = {f"={name}": field.strip() for name, field in zip(header, fields, strict=True)}
             lines.append(Line(reader.line_num, {role: fields[at].strip() for role, at in roles.items()} | own))
     except csv.Error as error:

@@ -130,7 +130,7 @@ def session_counts(ratings: Ratings) -> dict[str, Any]:
 
 
 def sickness_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> list[dict[str, Any]]:
-    """Return for each sickness scale and trial the number of answers, their median and the worst."""
+    """Return for each sickness scale and trial the number, median and worst of the answers."""
     out = []
     for name in dict.fromkeys(one.scale for one in ratings.survey):
         scale = known(name)

@@ -90,7 +90,7 @@ def _scale_infos(
 def _scale_info(
     name: str, own: list[tuple[Line, float | None]], path: Path, options: SourceOptions, notes: list[str]
 ) -> ScaleInfo | None:
-    """Return a scale known by name, else as the user or the table describes it; None for a survey."""
+    """Return a scale by its name, else as user or table describe it; None for a survey."""
     known = options.scale or (name if name in scale_names() else "")
     if known:
         scale = load_scale(known)
@@ -106,11 +106,14 @@ def _scale_info(
     if low is not None:
         return ScaleInfo(name or "rating", name or "Rating", low)
     grade = load_scale("grade")
-    # A value above 5 cannot be one of the five ACR categories; whole numbers from 1 to 5 fit either direction.
+    # A value above 5 cannot be one of the five ACR categories; whole numbers from 1 to 5 fit either
+    # direction.
     if values and min(values) >= grade.least and 5 < max(values) <= grade.most:
         notes.append(
-            f"The table does not give the direction of its ratings. All lie in {grade.least:g} to {grade.most:g}, so they "
-            "are read on the scale 'grade', where 1 is the best. Otherwise use --scale NAME, --low-is-good or --high-is-good."
+            f"The table does not give the direction of its ratings. All lie in {grade.least:g} to {grade.most:g}, "
+            "so they "
+            "are read on the scale 'grade', where 1 is the best. Otherwise use --scale NAME, --low-is-good or "
+            "--high-is-good."
         )
         return ScaleInfo.of(grade)
     raise InputError(

@@ -146,6 +146,6 @@ def _notes(contents: Contents, sessions: list[Session], design: Design, origin: 
         yield f"The study's file was changed after {those}; each is read by the plan that it ran with."
     again = len({session.sub for session in sessions if session.number > 1})
     if again:
-        yield f"Participants with more than one session: {again}; their ratings of a condition are averaged over all of them."
+        yield f"Participants with more than one session: {again}; their ratings of a condition are averaged."
     if contents.withdrawn:
         yield f"Withdrawn, with all data erased: {contents.withdrawn}."

@@ -1,4 +1,4 @@
-"""Effects of a trial's place and of the condition before it: linear models with a level per person."""
+"""Effects of a trial's place and of the condition before it, by linear models."""
 
 from __future__ import annotations
 

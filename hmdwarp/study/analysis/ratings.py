@@ -174,7 +174,10 @@ class Table:
         return cls(people, conditions, values, counts)
 
     def column(self, condition: str) -> NDArray[np.float64]:
-        """Return a condition's ratings, one per participant. Errors: ValueError for another name."""
+        """Return a condition's ratings, one per participant.
+
+        Errors: ValueError for another name.
+        """
         return self.values[:, self.conditions.index(condition)]
 
     def without(self, participants: set[str]) -> Table:

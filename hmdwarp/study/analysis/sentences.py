@@ -9,8 +9,10 @@ from ...report.study_words import ALPHA, counted, listed, p_is, plain, signed
 from .ratings import ScaleInfo
 
 Row = Mapping[str, Any]
-# A bootstrap interval lies between the least and the largest difference. In 2 / 2^n of studies all n are
-# on one side of a symmetric truth, and the interval misses it: five pairs hold it in 93.75 % at most.
+# A bootstrap interval lies between the least and the largest difference. In 2 / 2^n of studies all
+# n are
+# on one side of a symmetric truth, and the interval misses it: five pairs hold it in 93.75 % at
+# most.
 _LEAST_FOR_BCA = 6
 
 
@@ -43,7 +45,8 @@ def _size(row: Row, scale: ScaleInfo) -> str:
 def _verdict(row: Row, scale: ScaleInfo) -> str:
     after = f"After Holm over {counted(row['holm_of'], 'comparison')}" if row["holm_of"] > 1 else "By the exact test"
     if row["holm"] <= ALPHA:
-        # Not by the shift: it is 0 where more than half of the pairs are equal, which the test leaves out.
+        # Not by the shift: it is 0 where more than half of the pairs are equal, which the test
+        # leaves out.
         way = "better" if row["w_plus"] > row["w_minus"] else "worse"
         return f"{after} {p_is(row['holm'])}: '{row['b']}' was rated {way}."
     if row["smallest_p"] > ALPHA:
@@ -54,7 +57,8 @@ def _verdict(row: Row, scale: ScaleInfo) -> str:
     low, high, level = row["shift_low"], row["shift_high"], f"{100 * row['shift_level']:.0f} %"
     if row["p"] <= ALPHA:
         return (
-            f"{after} {p_is(row['holm'])}, by itself {p_is(row['p'])}: not significant at 5 % over all {row['holm_of']}; alone, "
+            f"{after} {p_is(row['holm'])}, by itself {p_is(row['p'])}: not significant at 5 % over all "
+            f"{row['holm_of']}; alone, "
             f"the ratings fit differences from {signed(low)} to {signed(high)} {scale.unit} ({level})."
         )
     return (
@@ -121,13 +125,15 @@ def of_copied(row: Row) -> str:
     )
     if row["by_chance"] <= ALPHA:
         verdict = (
-            "Such rows were most likely copied, or come from the same people: the parts are not independent, and are not "
+            "Such rows were most likely copied, or come from the same people: the parts are not independent, and "
+            "are not "
             "pooled here."
         )
     else:
         verdict = "That is no sign of copying; the parts are not pooled here."
     return (
-        f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} conditions that "
+        f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} "
+        "conditions that "
         f"both parts have equal those of a row of {first} ({second} = {first}: {doubles}). {chance} {verdict}"
     )
 
@@ -164,6 +170,7 @@ def of_reference(row: Row | None) -> str:
         who = {1: "The only participant", 2: "Both"}.get(row["rated"], f"All {row['rated']}")
         return f"{who} who rated the hidden reference put it in the better half of their ratings."
     return (
-        f"{len(row['missed'])} of {row['rated']} rated the hidden reference worse than the median of their other ratings "
+        f"{len(row['missed'])} of {row['rated']} rated the hidden reference worse than the median of their other "
+        "ratings "
         f"({listed(row['missed'])}). Their ratings are kept; the comparisons without them are listed as well."
     )

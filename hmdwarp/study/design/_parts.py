@@ -9,7 +9,7 @@ from pathlib import Path
 from ...errors import InputError
 from ...registry import unknown_name
 from ...scenes import Scene
-from ...tables import KeyFault, Table, told
+from ...tables import KeyFault, Table, quoted
 from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part
 from .settings import DISPLAY, SettingFault, at, check_settings, live_options
 
@@ -65,7 +65,7 @@ class Checker:
             raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
 
     def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
-        """Blame the key that the message names first, or whose value it quotes; else the condition."""
+        """Blame the key that the message names or whose value it quotes, else the condition."""
         keys = [(table, key, value) for key, value in own.items()]
         if self._common is not None:
             keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
@@ -87,14 +87,14 @@ def name_of(table: Table, used: Sequence[str]) -> str:
     """Return the table's name, which no other table has."""
     name = table.text("name")
     if not NAME.fullmatch(name):
-        raise table.fault("name", f"is {told(name)}: {NAME_WANTED}")
+        raise table.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
     if name.lower() in [one.lower() for one in used]:
         raise table.fault("name", f"is {name!r} a second time: wanted a name that differs in more than case")
     return name
 
 
 def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
-    """Read [[part]] with [[part.condition]] each, or [[condition]] alone for a study of one part."""
+    """Read [[part]] with [[part.condition]], or [[condition]] alone for a study of one part."""
     if "part" in data and "condition" in data:
         raise data.fault("condition", "beside [[part]]: wanted it within one, as [[part.condition]]")
     if "part" not in data:
@@ -163,7 +163,7 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
     made: list[Comparison] = []
     for number, pair in enumerate(pairs):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
-            raise table.fault("pairs", f'has {told(pair)}: wanted pairs of names, like [["late", "warped"]]', number)
+            raise table.fault("pairs", f'has {quoted(pair)}: wanted pairs of names, like [["late", "warped"]]', number)
         for name in pair:
             if name not in known:
                 raise table.fault(

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
-from ...tables import Table, text_of, told
+from ...tables import Table, quoted, text_of
 from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .definitions import Breaks, Condition, Consent, Sickness
@@ -50,7 +50,8 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
         # Tables of ratings and the analysis hold only that kind.
         raise table.fault(
             key,
-            f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; the others belong in [sickness]",
+            f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; the others belong in "
+            "[sickness]",
         )
     return tuple(made)
 
@@ -129,7 +130,7 @@ def _text_of(table: Table, folder: Path) -> str:
     try:
         text = text_of(path, "a text that participants read")
     except InputError as error:
-        raise table.fault("file", f"is {told(str(path))}: {error}") from error
+        raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
     if not text.strip():
-        raise table.fault("file", f"is {told(str(path))}, which is empty: wanted a text that participants read")
+        raise table.fault("file", f"is {quoted(str(path))}, which is empty: wanted a text that participants read")
     return text

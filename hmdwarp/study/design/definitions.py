@@ -64,7 +64,7 @@ class Consent:
 
 @attrs.frozen
 class Comparison:
-    """Two conditions of a part: the difference a minus b, signed so that positive means b is better."""
+    """Two conditions of a part: a minus b, signed so that positive means b is better."""
 
     part: str
     a: str

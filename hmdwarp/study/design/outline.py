@@ -13,7 +13,8 @@ from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
 from .orders import Order
 from .steps import Ask, Pause, Read, Show, Step, steps_of
 
-# Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to read.
+# Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to
+# read.
 ANSWER_S, ITEM_S, WORD_S = 6.0, 4.0, 0.3
 ALPHA = 0.05
 
@@ -134,7 +135,8 @@ def _of_order(design: Design) -> list[str]:
     out = []
     if design.order == FIXED:
         out.append(
-            "the order is the same for all participants: late conditions may be rated by habit or fatigue; order williams balances that"
+            "the order is the same for all participants: late conditions may be rated by habit or fatigue; order "
+            "williams balances that"
         )
     elif design.order == RANDOM:
         out.append(
@@ -144,7 +146,8 @@ def _of_order(design: Design) -> list[str]:
         count = len(part.conditions)
         if design.order == WILLIAMS and count % 2:
             out.append(
-                f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would need {count + 1}"
+                f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would "
+                f"need {count + 1}"
             )
     return out
 
@@ -154,11 +157,13 @@ def _of_part(design: Design, part: Part) -> list[str]:
     reference = next((one for one in part.conditions if one.reference), None)
     if reference is None:
         out.append(
-            f"part {part.name}: no condition is a hidden reference (reference = true): nothing shows how each person uses a scale"
+            f"part {part.name}: no condition is a hidden reference (reference = true): nothing shows how each "
+            "person uses a scale"
         )
     elif reference.settings.get("latency", 200.0):
         out.append(
-            f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has latency = 0"
+            f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has "
+            "latency = 0"
         )
     if reference is not None and reference.settings.get("warp", "forward") != "none":
         out.append(
@@ -168,16 +173,19 @@ def _of_part(design: Design, part: Part) -> list[str]:
         same = [other.name for other in part.conditions[:number] if other.settings == one.settings]
         if same:
             out.append(
-                f"part {part.name}: '{one.name}' has the settings of '{same[0]}'; repeats in [trial] shows the same again"
+                f"part {part.name}: '{one.name}' has the settings of '{same[0]}'; repeats in [trial] shows the "
+                "same again"
             )
         latency_s = float(one.settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
         if latency_s * 3 > design.seconds:
             out.append(
-                f"part {part.name}: '{one.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: that is little time to see it"
+                f"part {part.name}: '{one.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: that is "
+                "little time to see it"
             )
         if one.settings.get("fused") or one.settings.get("lens", "auto") not in ("auto", "none"):
             out.append(
-                f"part {part.name}: '{one.name}' applies a lens, which a headset's runtime does by itself: it works only in a window"
+                f"part {part.name}: '{one.name}' applies a lens, which a headset's runtime does by itself: it "
+                "works only in a window"
             )
     compared = {c.part for family in design.families for c in family.comparisons}
     if part.name not in compared:
@@ -204,6 +212,7 @@ def _of_people(design: Design) -> list[str]:
         minutes = sum(one.seconds for one in session_phases(design, part.name)) / 60
         if minutes > 45:
             out.append(
-                f"part {part.name}: about {minutes:.0f} minutes are long in a headset; use fewer repeats or several sessions"
+                f"part {part.name}: about {minutes:.0f} minutes are long in a headset; use fewer repeats or "
+                "several sessions"
             )
     return out

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...registry import unknown_name
-from ...tables import Table, parsed, text_of, told
+from ...tables import Table, parsed, quoted, text_of
 from ..scales import Scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
 from ._sections import breaks_of, consent_of, practice_of, questionnaires_of, scales_of, sickness_of
@@ -93,7 +93,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
 def _name(data: Table) -> str:
     name = data.text("name")
     if not NAME.fullmatch(name):
-        raise data.fault("name", f"is {told(name)}: {NAME_WANTED}")
+        raise data.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
     return name
 
 

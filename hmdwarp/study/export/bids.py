@@ -121,7 +121,7 @@ class _Tree:
         self._json("participants.json", {**sidecar(PARTICIPANTS), **self._withdrawn()})
 
     def _withdrawn(self) -> dict[str, Any]:
-        """Count withdrawn people; the store does not keep their origin, as it keeps no data of them."""
+        """Count withdrawn people, whose origin the store no longer knows."""
         if not self.contents.withdrawn or any(one.origin != PERSON for one in self.contents.sessions):
             return {}
         text = f"{self.contents.withdrawn} withdrew; all their data were erased"

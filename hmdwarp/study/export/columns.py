@@ -39,8 +39,9 @@ _WHO = (
     Column("origin", TEXT, "Who answered", levels=dict(zip(ORIGINS, (
         "a participant", "a pilot, who tried the study out", "a program"), strict=True))),
     Column("status", TEXT, "How the session ended", levels=dict(zip(STATUSES, (
-        "it was running", "it may be resumed", "complete", "ended by the participant or the experimenter, without a reason",
-        "ended by the stop rule for sickness"), strict=True))),
+        "it was running", "it may be resumed", "complete",
+        "ended by the participant or the experimenter, without a reason", "ended by the stop rule for sickness",
+    ), strict=True))),
     Column("order", WHOLE, "Which of the part's orders of conditions, from 0 on"),
 )  # fmt: skip
 _WHAT = (
@@ -69,11 +70,11 @@ _SHOWN = (
         CANNOT_SAY: "the participant could not say",
         NOT_ASKED: "the session ended without the question",
         NOT_ALL: "answers that the score needs are missing",
-        **{f"session {status}": "the session was over or broken off before the answer" for status in STATUSES if status != "complete"},
+        **{f"session {status}": "the session ended before the answer" for status in STATUSES if status != "complete"},
     }),
     Column("seconds_to_answer", NUMBER, "From the question to the confirmed answer", "s"),
     Column("revision", WHOLE, "More than 1 where the question was repeated; the last one counts"),
-    Column("presentation", WHOLE, "Showing of the trial that the answer is about; more than 1 where it had to be shown again"),
+    Column("presentation", WHOLE, "Showing that the answer is about; more than 1 where the trial was repeated"),
     Column("answered_by", TEXT, "Who entered the answer"),
 )  # fmt: skip
 _PHASE = (
@@ -140,8 +141,8 @@ MEASURED_COLUMNS = (
     *(Column(f"measured_{name}", NUMBER, f"Afterwards, mean of the measured pictures: {_MEASURED_TOLD.get(name, name)}",
              "dB" if name.endswith("_db") else "") for name in MEASURED),
     Column("measured_refreshes", WHOLE, "How many refreshes were measured afterwards, both eyes of each"),
-    Column("measured_every", WHOLE, "Every how many-th refresh was measured; figures of different steps are not to be compared"),
-    Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; figures of different sizes are not to be compared"),
+    Column("measured_every", WHOLE, "Every n-th refresh was measured; do not compare figures of different n"),
+    Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; do not compare different sizes"),
 )  # fmt: skip
 _SETTING_COLUMNS = tuple(
     Column(name, NUMBER if name == "latency_ms" else TEXT, _SETTING_TEXTS[name], "ms" if name == "latency_ms" else "")

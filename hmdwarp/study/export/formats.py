@@ -35,7 +35,7 @@ def csv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> st
 
 
 def tsv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> str:
-    """Return TSV: tabs, LF. Tabs and line ends within a value become spaces, as TSV has no quotes."""
+    """Return TSV: tabs, LF. TSV has no quotes, so tabs and line ends in a value become spaces."""
     flat = (
         {name: " ".join(value.split()) if isinstance(value, str) else value for name, value in row.items()}
         for row in rows

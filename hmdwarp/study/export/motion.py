@@ -50,7 +50,8 @@ class Rates:
     def describe(self) -> str:
         """Describe how regular the samples are."""
         return (
-            f"Samples are as recorded, not resampled: {self.uneven:.1%} of the steps differ by more than {_UNEVEN:.0%} from the median, "
+            f"Samples are as recorded, not resampled: {self.uneven:.1%} of the steps differ by more than "
+            f"{_UNEVEN:.0%} from the median, "
             f"the longest is {self.longest_s:.4f} s. The channel 'latency' holds the instant of each."
         )
 
@@ -120,7 +121,8 @@ def _frame(type_: str) -> str:
 def channels_json() -> dict[str, Any]:
     """Describe the reference frame."""
     text = (
-        "world_from_head in the axes of OpenXR: +x right, +y up, +z backward, metres; the quaternion rotates from the head's axes "
+        "world_from_head in the axes of OpenXR: +x right, +y up, +z backward, metres; the quaternion rotates from "
+        "the head's axes "
         "to the world's. The origin is the display's own."
     )
     frame = {"SpatialAxes": "RSP", "RotationRule": "right-hand", "Description": text}

@@ -43,7 +43,10 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
 
 
 def plan_of(session: Session, design: Design) -> Design:
-    """Return the plan that the session ran with, which may be older than `design`. Errors: InputError."""
+    """Return the plan that the session ran with, which may be older than `design`.
+
+    Errors: InputError.
+    """
     return design if session.plan == design.text else design_from_text(session.plan, design.path, checked=False)
 
 
@@ -120,7 +123,8 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
         steps = steps_of(plan, session.order, session.part)
     except StopIteration as error:
         raise InputError(
-            f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that this plan lacks: "
+            f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that "
+            "this plan lacks: "
             "use the study file that the sessions ran with"
         ) from error
     answers: dict[str, list[Answer]] = {}

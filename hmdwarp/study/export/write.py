@@ -81,7 +81,8 @@ def export(
         notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
             notes.append(
-                f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it ran with"
+                f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it "
+                "ran with"
             )
         notes += _tables(folder, kept, design, answers, ratings, options)
         text = _readme(design, kept, ratings, options.origin)
@@ -154,13 +155,16 @@ def _remarks(folder: OutputFolder, contents: Contents) -> str:
     ]
     # Only CSV: what people type may hold line ends, which TSV cannot represent.
     folder.write_bytes("remarks.csv", csv_text(rows, REMARKS).encode())
-    return f"remarks.csv: {counted(len(rows), 'remark')}, as typed: read them before you pass them on, they may name people"
+    return (
+        f"remarks.csv: {counted(len(rows), 'remark')}, as typed: they may name people; read them before passing them on"
+    )
 
 
 def _refuse_full(out: Path) -> None:
     if out.is_dir() and any(out.iterdir()):
         raise InputError(
-            f"{out}: exists and is not empty: an older export may hold participants who have withdrawn since; delete it, or "
+            f"{out}: exists and is not empty: an older export may hold participants who have withdrawn since; "
+            "delete it, or "
             "name another folder with --out"
         )
 
@@ -170,7 +174,8 @@ def _counts(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
     rated = sum(row["value"] is not None for row in ratings)
     missing = f", {len(ratings) - rated} missing" if len(ratings) > rated else ""
     whose = _WHOSE[origin][people != 1]
-    return f"{counted(people, 'participant')} ({whose}) in {counted(len(contents.sessions), 'session')}, {counted(rated, 'rating')}{missing}"
+    sessions, ratings_ = counted(len(contents.sessions), "session"), counted(rated, "rating")
+    return f"{counted(people, 'participant')} ({whose}) in {sessions}, {ratings_}{missing}"
 
 
 def no_sessions(contents: Contents, origin: str, verb: str) -> str:
@@ -199,16 +204,20 @@ Asked after each trial: {scales}.
 Conditions, by part of the study:
 {conditions}
 
-ratings.csv, ratings.tsv, and ratings.parquet where pyarrow is installed: the same table with one row per rating, missing ones included,
-and what was shown. If the study has them: sickness.tsv, sickness between the trials, and questionnaires.tsv, answers and scores before
-and after the session.
-columns.json: meaning, units and values of each column. bids/: the same as a BIDS data set, with the motion of the heads.
-Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last one counts.
+ratings.csv, ratings.tsv, and ratings.parquet where pyarrow is installed: the same table with one
+row per rating, missing ones included, and what was shown. If the study has them: sickness.tsv,
+sickness between the trials, and questionnaires.tsv, answers and scores before and after the
+session.
+columns.json: meaning, units and values of each column. bids/: the same as a BIDS data set, with the
+motion of the heads.
+Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last
+one counts.
 
-Privacy: participants are random words, which cannot be traced back from this folder. It holds no date and no time of day: instants count
-from the beginning of a session, which BIDS writes as 1925-01-01. Head motion is personal data all the same: minutes of it identify a
-person among hundreds. Give the folder bids/ only to recipients to whom the participants agreed. Participants who withdraw later must be
-erased here too, by hand: delete this folder and export again.
+Privacy: participants are random words, which cannot be traced back from this folder. It holds no
+date and no time of day: instants count from the beginning of a session, which BIDS writes as
+1925-01-01. Head motion is personal data all the same: minutes of it identify a person among
+hundreds. Give the folder bids/ only to recipients to whom the participants agreed. Participants who
+withdraw later must be erased here too, by hand: delete this folder and export again.
 """
 
 

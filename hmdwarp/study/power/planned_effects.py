@@ -18,9 +18,9 @@ def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Mod
     """Return a model of an effect and a spread, in the scale's unit.
 
     effect: b is rated better than a by so much. sd: of one person's difference between two
-    showings. Half of that variance is opinion, which repeats do not average out, and half is chance;
-    people's levels spread as much as their ratings of one condition. There are no dropouts and no
-    missing answers. Conditions lie around the middle of the scale.
+    showings. Half of that variance is opinion, which repeats do not average out, and half is
+    chance; people's levels spread as much as their ratings of one condition. There are no dropouts
+    and no missing answers. Conditions lie around the middle of the scale.
     Errors: InputError where comparisons contradict each other.
     """
     each = sd / 2  # of opinion and of chance: var(a - b) = 2 (each^2 + each^2) = sd^2
@@ -30,7 +30,7 @@ def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Mod
 
 
 def with_effect(model: Model, design: Design, scale: Scale, effect: float) -> Model:
-    """Replace the means: every planned comparison differs by the effect, around the middle of the scale."""
+    """Replace the means, so that every planned comparison differs by the effect."""
     rating = model.rating(scale)
     means = {part.name: _means(part, comparisons_of(design, part), scale, effect) for part in design.parts}
     return attrs.evolve(model, ratings={**model.ratings, scale.name: attrs.evolve(rating, means=means)})
@@ -46,7 +46,7 @@ def comparisons_of(design: Design, part: Part) -> list[Comparison]:
 
 
 def _means(part: Part, comparisons: list[Comparison], scale: Scale, effect: float) -> Mapping[str, float]:
-    """Return the means of least spread whose differences are the effect: least squares of least norm."""
+    """Return the means of least spread whose differences are the effect."""
     names = [one.name for one in part.conditions]
     middle = (scale.least + scale.most) / 2
     if not comparisons:

@@ -36,7 +36,10 @@ class Proportion:
 
 
 def proportion_of(hits: int, total: int) -> Proportion:
-    """Return the proportion. Errors: ValueError unless 0 <= hits <= total and total is at least 1."""
+    """Return the proportion.
+
+    Errors: ValueError unless 0 <= hits <= total and total is at least 1.
+    """
     if not 0 <= hits <= total or total < 1:
         raise ValueError(f"{hits} of {total} is no proportion")
     z = float(ndtri((1 + LEVEL) / 2))

@@ -99,7 +99,8 @@ def _limits(power: Power) -> list[str]:
         if abs(planned - true) > 0.05 * abs(planned) and abs(planned - true) > 0.02:
             last = power.at[-1]
             out.append(
-                f"{name_of(one, power)}: the scale's ends and steps leave {true:+.2f} of {planned:+.2f}; a scale without "
+                f"{name_of(one, power)}: the scale's ends and steps leave {true:+.2f} of {planned:+.2f}; a scale "
+                "without "
                 f"them would find {last.unlimited[one].value:.0%} with {last.n} people."
             )
     return out

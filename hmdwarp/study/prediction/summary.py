@@ -15,7 +15,7 @@ _CHARTS = 4  # measures that get a chart
 
 
 def prediction_data(rows: Sequence[Mapping[str, Any]], scale: str) -> dict[str, Any] | None:
-    """Return which measure goes with the ratings best, with its sentences; None if none was measured.
+    """Return the results of all measures, with sentences; None where nothing was measured.
 
     rows: of the long table, as export.long_rows gives.
     """
@@ -73,7 +73,8 @@ def _winner(found: Prediction) -> str:
         return f"{best}: {how}, the best in {first.best:.0%} of the resamples; {people}."
     return (
         f"Which measure predicts best is undecided: {first.title} comes first with {how}, but "
-        f"{listed([one.title for one in rest])} may be as good (p = {max(one.behind_p for one in rest):.2f} and less, by "
+        f"{listed([one.title for one in rest])} may be as good (p = {max(one.behind_p for one in rest):.2f} and "
+        "less, by "
         f"flipping people's signs); {people}."
     )
 
@@ -86,7 +87,8 @@ def _strength(found: Prediction) -> str:
         else "is no better"
     )
     return (
-        f"Predicting a person's ratings from their own mean is off by {found.rmse_of_mean:.2f}; with {first.title} and the "
+        f"Predicting a person's ratings from their own mean is off by {found.rmse_of_mean:.2f}; with {first.title} "
+        "and the "
         f"slope of the others it is {first.rmse:.2f}, which {helps}."
     )
 
@@ -113,7 +115,8 @@ def _alike(found: Prediction) -> list[str]:
             groups = [other for other in groups if not other <= group] + [group]
     order = [one.title for one in found.measures]
     out = [
-        f"In these conditions {listed(sorted(group, key=order.index))} move together (within-person correlation 0.95 and "
+        f"In these conditions {listed(sorted(group, key=order.index))} move together (within-person correlation "
+        "0.95 and "
         "more): ratings cannot separate them."
         for group in groups
     ]

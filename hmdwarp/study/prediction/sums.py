@@ -61,7 +61,9 @@ def bca_intervals(found: Array, resampled: Array, jackknifed: Array) -> tuple[Ar
     below = ((resampled < found).mean(axis=0) + (resampled <= found).mean(axis=0)) / 2
     below = np.clip(below, 0.5 / len(resampled), 1 - 0.5 / len(resampled))
     shares = bca_shares(below, jackknifed)
-    low, high = (np.array([np.quantile(resampled[:, k], share[k]) for k in range(len(found))]) for share in shares)
+    low, high = (
+        np.array([np.quantile(resampled[:, k], share[k]) for k in range(len(found))], np.float64) for share in shares
+    )
     return low, high
 
 
@@ -71,7 +73,7 @@ def sign_flips(people: int, draws: int, rng: np.random.Generator) -> Array:
     All of them where they are no more than `draws`, else so many drawn at random.
     """
     if 2**people <= draws:
-        return 1.0 - 2.0 * ((np.arange(2**people)[:, None] >> np.arange(people)) & 1)
+        return 1.0 - 2.0 * ((np.arange(2**people)[:, None] >> np.arange(people)) & 1).astype(np.float64)
     return np.vstack([np.ones((1, people)), rng.choice((-1.0, 1.0), size=(draws - 1, people))])
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 MOST_PAIRS = 1000  # the distribution takes n^3 / 2 additions: half a second for so many
-# Differences of decimals (4.25 - 3.15) are not exact: equal to so many digits of the largest is equal.
+# Differences of decimals (4.25 - 3.15) are not exact: equal to so many digits of the largest is
+# equal.
 _DIGITS = 9
 
 

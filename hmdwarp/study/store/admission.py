@@ -92,7 +92,8 @@ def _check_origin(db: sqlite3.Connection, origin: str) -> None:
     other = {PERSON: SIMULATED, SIMULATED: PERSON}.get(origin)
     if other and db.execute("SELECT 1 FROM participant WHERE origin = ?", (other,)).fetchone():
         raise InputError(
-            f"this store holds {other} participants; a {origin} one must not be mixed with them: use another folder (--store), or --pilot"
+            f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
+            "folder (--store), or --pilot"
         )
 
 
@@ -106,7 +107,8 @@ def is_withdrawn(db: sqlite3.Connection, code: str) -> bool:
 
 def is_taken(db: sqlite3.Connection, code: str) -> bool:
     """Return whether the code is or was in use, or is a random word."""
-    query = """SELECT 1 FROM participant WHERE code = :code OR sub = lower(:code) UNION SELECT 1 FROM withdrawn WHERE code = :code"""
+    query = """SELECT 1 FROM participant WHERE code = :code OR sub = lower(:code)
+      UNION SELECT 1 FROM withdrawn WHERE code = :code"""
     return db.execute(query, {"code": code}).fetchone() is not None
 
 
@@ -131,7 +133,8 @@ def allotted(db: sqlite3.Connection, design: Design, part: str, origin: str) -> 
     """Return the next order, one that fewest sessions of this origin hold."""
     rows = rows_for(design, part)
     query = f"""SELECT s.order_row, count(*) FROM session s JOIN participant p ON p.id = s.participant
-      WHERE s.part = ? AND p.origin = ? AND s.status IN ({", ".join("?" * len(HOLDING))}) AND NOT p.withdrawing GROUP BY s.order_row"""
+      WHERE s.part = ? AND p.origin = ? AND s.status IN ({", ".join("?" * len(HOLDING))}) AND NOT p.withdrawing
+      GROUP BY s.order_row"""
     counts = dict(db.execute(query, (part, origin, *HOLDING)).fetchall())
     row = allot([counts.get(row, 0) for row in range(len(rows))], design.seed)
     return row, rows[row]
@@ -159,8 +162,10 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
             different = ["the orders"]
         if different:
             raise InputError(
-                f"{design.path or design.name}: sessions of part '{part}' ran with another plan ({', '.join(different)}): "
-                "ratings before and after would not be comparable; undo the change, or make it another study (name, --store)"
+                f"{design.path or design.name}: sessions of part '{part}' ran with another plan "
+                f"({', '.join(different)}): "
+                "ratings before and after would not be comparable; undo the change, or make it another study "
+                "(name, --store)"
             )
     latest = db.execute(
         """SELECT plan.text FROM session s JOIN plan ON plan.id = s.plan JOIN participant p ON p.id = s.participant
@@ -183,7 +188,8 @@ def check_same(db: sqlite3.Connection, design: Design, session: Session) -> None
     different = signature_changes(from_json(was), from_json(to_json(plan_signature(design, session.part))))
     if different:
         raise InputError(
-            f"{design.path or design.name}: files that it names changed since the session began ({', '.join(different)}): undo that"
+            f"{design.path or design.name}: files that it names changed since the session began "
+            f"({', '.join(different)}): undo that"
         )
 
 
@@ -221,22 +227,27 @@ def insert(db: sqlite3.Connection, statement: str, values: Sequence[Any]) -> int
 
 
 def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
-    """Return the interrupted session. Errors: InputError where there is none, or several parts have one."""
+    """Return the interrupted session.
+
+    Errors: InputError where there is none, or several parts have one.
+    """
     check_code(code)
     if is_withdrawn(db, code):
-        raise InputError(f"participant {code} has withdrawn: there is no session to resume")
+        raise InputError(f"participant {code} has withdrawn: there is nothing to resume")
     sessions = queries.sessions_of(db, code)
     if not sessions:
         raise InputError(f"participant {code} is not known here: leave out --resume, or check the code")
     open_ = [one for one in sessions if one.status == INTERRUPTED and part in (None, one.part)]
     if not open_:
         raise InputError(
-            f"participant {code} has no interrupted session to resume ({_listed(sessions)}): --new-session begins another"
+            f"participant {code} has no interrupted session to resume ({_listed(sessions)}): --new-session begins "
+            "another"
         )
     parts = sorted({one.part for one in open_})
     if len(parts) > 1:
         raise InputError(
-            f"participant {code} has interrupted sessions of several parts ({', '.join(parts)}): choose one with --part NAME"
+            f"participant {code} has interrupted sessions of several parts ({', '.join(parts)}): choose one with "
+            "--part NAME"
         )
     return open_[-1]
 

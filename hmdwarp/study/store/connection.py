@@ -144,15 +144,17 @@ class Connection:
         return text_of(self.clock.utc())
 
     def event(self, session: Session, kind: str, key: str = "", data: Mapping[str, Any] | None = None) -> None:
-        """Append to the journal, within a transaction; an event before it notes a clock set back."""
+        """Append to the journal; an event before it notes a clock that was set back."""
         now, mono_ns = self.now(), self.clock.mono_ns()
         latest = self.db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
         insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, ?, ?, ?, ?, ?)"
         if latest is not None and (back_s := seconds_back(latest[0], now)) >= BACK_S:
-            # No time of another session: this entry stays when that session's participant withdraws.
+            # No time of another session: this entry stays when that session's participant
+            # withdraws.
             noted = {"before": latest[0], "back_s": back_s} if latest[1] == session.id else {}
             self.db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json(noted)))
             self.say(
-                f"the machine's clock was set back by {back_s:.0f} s: nothing is lost; the order of the data does not depend on it"
+                f"the machine's clock was set back by {back_s:.0f} s: nothing is lost; the order of the data does "
+                "not depend on it"
             )
         self.db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))

@@ -117,7 +117,8 @@ def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
 def _empty_log(db: sqlite3.Connection, folder: Path) -> None:
     if db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
         raise MachineError(
-            f"{folder}: another program reads the study's data, so the erasure is not finished: close it and repeat the command"
+            f"{folder}: another program reads the study's data, so the erasure is not finished: close it and "
+            "repeat the command"
         )
 
 

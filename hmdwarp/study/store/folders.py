@@ -58,13 +58,17 @@ def make_folders(folder: Path) -> None:
 
 
 def check_place(folder: Path) -> None:
-    """Check that make_folders can succeed, without creating anything. Errors: InputError, as there."""
+    """Check that make_folders can succeed, without creating anything.
+
+    Errors: InputError, as there.
+    """
     if folder.is_dir():
         _check_ours(folder)
     above = next(one for one in (folder, *folder.absolute().parents) if one.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise InputError(
-            f"{folder}: cannot be created ({above} is not writable): choose another folder for the study's data (--store)"
+            f"{folder}: cannot be created ({above} is not writable): choose another folder for the study's data "
+            "(--store)"
         )
 
 

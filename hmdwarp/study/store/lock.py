@@ -81,7 +81,7 @@ def _no_place(error: OSError, folder: Path) -> HmdwarpError:
     why = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
         return MachineError(f"{folder}: cannot write ({why}): make room, or choose another folder (--store)")
-    return InputError(f"{folder}: cannot write ({why}): choose a writable folder for the study's data (--store)")
+    return InputError(f"{folder}: cannot write ({why}): choose another folder for the study's data (--store)")
 
 
 def _refused(error: OSError, folder: Path, holder: str) -> HmdwarpError:

@@ -9,10 +9,12 @@ from ._json import from_json
 from .records import PILOT, Answer, Contents, Event, Session, Showing
 
 _SESSION = """SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, s.status, plan.text,
-  s.started_utc, s.ended_utc, s.why, s.facts FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
-_ANSWER = "SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing FROM answer"
-_SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual, measured, started_utc
-  FROM showing"""
+  s.started_utc, s.ended_utc, s.why, s.facts
+  FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
+_ANSWER = """SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing
+  FROM answer"""
+_SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual,
+  measured, started_utc FROM showing"""
 _EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
 
 
@@ -29,8 +31,20 @@ def _showing_of(row: tuple) -> Showing:
     settings, trace, actual, measured = texts
     settings, actual, measured = (from_json(text) for text in (settings, actual, measured))
     return Showing(
-        id_, session, key, trial, repeat, condition, presentation, bool(complete), settings, trace, actual, measured, started
-    )  # fmt: skip
+        id_,
+        session,
+        key,
+        trial,
+        repeat,
+        condition,
+        presentation,
+        bool(complete),
+        settings,
+        trace,
+        actual,
+        measured,
+        started,
+    )
 
 
 def _event_of(row: tuple) -> Event:
@@ -91,7 +105,8 @@ def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
     try:
         where = f"NOT p.withdrawing AND p.origin {'=' if pilot else '<>'} '{PILOT}'"
         sessions = tuple(_session_of(row) for row in db.execute(f"{_SESSION} WHERE {where} ORDER BY s.id"))
-        of = f"WHERE session IN (SELECT s.id FROM session s JOIN participant p ON p.id = s.participant WHERE {where}) ORDER BY id"
+        ids = f"SELECT s.id FROM session s JOIN participant p ON p.id = s.participant WHERE {where}"
+        of = f"WHERE session IN ({ids}) ORDER BY id"
         answers = tuple(Answer(*row) for row in db.execute(f"{_ANSWER} {of}"))
         showings = tuple(_showing_of(row) for row in db.execute(f"{_SHOWING} {of}"))
         events = tuple(_event_of(row) for row in db.execute(f"{_EVENT} {of}"))

@@ -15,8 +15,10 @@ SCHEMA = 1
 APPLICATION_ID = 0x686D6477  # "hmdw": recognises databases of other programs
 BUSY_S = 5.0  # a reader may hold it for a moment, at a checkpoint
 
-# No row keeps a date, a random word or a name of a participant who withdrew: `withdrawn` has only the
-# code. cleaned: whether the bytes are gone too. AUTOINCREMENT: ids are never reused, so that an id in an
+# No row keeps a date, a random word or a name of a participant who withdrew: `withdrawn` has only
+# the
+# code. cleaned: whether the bytes are gone too. AUTOINCREMENT: ids are never reused, so that an id
+# in an
 # old export cannot mean another participant's row.
 TABLES = """
 CREATE TABLE study (name TEXT NOT NULL, made_by TEXT NOT NULL) STRICT;
@@ -120,7 +122,8 @@ def _set_up(db: sqlite3.Connection, path: Path) -> None:
     mode = db.execute("PRAGMA journal_mode = WAL").fetchone()[0]
     if mode != "wal":
         raise MachineError(
-            f"{path}: the disk cannot hold a write-ahead log ({mode}): keep the study on a disk of this machine (--store)"
+            f"{path}: the disk cannot hold a write-ahead log ({mode}): keep the study on a disk of this machine "
+            "(--store)"
         )
     for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
         db.execute(f"PRAGMA {setting}")
@@ -153,7 +156,8 @@ def open_to_read(folder: Path) -> sqlite3.Connection | None:
                 return _reader(path, _frozen(path))
             if not error.sqlite_errorname.startswith("SQLITE_READONLY"):
                 raise
-        # A program that died while it created the file left a journal: the reader must roll it back.
+        # A program that died while it created the file left a journal: the reader must roll it
+        # back.
         return _reader(path, "mode=rw")
 
 
@@ -188,7 +192,8 @@ def _frozen(path: Path) -> str:
     beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
     if any(one.is_file() and one.stat().st_size for one in beside):
         raise MachineError(
-            f"{path.parent}: its last session was cut off, and the folder is not writable: copy it and read the copy"
+            f"{path.parent}: its last session was cut off, and the folder is not writable: copy the folder and "
+            "read the copy"
         )
     return "immutable=1"
 

@@ -66,7 +66,7 @@ def _sickness(design: Design) -> dict[str, Any] | None:
 
 
 def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Describe what differs between two signatures, both decoded from JSON; empty where none does."""
+    """Describe what differs between two signatures, both decoded from JSON."""
     changed = [key for key in now if before.get(key) != now[key]]
     return [_conditions(before[key], now[key]) if key == "conditions" else key for key in changed]
 

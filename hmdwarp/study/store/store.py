@@ -1,13 +1,13 @@
 """Store of a study: every event is on the disk when the call that records it returns.
 
 SQLite rather than an append-only log, because
-* withdrawal must erase in the middle: a log would be rewritten, and must be valid at every instant;
+* withdrawal must erase in the middle: a log would be rewritten, valid at every instant;
 * constraints against a doubled rating are part of the file (UNIQUE over session, question and
   revision), not of the program that writes it;
-* an event, its row and the order that it takes are one transaction: a crash leaves no state between;
+* an event, its row and the order that it takes are one transaction: a crash leaves nothing between;
 * an export may read while a session writes.
-WAL with synchronous=FULL: a commit returns after an fsync. A lock of the kernel, which ends with the
-program, allows one writer at a time.
+WAL with synchronous=FULL: a commit returns after an fsync. A lock of the kernel, which ends with
+the program, allows one writer at a time.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ class Store:
             return admission.to_resume(self._connection.db, code, part)
 
     def check_same(self, session: Session, design: Design) -> None:
-        """Raise InputError where `design`, read from the session's plan, has another signature now."""
+        """Raise InputError where `design`, read from the session's plan, has a new signature."""
         with translated(self._connection.path):
             admission.check_same(self._connection.db, design, session)
 
@@ -186,11 +186,21 @@ class Store:
             trace = self.path_for(session, step, presentation).name if recorded else ""
             id_ = admission.insert(
                 db,
-                """INSERT INTO showing (session, key, trial, repeat, condition, presentation, settings, trace, started_utc)
+                """INSERT INTO showing
+                  (session, key, trial, repeat, condition, presentation, settings, trace, started_utc)
                   VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-                (session.id, step.key, step.trial, step.repeat, step.condition.name, presentation, to_json(settings), trace,
-                 self._connection.now()),
-            )  # fmt: skip
+                (
+                    session.id,
+                    step.key,
+                    step.trial,
+                    step.repeat,
+                    step.condition.name,
+                    presentation,
+                    to_json(settings),
+                    trace,
+                    self._connection.now(),
+                ),
+            )
             self._connection.event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
             return queries.showing(db, id_)
 
@@ -227,7 +237,7 @@ class Store:
         by: str,
         showing: Showing | int | None = None,
     ) -> Answer:
-        """Record a confirmed answer; another one to the same question is a new revision, both are kept.
+        """Record a confirmed answer; another one to the same question is a new revision.
 
         value: None for "cannot say". seconds: since the question appeared. by: "participant",
         "experimenter" or "simulated".
@@ -240,17 +250,30 @@ class Store:
             self._connection.event(session, "answer", step.key, {"value": value, "revision": revision})
             id_ = admission.insert(
                 db,
-                """INSERT INTO answer (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing)
+                """INSERT INTO answer
+                  (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing)
                   VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-                (session.id, step.key, revision, step.phase, step.trial, step.scale.name, step.item.key, value, float(seconds), by,
-                 self._connection.now(), showing.id if isinstance(showing, Showing) else showing),
-            )  # fmt: skip
+                (
+                    session.id,
+                    step.key,
+                    revision,
+                    step.phase,
+                    step.trial,
+                    step.scale.name,
+                    step.item.key,
+                    value,
+                    float(seconds),
+                    by,
+                    self._connection.now(),
+                    showing.id if isinstance(showing, Showing) else showing,
+                ),
+            )
             return queries.answer(db, id_)
 
     # --- data ---
 
     def done(self, session: Session) -> set[str]:
-        """Return the keys of finished steps: answered Asks, complete Shows, and those of finish_step."""
+        """Return the keys of answered Asks, complete Shows, and steps of finish_step."""
         with translated(self._connection.path):
             return queries.done(self._connection.db, session.id)
 
@@ -260,7 +283,7 @@ class Store:
             return queries.last_answers(self._connection.db, session.id)
 
     def contents(self, pilot: bool = False) -> Contents:
-        """Return all data of one moment, every revision and showing: of people (or simulated ones), or of pilots."""
+        """Return all data of one moment: of people (or simulated participants), or of pilots."""
         with translated(self._connection.path):
             return queries.contents(self._connection.db, self.folder, pilot)
 
@@ -269,7 +292,10 @@ class Store:
         return self.traces / trace_name(session.sub, session.number, step.trial, presentation)
 
     def measured(self, showing_id: int, data: Mapping[str, Any]) -> None:
-        """Replace the figures measured of a showing's pictures. Holds the lock only for this call."""
+        """Replace the figures measured of a showing's pictures.
+
+        Holds the lock only for this call.
+        """
         locked = self._connection.lock()
         try:
             with self._connection.write() as db:

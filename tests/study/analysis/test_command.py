@@ -90,7 +90,7 @@ def test_the_page_holds_everything_and_asks_the_network_for_nothing(done):
         "In 5 of 9 rows of run 2",
         "does not follow",
         "nothing was rated at 600 ms",
-        "+1.00 .. +2.02",
+        "+1.00 .. +2.05",
         "participant 9: none, 400 ms",
     ):
         assert text in " ".join(page.text.split())
@@ -119,7 +119,7 @@ def test_a_page_of_hardly_anything_can_be_made(tmp_path):
 
 
 def test_the_order_has_its_chart_where_it_is_known(tmp_path):
-    ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), measures={"grade": GRADE})
+    ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), scale_info={"grade": GRADE})
     text = Page(write_analysis(tmp_path / "out", analyse(ratings), "").read_text()).text
     assert "The place of a trial: F(1, " in text and "Ratings less the person" in text
 

@@ -75,7 +75,7 @@ def test_the_direction_is_asked_for_where_it_could_be_either(tmp_path):
 
 
 def test_a_guessed_scale_is_told():
-    assert any("taken for the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
+    assert any("read on the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
 
 
 def test_columns_may_be_named(tmp_path):

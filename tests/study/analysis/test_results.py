@@ -196,7 +196,7 @@ def test_two_effects_that_cannot_be_told_apart_say_so():
     assert found["place"]["f"] == pytest.approx(found["previous"]["f"]) and found["place"]["p"] < 0.05
     said = of_order(found, GRADE)
     assert said[0].endswith("it changed the ratings; here it is confounded with the condition shown before.")
-    assert said[1].endswith("it changed the ratings; here it cannot be told apart from the place of a trial.")
+    assert said[1].endswith("it changed the ratings; here it is confounded with the place of a trial.")
 
 
 def test_one_order_for_all_cannot_be_told_from_the_conditions():

@@ -166,5 +166,5 @@ def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design
     (store.traces / showings[0].trace).write_text("no trace at all\n", encoding="utf-8")
     (store.traces / showings[1].trace).unlink()
     made = export(contents, design, tmp_path / "out")
-    assert len([text for text in made.told if text.startswith("left out: ")]) == 2
+    assert len([text for text in made.notes if text.startswith("left out: ")]) == 2
     assert len(list(made.folder.rglob("*_motion.tsv"))) == 11 - 2

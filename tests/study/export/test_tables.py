@@ -147,7 +147,7 @@ def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design,
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     made = export(store.contents(), design, tmp_path / "out")
     assert not (made.folder / "ratings.parquet").exists() and (made.folder / "ratings.csv").exists()
-    assert any("pip install 'hmdwarp[study]'" in text for text in made.told)
+    assert any("pip install 'hmdwarp[study]'" in text for text in made.notes)
     with pytest.raises(MachineError, match="pyarrow"):
         export(store.contents(), design, tmp_path / "other", ExportOptions(parquet=True))
     assert not (tmp_path / "other").exists()
@@ -210,7 +210,7 @@ def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_
     mixed = attrs.evolve(store.contents(), sessions=(*store.contents().sessions, *store.contents(pilot=True).sessions))
     export(mixed, design, tmp_path / "mixed")
     assert (tmp_path / "mixed/ratings.csv").read_bytes() == (people / "ratings.csv").read_bytes()
-    with pytest.raises(InputError, match="it holds sessions of people: leave --simulated away"):
+    with pytest.raises(InputError, match="it holds sessions of people: leave out --simulated"):
         export(store.contents(), design, tmp_path / "none", ExportOptions(origin=SIMULATED))
 
 
@@ -224,7 +224,7 @@ def test_an_older_export_is_not_written_over(store, design, tmp_path):
 
 def test_another_plan_is_refused(store, design, tmp_path):
     other = design_from_text(TEXT.replace('name = "warped"', 'name = "renamed"'), "late.toml")
-    with pytest.raises(InputError, match="this plan has not"):
+    with pytest.raises(InputError, match="this plan lacks"):
         export(store.contents(), other, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -237,5 +237,5 @@ def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(
         assert (before / name).read_bytes() == (made.folder / name).read_bytes()
     told = json.loads((made.folder / "columns.json").read_text(encoding="utf-8"))
     assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(
-        made.told
+        made.notes
     )

@@ -167,10 +167,10 @@ def test_a_folder_with_something_else_in_it(tmp_path):
 
 
 def test_no_such_folder_and_a_file_in_its_place(tmp_path):
-    with pytest.raises(InputError, match="no data of a study there"):
+    with pytest.raises(InputError, match="holds no data of a study"):
         Store(tmp_path / "nowhere")
     (tmp_path / "file").write_text("x")
-    with Store(tmp_path / "file", create=True) as store, pytest.raises(InputError, match="cannot be made"):
+    with Store(tmp_path / "file", create=True) as store, pytest.raises(InputError, match="cannot be created"):
         begun(store)
 
 
@@ -188,7 +188,7 @@ def test_a_database_of_something_else(tmp_path):
     db.close()
     before = (tmp_path / DATABASE).read_bytes()
     for error in refusals(tmp_path):
-        assert isinstance(error, InputError) and "not of a study of hmdwarp" in str(error)
+        assert isinstance(error, InputError) and "not of an hmdwarp study" in str(error)
     assert (tmp_path / DATABASE).read_bytes() == before
 
 
@@ -228,7 +228,7 @@ def test_a_program_that_died_while_it_made_the_store(tmp_path):
     db.execute("PRAGMA journal_mode = WAL")
     db.close()
     assert (other / DATABASE).stat().st_size
-    with pytest.raises(InputError, match="no data of a study there"):
+    with pytest.raises(InputError, match="holds no data of a study"):
         Store(other)
     with Store(other, create=True) as store:
         begun(store)
