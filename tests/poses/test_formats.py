@@ -1,4 +1,7 @@
-"""Trace formats: a contract over all of them, what is written comes back bit for bit, and axes come out as OpenXR's."""
+"""Trace formats.
+
+A contract over all of them, what is written comes back bit for bit, and axes come out as OpenXR's.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +15,19 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
-from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.poses.reading.columns import find_columns
 
 from .traces import head, kinds, rows, same_motion, unit_quaternions, write
 
 TRACK = head(100)
-WRITERS = [f.name for f in FORMATS if f.writes]
+WRITERS = [f.name for f in formats if f.writes]
 
 
-@pytest.mark.parametrize("name", FORMATS.names())
+@pytest.mark.parametrize("name", formats.names())
 def test_every_format_says_what_it_is(name):
-    entry = FORMATS.get(name)
+    entry = formats.get(name)
     assert entry.name == name
     assert 20 < len(entry.summary) < 100
     if not entry.writes:
@@ -51,7 +54,7 @@ def test_what_is_written_comes_back_bit_for_bit(tmp_path_factory, name, times, q
     track = PoseTrack(np.array(times), place, q, origin="a test")
     path = tmp_path_factory.mktemp("w") / "out.txt"
     with path.open("w") as stream:
-        FORMATS.get(name).write(track, stream)
+        formats.get(name).write(track, stream)
     back = load_trace(path)
     assert back.format == name
     assert np.array_equal(back.track.time_ns + back.track.epoch_ns, track.time_ns)
@@ -62,17 +65,17 @@ def test_what_is_written_comes_back_bit_for_bit(tmp_path_factory, name, times, q
 @pytest.mark.parametrize("name", WRITERS)
 def test_written_twice_is_the_same_text(tmp_path, name):
     first = io.StringIO()
-    FORMATS.get(name).write(TRACK, first)
+    formats.get(name).write(TRACK, first)
     path = tmp_path / "test.txt"
     path.write_text(first.getvalue())
     again = io.StringIO()
-    FORMATS.get(name).write(load_trace(path).track.evolve(origin="", notes=()), again)
+    formats.get(name).write(load_trace(path).track.evolve(origin="", notes=()), again)
     assert again.getvalue() == first.getvalue()
 
 
 def test_native_tells_origin_rate_and_what_was_done(tmp_path):
     stream = io.StringIO()
-    FORMATS.get("native").write(
+    formats.get("native").write(
         TRACK.evolve(origin="a test\nwith a line break", notes=("something was mended",)), stream
     )
     text = stream.getvalue()
@@ -85,7 +88,7 @@ def test_native_tells_origin_rate_and_what_was_done(tmp_path):
 
 def test_stamps_too_large_for_a_file_are_written_from_zero():
     stream = io.StringIO()
-    FORMATS.get("euroc").write(TRACK.evolve(epoch_ns=638 * 10**17), stream)
+    formats.get("euroc").write(TRACK.evolve(epoch_ns=638 * 10**17), stream)
     assert stream.getvalue().splitlines()[1].startswith("0,")
 
 
@@ -114,7 +117,9 @@ def test_frame_wxyz_with_w_last_is_refused_where_the_motion_shows_it(tmp_path):
 
 
 def upright_zup(track: PoseTrack = TRACK) -> PoseTrack:
-    """The track in axes with x forward, y left, z up, by rotation matrices (the reader goes by quaternion parts)."""
+    """The track in axes with x forward, y left, z up, by rotation matrices (the reader goes by
+    quaternion parts).
+    """
     file_from_openxr = np.array([[0, 0, -1.0], [-1, 0, 0], [0, 1, 0]])
     matrices = file_from_openxr @ Rotation.from_quat(track.orientation_xyzw).as_matrix() @ file_from_openxr.T
     return track.evolve(orientation_xyzw=Rotation.from_matrix(matrices).as_quat())
@@ -126,7 +131,9 @@ AXES = ["y", "+y", "-y", "z", "-z", "x", "-x", "-y,z,x", "x,y,z", "x,z,y", "z,-x
 @pytest.mark.parametrize("text", AXES)
 @given(unit_quaternions, st.lists(st.floats(-10, 10), min_size=3, max_size=3))
 def test_axes_carry_points_of_the_head_along(text, q, place):
-    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the converted point."""
+    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the
+    converted point.
+    """
     axes = parse_axes(text)
     point = np.array([0.3, -0.2, 0.5])
     in_file = Rotation.from_quat(q).apply(point) + place

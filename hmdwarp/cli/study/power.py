@@ -11,7 +11,7 @@ import typer
 from .plan import Study
 
 if TYPE_CHECKING:
-    from ...report.files import OutputFolder
+    from ...report import OutputFolder
     from ...study.design import Design
     from ...study.power import Power
     from ...study.respondents import Model
@@ -46,7 +46,7 @@ def power(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
-    from ...report.files import OutputFolder
+    from ...report import OutputFolder
     from ...study.design import load_design
     from ...study.power import power_of
     from .._show import steps
@@ -127,7 +127,7 @@ def _counts(text: str, design: Design) -> list[int]:
 
 
 def _write(folder: OutputFolder, found: Power, target: float) -> None:
-    from ...report.power_chart import PowerLine, power_chart
+    from ...report.study import PowerLine, power_chart
     from ...study.power import COLUMNS, name_of, power_data, power_rows
 
     rows = power_rows(found)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, named_layout
 
 
 class Named(TraceFormat):
-    """qx..qw, QuaternionX..W, HeadOrientationW..Z, qW..qZ, w x y z, UnitQuaternion.x..w, RotationX..W, head_rot_x..w and their like."""
+    """Headers of the wild: qx..qw, QuaternionX..W, HeadOrientationW..Z, w x y z, head_rot_x..w."""
 
     name = "named"
     summary = "any header that names time, position and quaternion (qx.., QuaternionX.., head_rot_x.., ..)"
@@ -22,4 +22,4 @@ class Named(TraceFormat):
         return named_layout(head, options)
 
 
-FORMAT = FORMATS.register(Named())
+formats.register(Named())

@@ -5,12 +5,16 @@ from __future__ import annotations
 from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, has, named_layout
 
 
 class QuestSet(TraceFormat):
-    """Source: Baldoni et al. 2024, Questset: A VR dataset for network and quality of experience studies (MMSys)."""
+    """Head tracks of the set.
+
+    Source: Baldoni et al. 2024, Questset: A VR dataset for network and quality of experience
+    studies.
+    """
 
     name = "questset"
     summary = "TouchButtons,..,HeadPosX,..,HeadOrientationW,..,time; seconds, w first, OpenXR axes"
@@ -22,4 +26,4 @@ class QuestSet(TraceFormat):
         return named_layout(head, options, unit="s")
 
 
-FORMAT = FORMATS.register(QuestSet())
+formats.register(QuestSet())

@@ -8,7 +8,7 @@ from ...client.lens import lenses
 from ...client.plan import Plan, needs_of
 from ...display import Display
 from ...errors import InputError
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...geometry import Pose
 from ...link.codec import check_codec
 from ...pipeline.build import Pipeline, Timing, build_pipeline, check_held, expected_age_ns, latency_ns
@@ -16,8 +16,7 @@ from ...pipeline.loop import Loop, PoseRequest
 from ...pipeline.options import AUTO
 from ...pipeline.planning import plans_for
 from ...pipeline.sizes import guarded_size
-from ...poses.predict import PREDICTORS
-from ...registry import unknown_name
+from ...poses.predictors import predictors
 from ...scenes import Scene, load_scene
 from ..bench_levels import Ladder, ladder_from_file
 from .options import LiveOptions
@@ -27,8 +26,7 @@ from .recent import Recent
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     """The scene, after everything that can be told wrong without a display. scene: where it is loaded already.
     Errors: InputError and its kin."""
-    if options.predict not in PREDICTORS:
-        raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
+    predictors.get(options.predict)
     check_codec(options.coding.codec)
     if options.lens != AUTO:
         lenses.get(options.lens)
@@ -84,7 +82,7 @@ class Stage:
         if AUTO in (before.warp, options.warp) or attrs.evolve(options, **same) != before:
             return False
         (plan,) = self._plans(options, self.scene, Ladder())
-        if not _carries(self.pipeline.requested.needs, plan.needs):
+        if not self.pipeline.requested.needs.serve(plan.needs):
             return False
         self.pipeline.exchange(plan)
         return True
@@ -159,17 +157,9 @@ class Stage:
         self.pipeline.close()
 
 
-def _carries(carried: Needs, wanted: Needs) -> bool:
-    """Whether frames that carry the one are what a plan of the other expects: more older ones and the other eye do not disturb it."""
-    beside = {"past": 0, "past_spacing_ns": 0, "other_eye": False}
-    same = attrs.evolve(carried, **beside) == attrs.evolve(wanted, **beside)
-    past = not wanted.past or (wanted.past <= carried.past and wanted.past_spacing_ns == carried.past_spacing_ns)
-    return same and past and carried.other_eye >= wanted.other_eye
-
-
 def refuse_one_eye(needs: Needs, eyes: int) -> None:
     """Errors: InputError where the passes look into the other eye's picture, and there is none."""
-    if needs.other_eye and eyes < 2:
+    if needs.others.other_eye and eyes < 2:
         raise InputError(
             "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes"
         )

@@ -9,9 +9,8 @@ from typing import Any
 
 import attrs
 
-from ...report.files import OutputFolder
-from ...report.study_page import render_study_report
-from ...report.study_tables import csv_tables
+from ...report import OutputFolder
+from ...report.study import csv_tables, render_study_report
 from ...version import __version__
 from ..design import Family
 from ..prediction import prediction_data

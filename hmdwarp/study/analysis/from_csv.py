@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...report.study_words import counted
+from ...report import counted
 from ..scales import RATING, Scale, load_scale, scale_names
 from .csv_table import MISSING, SETTINGS, Line, lines_of, numbers_of, whole_number
 from .ratings import Rating, Ratings, ScaleInfo, SurveyAnswer

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...report.study_words import counted
+from ...report import counted
 from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
 from ..export import long_rows, no_sessions, of_origin, plan_of
 from ..scales import RATING

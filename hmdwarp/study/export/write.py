@@ -8,8 +8,7 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...report.files import OutputFolder
-from ...report.study_words import counted
+from ...report import OutputFolder, counted
 from ...version import __version__
 from ..design import Design
 from ..extra import INSTALL

@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 
-from ...report.study_words import counted, listed
+from ...report import counted, listed
 from .predict import Prediction, predict
 
 _CHARTS = 4  # measures that get a chart

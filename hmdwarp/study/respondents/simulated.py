@@ -77,7 +77,7 @@ class Simulated:
         return float(of_share(felt, step.scale))
 
     def _pause(self, step: Show, elapsed_s: float) -> Command | None:
-        """Pause some trials at a random moment; the menu that opens is a Pause ("continue" ends it)."""
+        """Pause some trials at a random moment; the menu that opens is a Pause."""
         wants = step.key not in self._paused and self._draw("pause", step.key) < self._model.pause
         if wants and elapsed_s >= step.seconds * self._draw("pause at", step.key):
             self._paused.add(step.key)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...registry import unknown_name
 from ...tables import Table, parsed, text_of
-from ._scale import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
+from ._scale_model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 FOLDER = Path(__file__).parent
 _EXAMPLE = str(FOLDER / "grade.toml")

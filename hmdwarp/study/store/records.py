@@ -68,7 +68,7 @@ class Showing:
     settings: Mapping[str, Any] = attrs.field(factory=dict, hash=False)
     # Head trace, a file name in the store's `traces`, "" for none; may be missing if cut off.
     trace: str = ""
-    actual: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # measured meanwhile: study/run/actual.py
+    actual: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # measured meanwhile: study/actual.py
     measured: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # by `study measure`, empty before
     started_utc: str = ""
 

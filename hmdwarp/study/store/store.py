@@ -207,7 +207,7 @@ class Store:
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """Record the end of a showing, after its trace is closed; a missing file is no trace.
 
-        actual: as study/run/actual.py.
+        actual: as study/actual.py.
         """
         trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
         with self._connection.running(session) as db:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study_page import render_study_report
+from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis import SourceOptions, analyse, from_contents, from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export import ExportOptions, export

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.report.study_words import p_text, signed
+from hmdwarp.report import p_text, signed
 from hmdwarp.study.analysis import Resampling, SourceOptions, analyse, claims_for, from_csv, load_claims, ratings_from
 from hmdwarp.study.design import SHIPPED
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study_tables import comparison_lines
+from hmdwarp.report.study import comparison_lines
 from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, analyse, copied_rows, load_claims, order_effects
 from hmdwarp.study.analysis.sentences import of_copied, of_order, of_reference
 from hmdwarp.study.design import Comparison, Family

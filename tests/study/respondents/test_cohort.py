@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.study.design import Ask, Show, Sickness, load_design, steps_of
 from hmdwarp.study.respondents import Population, RatingModel, SicknessModel, Simulated, load_model
-from hmdwarp.study.run.sickness import why_sick
 from hmdwarp.study.scales import load_scale
+from hmdwarp.study.session import why_sick
 from hmdwarp.study.store import Answer
 
 from ..made_up import simulate_study

@@ -155,7 +155,7 @@ def test_orders_made_in_another_way_are_noticed(store, monkeypatch):
 
     whole(store, "P01")
     made = admission.rows_for
-    monkeypatch.setattr(beginning, "rows_for", lambda plan, part: made(plan, part)[::-1])
+    monkeypatch.setattr(admission, "rows_for", lambda plan, part: made(plan, part)[::-1])
     with pytest.raises(InputError, match="another plan \\(the orders\\)"):
         begun(store, "P02")
 

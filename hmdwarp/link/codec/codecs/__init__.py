@@ -1,18 +1,21 @@
-"""Video codecs by name, one file each: which encoder and decoder of FFmpeg, and the low-delay settings."""
+"""Video codecs, one file each: encoder and decoder of FFmpeg, and low-delay settings."""
 
 from __future__ import annotations
 
 from ....registry import Registry
 from ._base import Codec, require
 
-CODECS: Registry[Codec] = Registry("codec", __name__)
+codecs: Registry[Codec] = Registry("codec", __name__)
 
 
 def check_codec(name: str) -> Codec:
-    """The codec, once it is known to run here. Errors: InputError for a name that is none, MachineError if this PyAV lacks it."""
-    codec = CODECS.get(name)
+    """Return the codec if it runs here.
+
+    Errors: InputError for an unknown name, MachineError if this PyAV lacks it.
+    """
+    codec = codecs.get(name)
     codec.check()
     return codec
 
 
-__all__ = ["CODECS", "Codec", "check_codec", "require"]
+__all__ = ["codecs", "Codec", "check_codec", "require"]
