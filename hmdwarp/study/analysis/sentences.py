@@ -90,7 +90,7 @@ def of_friedman(row: Row | None, part: str) -> str:
 
 
 def of_order(effects: Mapping[str, Row], scale: ScaleInfo) -> list[str]:
-    """Describe the effects of order. effects: as order_effects.order_effects."""
+    """Describe the effects of order. effects: as order_models.order_effects."""
     reasons = {row.get("why_not", "") for row in effects.values()}
     if len(reasons) == 1 and "" not in reasons:
         return [f"Effects of order cannot be estimated: {reasons.pop()}."]

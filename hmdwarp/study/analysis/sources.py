@@ -10,8 +10,8 @@ from ...errors import InputError
 from ..design import SHIPPED, load_design
 from ..store import DATABASE, PERSON, PILOT, Store, store_folder
 from .claims import Claims, load_claims
-from .from_csv import SourceOptions, from_csv
-from .from_store import from_contents
+from .table_ratings import SourceOptions, from_csv
+from .store_ratings import from_contents
 from .ratings import Ratings
 
 _PUBLISHED = (

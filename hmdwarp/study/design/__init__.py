@@ -1,78 +1,8 @@
-"""Plan of a study: conditions, their orders, and the steps of a session."""
+"""Plan of a study: conditions, their orders, and the steps of a session.
 
-from .as_json import design_as_json
-from .definitions import (
-    BLIND,
-    BOTH,
-    FIXED,
-    NOBODY,
-    ONLY_PART,
-    ORDERS,
-    PARTICIPANT,
-    RANDOM,
-    WILLIAMS,
-    Breaks,
-    Comparison,
-    Condition,
-    Consent,
-    Design,
-    Family,
-    Part,
-    Sickness,
-    every_scale,
-)
-from .orders import RANDOM_ROWS, Order, allot, rows_for, williams
-from .outline import Balance, SessionPhase, balance, least_participants, notes, session_phases
-from .read import SHIPPED, design_from_text, load_design, study_names
-from .settings import DISPLAY, FILES, KINDS, SettingFault, at, check_settings, live_options
-from .steps import Ask, Pause, Read, Show, Step, steps_of
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "BLIND",
-    "BOTH",
-    "DISPLAY",
-    "FILES",
-    "FIXED",
-    "KINDS",
-    "NOBODY",
-    "ONLY_PART",
-    "ORDERS",
-    "PARTICIPANT",
-    "RANDOM",
-    "RANDOM_ROWS",
-    "SHIPPED",
-    "WILLIAMS",
-    "Ask",
-    "Balance",
-    "Breaks",
-    "Comparison",
-    "Condition",
-    "Consent",
-    "Design",
-    "Family",
-    "Order",
-    "Part",
-    "Pause",
-    "Read",
-    "SessionPhase",
-    "SettingFault",
-    "Show",
-    "Sickness",
-    "Step",
-    "allot",
-    "at",
-    "balance",
-    "check_settings",
-    "design_as_json",
-    "design_from_text",
-    "every_scale",
-    "least_participants",
-    "live_options",
-    "load_design",
-    "notes",
-    "rows_for",
-    "session_phases",
-    "steps_of",
-    "study_names",
-    "williams",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,24 +1,8 @@
-"""How many people a planned effect needs: simulation of the whole study and its analysis."""
+"""How many people a planned effect needs: simulation of the whole study and its analysis.
 
-from .planned_effects import planned_model, with_effect
-from .proportions import Proportion, people_for, proportion_of
-from .simulation import Power, PowerAt, differences, power_of, significant
-from .summary import COLUMNS, name_of, power_data, power_rows, sentences
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "COLUMNS",
-    "Power",
-    "PowerAt",
-    "Proportion",
-    "differences",
-    "name_of",
-    "people_for",
-    "planned_model",
-    "power_data",
-    "power_of",
-    "power_rows",
-    "proportion_of",
-    "sentences",
-    "significant",
-    "with_effect",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,14 +1,8 @@
-"""Which measure of the pictures predicts their ratings best, and how certain that is."""
+"""Which measure of the pictures predicts their ratings best, and how certain that is.
 
-from .predict import LEAST_PEOPLE, MEASURES, MeasureResult, Prediction, predict
-from .summary import prediction_data, sentences
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "LEAST_PEOPLE",
-    "MEASURES",
-    "MeasureResult",
-    "Prediction",
-    "predict",
-    "prediction_data",
-    "sentences",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

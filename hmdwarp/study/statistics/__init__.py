@@ -1,37 +1,8 @@
-"""The statistics of paired ratings: pure functions over arrays."""
+"""The statistics of paired ratings: pure functions over arrays.
 
-from .bootstrap import RESAMPLES, SEED, Interval, bca, bca_shares, is_degenerate
-from .multiple import Friedman, friedman, holm, kendalls_w
-from .signed_rank import (
-    MOST_PAIRS,
-    Shift,
-    Wilcoxon,
-    attained_level,
-    hodges_lehmann,
-    rank_biserial,
-    signed_rank_null,
-    smallest_p,
-    wilcoxon_exact,
-)
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "MOST_PAIRS",
-    "RESAMPLES",
-    "SEED",
-    "Friedman",
-    "Interval",
-    "Shift",
-    "Wilcoxon",
-    "attained_level",
-    "bca",
-    "bca_shares",
-    "friedman",
-    "hodges_lehmann",
-    "holm",
-    "is_degenerate",
-    "kendalls_w",
-    "rank_biserial",
-    "signed_rank_null",
-    "smallest_p",
-    "wilcoxon_exact",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,47 +1,8 @@
-"""Store of a study's data: everything is on the disk before the next thing happens."""
+"""Store of a study's data: everything is on the disk before the next thing happens.
 
-from .clock import Clock
-from .folders import DATABASE, store_folder
-from .records import (
-    COMPLETE,
-    INTERRUPTED,
-    ORIGINS,
-    PERSON,
-    PILOT,
-    RUNNING,
-    SICK,
-    SIMULATED,
-    STATUSES,
-    STOPPED,
-    Answer,
-    Contents,
-    Event,
-    Session,
-    Showing,
-)
-from .signature import plan_signature, signature_changes
-from .store import Store
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "COMPLETE",
-    "DATABASE",
-    "INTERRUPTED",
-    "ORIGINS",
-    "PERSON",
-    "PILOT",
-    "RUNNING",
-    "SICK",
-    "SIMULATED",
-    "STATUSES",
-    "STOPPED",
-    "Answer",
-    "Clock",
-    "Contents",
-    "Event",
-    "Session",
-    "Showing",
-    "Store",
-    "plan_signature",
-    "signature_changes",
-    "store_folder",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -18,7 +18,7 @@ from ..scales import Scale
 from . import sentences as say
 from .claims import Claims, checked
 from .comparisons import Resampling, compared, families_for
-from .copied_rows import copied_rows
+from .shared_rows import copied_rows
 from .descriptives import (
     condition_rows,
     friedman_row,
@@ -30,7 +30,7 @@ from .descriptives import (
     session_counts,
     sickness_rows,
 )
-from .order_effects import order_effects
+from .order_models import order_effects
 from .ratings import Rating, Ratings
 
 SCHEMA = 1
