@@ -10,9 +10,8 @@ from .ratings import ScaleInfo
 
 Row = Mapping[str, Any]
 # A bootstrap interval lies between the least and the largest difference. In 2 / 2^n of studies all
-# n are
-# on one side of a symmetric truth, and the interval misses it: five pairs hold it in 93.75 % at
-# most.
+# n are on one side of a symmetric truth, and the interval misses it: five pairs hold it in 93.75 %
+# at most.
 _LEAST_FOR_BCA = 6
 
 
