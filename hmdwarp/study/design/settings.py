@@ -24,7 +24,7 @@ from ...run.live.host import checked_scene, refuse_one_eye
 from ...run.live.options import FLAT
 from ...scenes import Scene
 from ...server.draw import MIRRORS
-from ...tables import told
+from ...tables import quoted
 
 # What a value of the file has to be. A number may stand where the command line takes a text that is one.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
@@ -141,7 +141,8 @@ def _rungs(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
 
 def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
     """The same settings, names with _, and files by their whole path, so that they are found from any working folder. folder: that the
-    file's own names of files count from."""
+    file's own names of files count from.
+    """
     return {name: _placed(folder, name, value) for _, name, value in _named(settings)}
 
 
@@ -191,4 +192,4 @@ def _value(key: str, name: str, value: object) -> object:
         and math.isfinite(value)
     ):
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
-    raise SettingFault(key, f"{key} is {told(value)}: wanted {kind}")
+    raise SettingFault(key, f"{key} is {quoted(value)}: wanted {kind}")
