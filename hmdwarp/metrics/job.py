@@ -81,7 +81,7 @@ class QualityJob:
         for flag, value in (
             (Input.COVERAGE, self.covered),
             (Input.DEPTH, self.truth_inverse_depth),
-            (Input.RENDERED, self.rendered and self.rendered_size),
+            (Input.RENDERED, None if self.rendered is None else self.rendered_size),
             (Input.PREVIOUS, self.previous),
         ):
             if value is not None:

@@ -93,7 +93,7 @@ def write_stream(path: Path, write: Callable[[IO[str]], None], source: Path | No
     itself; else as write_bytes.
     """
     if path.is_dir():
-        raise InputError(f"{path} is a directory: wanted the name of a file to write")
+        raise InputError(f"{path} is a directory: expected the name of a file to write")
     if source is not None and path.exists() and source.exists() and path.samefile(source):
         raise InputError(f"{path} is the input itself: write to another file")
     with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
@@ -159,7 +159,7 @@ def write_image_result(path: Path, colour: NDArray, coverage: NDArray, time_ms: 
         alpha = np.rint(np.clip(coverage, 0, 1) * 255).astype(np.uint8)
         write_png(path, np.concatenate([srgb8_from_linear(colour), alpha[..., None]], axis=2))
     else:
-        raise InputError(f"{path}: wanted a name that ends in .npz or .png")
+        raise InputError(f"{path}: expected a name that ends in .npz or .png")
 
 
 class OutputFolder:
@@ -213,23 +213,18 @@ class OutputFolder:
         return staged
 
     def write_bytes(self, name: str, content: bytes) -> None:
-        """As the function of this name."""
         self._write(name, write_bytes, content)
 
     def write_text(self, name: str, content: str) -> None:
-        """As the function of this name."""
         self._write(name, write_text, content)
 
     def write_json(self, name: str, value: Any) -> None:
-        """As the function of this name."""
         self._write(name, write_json, value)
 
     def write_csv(self, name: str, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
-        """As the function of this name."""
         self._write(name, write_csv, rows, columns)
 
     def write_png(self, name: str, picture: NDArray) -> None:
-        """As the function of this name."""
         self._write(name, write_png, picture)
 
     def _write(self, name: str, writer: Any, *content: Any) -> None:

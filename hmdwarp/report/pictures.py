@@ -45,7 +45,7 @@ def comparison_panels(rendered: Picture | None, warped: Picture, truth: Picture,
 
 
 def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Picture:
-    """Panels side by side (or in rows of `columns`), each with its label above, on white.
+    """Lay panels side by side (or in rows of `columns`), each with its label above, on white.
 
     Panels may differ in size: smaller ones are enlarged by repeating pixels, or shrunk, to the
     first one's height.

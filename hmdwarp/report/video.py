@@ -59,7 +59,7 @@ def _can_encode(name: str) -> bool:
 
 
 class VideoWriter:
-    """Writes sRGB pictures as an H.264 mp4 that any player and browser shows in its true colours.
+    """A writer of sRGB pictures to an H.264 mp4 that players and browsers show in true colours.
 
         with VideoWriter(path, (w, h), 90) as video:
             video.add(picture)
@@ -82,7 +82,7 @@ class VideoWriter:
         self.path, self.size = Path(path), size
         if min(size) < 16 or not 0 < rate <= 1000:
             found = f"video of {size[0]}x{size[1]} at {rate:g} pictures per second"
-            raise InputError(f"{found}: wanted at least 16x16 and a rate above 0, at most 1000")
+            raise InputError(f"{found}: expected at least 16x16 and a rate above 0, at most 1000")
         self._temporary = self.path.with_name(f".{self.path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
         self.frames = 0
         self._open = True
@@ -168,7 +168,7 @@ class VideoWriter:
             raise
 
     def abort(self) -> None:
-        """Stop and delete what was written. May be called again."""
+        """Stop and delete the partial file. May be called again."""
         import av
 
         self._open = False
