@@ -13,7 +13,7 @@ from ..client.compensator import Compensator, EyeResult
 from ..client.inputs import PassInputs
 from ..client.plan import needs_of
 from ..colour import picture_from_linear
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..geometry import View
 from ..gpu.textures import download
 from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface

@@ -14,7 +14,7 @@ import attrs
 from ..auto.levels import choose
 from ..client.plan import build_plan, needs_of
 from ..errors import InputError
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..gpu.context import Gpu
 from ..gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..headsets import Headset, load_headset

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..client.compensator import Compensator, EyeResult
 from ..colour import picture_from_linear
-from ..frames.frame import EyeImage
+from ..frames import EyeImage
 from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh

@@ -9,12 +9,11 @@ import attrs
 
 from ...errors import InputError
 from ...report import counted
-from ..design import Design
+from ..design import Ask, Design, Show, steps_of
 from ..design._parts import ONLY_PART
 from ..export.rows import long_rows, of_origin, plan_of
 from ..export.words import nobody
 from ..scales import RATING, Scale
-from ..steps import Ask, Show, steps_of
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
 from .ratings import Felt, Measure, Rating, Ratings, Sitting
 

@@ -9,8 +9,8 @@ from typing import Any
 import attrs
 
 from ...metrics import metrics_in_order
+from ..actual import NUMBERS, TEXTS
 from ..design.settings import DISPLAY, KINDS
-from ..run.actual import NUMBERS, TEXTS
 from ..scales import KINDS as SCALE_KINDS
 from ..store import ORIGINS, STATUSES
 
