@@ -7,7 +7,7 @@ from hmdwarp.report import coding_rows, filled_rows, frame_rows, response_rows, 
 from .samples import a_summary
 
 
-def test_each_part_is_told_once_and_what_is_nothing_is_left_out():
+def test_each_part_stands_once_and_empty_ones_are_left_out():
     summary = a_summary()
     assert filled_rows(summary) == [("fill memory", "3.10 %"), ("fill pyramid", "2.00 %"), ("left empty", "0.00 %")]
     assert "waiting for earlier frames" not in dict(response_rows(summary))
@@ -16,21 +16,21 @@ def test_each_part_is_told_once_and_what_is_nothing_is_left_out():
         "drawn": "120",
         "sent": "120",
         "lost on the network": "3",
-        "came after a newer one was shown": "1",
-        "a newer one came by the same refresh": "2",
+        "arrived after a newer one was shown": "1",
+        "superseded by a newer one in the same refresh": "2",
         "shown": "100",
-        "still under way at the end": "14",
+        "in transit at the end": "14",
     }
     assert coding_rows(summary)[0] == ("rate, both eyes", "21.4 Mbit/s")
 
 
 @pytest.mark.parametrize("rows", [filled_rows, response_rows, frame_rows, coding_rows, transit_lines])
-def test_a_summary_that_does_not_say_is_told_as_nothing(rows):
+def test_a_summary_without_the_entries_gives_no_rows(rows):
     summary = {key: value for key, value in a_summary().items() if key not in ("link", "filled")}
     assert rows(summary) == []
 
 
-def test_the_terminal_hears_of_a_plain_run_no_more_than_before():
+def test_a_plain_link_and_a_single_fill_need_no_lines():
     summary = a_summary()
     assert len(transit_lines(summary)) == 3
     plain = {
