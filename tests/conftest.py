@@ -6,6 +6,7 @@ import signal
 import sys
 from pathlib import Path
 
+import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
 
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"

@@ -49,7 +49,7 @@ def test_how_many_to_invite():
     assert people_for(12, 0.001) is None
 
 
-@settings(max_examples=20, deadline=None)  # statsmodels collects all garbage in each call
+@settings(max_examples=20)
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
 def test_holm_here_is_holm_there(ps):
     assert _holm(ps) == pytest.approx(holm(ps), abs=1e-15)

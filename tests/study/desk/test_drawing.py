@@ -116,7 +116,7 @@ QUESTIONS = st.builds(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.builds(
         DeskState, heading=TEXTS, step=TEXTS, done=NUMBERS, elapsed_s=st.floats(0, 1e6), left_s=st.none() | st.floats(-5, 1e5),
