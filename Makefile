@@ -36,8 +36,9 @@ replay: setup  ## the main job: replay a recorded head trace 200 ms late and rep
 	$(HMDWARP) replay "$(TRACE)" --scene "$(SCENE)" --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
 	  --lens $(LENS) --headset $(HEADSET) --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
 
-test: setup  ## all tests, as CI runs them
-	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)
+test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
+	@.ci/setup --tests
+	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS)
 
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)

@@ -1,11 +1,13 @@
-"""Fixtures that every test may use: one GPU context for the session, the development head traces, the order of tests."""
+"""Fixtures that every test may use, the order of tests, and what a run says at its end."""
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from pathlib import Path
 
+import needs
 import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
 
@@ -23,7 +25,10 @@ def gpu():
 
 @pytest.fixture(autouse=True)
 def no_context_is_left_behind():
-    """A test that leaves an OpenGL context of its own open makes every later one draw there: black pictures, far from the cause."""
+    """Fail the test that leaves an OpenGL context open.
+
+    Every later test would draw there: black pictures, far from the cause.
+    """
     before = _current_gpu()
     yield
     assert _current_gpu() is before, "this test left an OpenGL context open: close it"
@@ -36,20 +41,33 @@ def _current_gpu():
 
 @pytest.fixture(scope="session")
 def real_traces() -> Path:
-    """The folder of real recorded head motion used in development; it is not part of the project."""
+    """The folder of real recorded head motion used in development; no part of the project."""
     if not DEVELOPMENT_TRACES.is_dir():
         pytest.skip(f"no real head traces at {DEVELOPMENT_TRACES} (they lie beside the development checkout only)")
     return DEVELOPMENT_TRACES
 
 
 def pytest_configure() -> None:
-    """Signals as a terminal has them: under nohup, or in the background of a script, they are ignored, and so would be in every
-    program that a test starts and then interrupts."""
+    """Take signals as under a terminal.
+
+    Under nohup, or in the background of a script, they are ignored, and so they would be in every
+    program that a test starts and then interrupts.
+    """
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, usual)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Slow tests last, so that a mistake shows early."""
+    """Run slow tests last, so that a mistake shows early."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Name what was left out: before pytest's closing line, or where LEFT_OUT=last after it."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    line = needs.left_out((report.nodeid, report.longrepr[2]) for report in skipped)
+    if line and os.environ.get("LEFT_OUT") == "last":
+        config.add_cleanup(lambda: print(line))
+    elif line:
+        terminalreporter.write_line(line)

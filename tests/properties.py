@@ -1,11 +1,12 @@
 """Settings of Hypothesis for every property test: the same in CI, under `make test` and by hand.
 
-Without a profile Hypothesis chooses by the environment: 200 ms for an example on a desk, no limit where CI is set.
+Without a profile Hypothesis chooses by the environment: where CI is not set, an example may take
+200 ms.
 """
 
 from hypothesis import HealthCheck, settings
 
-# How long a machine takes says nothing about the property, and that a strategy is slow is no fault in the product.
+# A slow machine or a slow strategy says nothing about the property.
 settings.register_profile(
     "hmdwarp",
     derandomize=True,  # the same examples in every run
@@ -16,5 +17,6 @@ settings.register_profile(
 )
 settings.load_profile("hmdwarp")
 
-# For a test whose fixture may serve all its examples (a folder, a context): what a test names replaces the profile's list.
+# For a test whose fixture may serve all its examples (a folder, a context). The list of a test
+# replaces the profile's.
 ONE_FIXTURE_FOR_ALL = [HealthCheck.too_slow, HealthCheck.function_scoped_fixture]

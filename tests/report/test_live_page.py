@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 
+import needs
 import numpy as np
 import pytest
 
@@ -13,7 +14,7 @@ from hmdwarp.report.live_told import budget_rows, live_lines
 from hmdwarp.report.schema import validate_summary
 
 from .samples import a_summary
-from .test_page import CHROMIUM, in_chromium
+from .test_page import in_chromium
 
 NAMES = (
     "age_ms",
@@ -122,7 +123,7 @@ def test_a_page_of_almost_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@needs.programs("chromium")
 @pytest.mark.parametrize("width", [1280, 500])
 def test_whole_quiet_and_alone_in_chromium(width, tmp_path):
     page = render_live_report(a_live_summary(), a_column(), command="hmdwarp live")
