@@ -200,7 +200,7 @@ def link_table(run: Run) -> str:
 def _link_figures(got: Summary) -> list[str]:
     link, frames = got["link"], got["link"]["frames"]
     coded = [_number(link.get(name)) for name in ("coded_psnr_db", "encode_ms", "decode_ms")]
-    fate = f"{frames['shown']} / {frames['lost'] + frames['undecodable'] + frames['dropped']} / {frames['late'] + frames['superseded']}"
+    fate = f"{frames['shown']} / {frames['lost'] + frames['undecodable'] + frames['dropped']} / {frames['rendered'] + frames['superseded']}"
     picture = (f"{_quality(got, 'psnr_db'):.2f}", f"{_quality(got, 'flip'):.3f}")
     return [f"{link['mbit_s']:.1f}", *coded, fate, f"{link['response_ms']['total_ms']:.0f}", *picture]
 

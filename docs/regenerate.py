@@ -110,11 +110,11 @@ def opening_picture(folder: Path) -> None:
     options += ["--headset", "flat-90", "--fill", "interpolate", "--against", "", "--quiet", "--out", str(out)]
     subprocess.run([sys.executable, "-m", "hmdwarp", "replay", "look-around", *options], check=True)
     strip = Image.open(out / "images" / "frame-000000-left.png")
-    late, warped, truth, error = (
+    rendered, warped, truth, error = (
         strip.crop((k * strip.width // 4, 0, (k + 1) * strip.width // 4, strip.height)) for k in range(4)
     )
     ordered = Image.new("RGB", strip.size, "white")
-    for k, part in enumerate((truth, late, warped, error)):
+    for k, part in enumerate((truth, rendered, warped, error)):
         ordered.paste(part, (k * strip.width // 4, 0))
     ordered.thumbnail((1920, 1920), Image.Resampling.LANCZOS)
     ordered.save(ROOT / "docs" / "opening.png", optimize=True)

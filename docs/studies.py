@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from hmdwarp.catalogue import entries
+from hmdwarp.cli.catalogue import entries
 from hmdwarp.display import Command
 from hmdwarp.report.study_words import p_text
 from hmdwarp.study.asking import CONTROLS, Asked

@@ -8,8 +8,6 @@ Names are imported when they are first used, so that importing the package costs
 from __future__ import annotations
 
 import importlib
-import sys
-from types import ModuleType
 from typing import Any
 
 from .version import __version__
@@ -22,14 +20,14 @@ _HOME = {
     "MachineError": "errors",
     "Pose": "geometry",
     "PoseTrack": "poses",
-    "RunOptions": "options",
+    "RunOptions": "pipeline.options",
     "View": "geometry",
     "WarpMap": "geometry",
-    "WarpedImage": "image",
+    "WarpedImage": "image.warping",
     "inverse_depth_from_clip": "geometry",
     "load_trace": "poses",
-    "replay": "replay",
-    "warp_image": "image",
+    "replay": "run.replay",
+    "warp_image": "image.warping",
 }
 
 __all__ = ["__version__", *_HOME]  # noqa: PLE0604 (the keys are strings)
@@ -45,14 +43,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted([*globals(), *_HOME])
-
-
-class _Package(ModuleType):
-    """Importing hmdwarp.replay, the module, must not hide hmdwarp.replay, the function, as imports otherwise do."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if not (name in _HOME and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

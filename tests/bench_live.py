@@ -1,6 +1,6 @@
 """What a refresh of `hmdwarp live` costs beside OpenGL: `make bench-live`. With --gc: what Python's garbage collector costs it.
 
-The whole live driver runs, on a display without a window (tests/live/offscreen.py) and small pictures: late pose, drawing, link, newest
+The whole live driver runs, on a display without a window (tests/run/live/offscreen.py) and small pictures: late pose, drawing, link, newest
 pose, warp maps, passes, handing over, log. Every call into OpenGL is timed and taken away; what is left is Python. On llvmpipe the
 drawing itself takes the processor and its caches, so the rest is slower than it would be beside a GPU.
 
@@ -24,13 +24,13 @@ from typing import Any
 import gc_pauses
 import numpy as np
 from gl_clock import GlClock, nothing_drawn
-from live.offscreen import OffscreenDisplay
 from rich.console import Console
 from rich.table import Table
+from run.live.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Tick
 from hmdwarp.gpu.context import Gpu
-from hmdwarp.live import LiveOptions, run
+from hmdwarp.run.live import LiveOptions, run
 
 LIMIT_MS = 0.5  # median, both eyes
 CASES: dict[str, dict[str, Any]] = {

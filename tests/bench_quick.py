@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hmdwarp.client.fills import fills
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps import warps
@@ -61,32 +61,32 @@ class Case:
         half = np.arctan(np.tan(np.deg2rad(48)) * np.array([1, size[1] / size[0]]))
         fov = Fov(-half[0], half[0], -half[1], half[1])
         self.shown = View(track.at(now).pose, fov)
-        self.late = server.draw(View(track.at(now - LATENCY_NS).pose, fov), size)
+        self.rendered = server.draw(View(track.at(now - LATENCY_NS).pose, fov), size)
         self.client_depth = server.draw_depth(self.shown, size, allocate(gpu.gl, size, SCALAR))
-        self.given = Given(self.late, self.shown, client_inverse_depth=self.client_depth)
+        self.inputs = PassInputs(self.rendered, self.shown, client_inverse_depth=self.client_depth)
         self.canvas, self.other = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
 
     def methods(self) -> dict[str, Callable[[], object]]:
         made: dict[str, Callable[[], object]] = {}
         for name in TIMED:
             warp = warps.get(name)(self.gpu, self.size, self.size)
-            made[name] = lambda warp=warp: warp.run(self.given, self.canvas)
+            made[name] = lambda warp=warp: warp.run(self.inputs, self.canvas)
         fill = fills.get("interpolate")(self.gpu, self.size, self.size)
-        made["fill interpolate"] = lambda: fill.run(self.given, ShownPicture(self.canvas), ShownPicture(self.other))
+        made["fill interpolate"] = lambda: fill.run(self.inputs, ShownPicture(self.canvas), ShownPicture(self.other))
         lens = lenses.get("radial")(self.gpu, load_headset("rift-dk1"), self.size)
         made["lens radial"] = lambda: lens.run(self.canvas, self.shown.fov, 0, self.other)
         return {**made, **self._opencv()}
 
     def _opencv(self) -> dict[str, Callable[[], object]]:
-        picture = picture_from_linear(download(self.late.colour))
+        picture = picture_from_linear(download(self.rendered.colour))
         with np.errstate(divide="ignore"):
-            depth = np.float32(1) / download(self.late.inverse_depth)
+            depth = np.float32(1) / download(self.rendered.inverse_depth)
         depth[~np.isfinite(depth)] = 1e4
         wide, high = self.size
         to_pixel = np.diag([1.0, -1.0, -1.0])  # OpenCV looks along +z with y down
         focal = wide / (self.shown.fov.tangents[1] - self.shown.fov.tangents[0])
         camera = np.array([[focal, 0, wide / 2], [0, focal, high / 2], [0, 0, 1]])
-        relative = self.late.view.pose.relative_to(self.shown.pose).matrix()
+        relative = self.rendered.view.pose.relative_to(self.shown.pose).matrix()
         motion = np.eye(4)
         motion[:3, :3] = to_pixel @ relative[:3, :3] @ to_pixel
         motion[:3, 3] = to_pixel @ relative[:3, 3]
@@ -200,14 +200,17 @@ def main() -> None:
         console.print(f"{gpu.renderer}, OpenCV {cv2.__version__}, {arguments.rounds} rounds")
         for size in LIMITS:
             methods = Case(gpu, server, size, arguments.time).methods()
-            shown, late = table(size, measure(gpu, methods, arguments.rounds))
+            shown, rendered = table(size, measure(gpu, methods, arguments.rounds))
             console.print(shown)
             console.print(warm(gpu, methods, size, arguments.rounds))
-            missed += late
+            missed += rendered
         server.close()
-    for line, late in (*([whole_replay(arguments.seconds)] if arguments.seconds else []), starting(arguments.rounds)):
+    for line, rendered in (
+        *([whole_replay(arguments.seconds)] if arguments.seconds else []),
+        starting(arguments.rounds),
+    ):
         console.print(line)
-        missed += late
+        missed += rendered
     for line in missed:
         console.print(f"missed: {line}")
 

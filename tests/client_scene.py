@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hmdwarp.client_scene
+import hmdwarp.pipeline.client_scene
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
 
-class ClientScene(hmdwarp.client_scene.ClientScene):
+class ClientScene(hmdwarp.pipeline.client_scene.ClientScene):
     """What a run's rig hands to fills that draw for themselves."""
 
     def __init__(self, gpu, scene: str = "planes", cache=None) -> None:

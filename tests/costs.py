@@ -10,7 +10,7 @@ from replays import small
 
 from hmdwarp.client.weight import eye_bytes
 from hmdwarp.gpu.shaders import ShaderLibrary
-from hmdwarp.rig import build_rig
+from hmdwarp.run.rig import build_rig
 
 ALLOCATIONS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "vertex_array")
 WORK = ((moderngl.ComputeShader, "run"), (moderngl.ComputeShader, "run_indirect"), (moderngl.VertexArray, "render"))
@@ -59,7 +59,7 @@ def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
             assert shown == refreshes
             layers = eye_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
             return Costs(
-                frozenset(shaders), dict(made), dict(work), layers, rig.channel.passage.size_bytes, dict(textures)
+                frozenset(shaders), dict(made), dict(work), layers, rig.channel.transit.size_bytes, dict(textures)
             )
 
 

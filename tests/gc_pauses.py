@@ -75,7 +75,7 @@ def _told(pauses: Pauses) -> list[str]:
     took = np.array([ms for _, ms in pauses.pauses_ms] or [0.0])
     by_generation = " / ".join(str(sum(one == generation for one, _ in pauses.pauses_ms)) for generation in range(3))
     refreshes, collecting = (np.array(values[WARM:]) for values in (pauses.refreshes_ms, pauses.collecting_ms))
-    late = int(((refreshes > BUDGET_MS) & (refreshes - collecting <= BUDGET_MS)).sum())
+    rendered = int(((refreshes > BUDGET_MS) & (refreshes - collecting <= BUDGET_MS)).sum())
     numbers = (
         took.max(),
         np.percentile(took, 99),
@@ -83,4 +83,4 @@ def _told(pauses: Pauses) -> list[str]:
         *np.percentile(refreshes, (50, 99)),
         refreshes.max(),
     )
-    return [by_generation, *(f"{value:.3f}" for value in numbers), str(late)]
+    return [by_generation, *(f"{value:.3f}" for value in numbers), str(rendered)]

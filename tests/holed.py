@@ -5,15 +5,15 @@ from __future__ import annotations
 import attrs
 import numpy as np
 from client_scene import ClientScene
+from reference.picture import LatePicture
 from worlds import World, read
 
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.plan import CLIENT_MODEL
-from hmdwarp.frame import EyeImage
+from hmdwarp.client.variants import parse_fills
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry.wide import wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
-from hmdwarp.reference.picture import LatePicture
 
 
 class Holed:
@@ -28,11 +28,11 @@ class Holed:
         self.inverse_depth = np.maximum(world.inverse_depth, 0).astype(np.float32).astype(np.float64)
         self.empty(holes)
         given = world.given(None)
-        self.given = attrs.evolve(given, late=attrs.evolve(given.late, wide=self._wide(gpu)))
+        self.given = attrs.evolve(given, rendered=attrs.evolve(given.rendered, wide=self._wide(gpu)))
 
     def _wide(self, gpu) -> EyeImage:
         """Another picture of the same eye, wider and of any size."""
-        (colour, depth), view = self.world._picture(), wide_view(self.world.late_view)
+        (colour, depth), view = self.world._picture(), wide_view(self.world.rendered_view)
         self.wide = LatePicture(colour, depth, view)
         return EyeImage(view, *self.world._textures(gpu, colour, depth))
 

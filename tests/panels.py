@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
+from reference.picture import ReferencePicture
 from worlds import World, read
 
-from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.lens import lenses
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import Output
 from hmdwarp.geometry import View
 from hmdwarp.gpu.textures import Canvas
 from hmdwarp.headsets import Headset
-from hmdwarp.reference.picture import ReferencePicture
 
 
 def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, int], *, moved: bool = True) -> World:
@@ -20,7 +20,7 @@ def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, in
     world = World(gpu, seed, size, moved=moved)
     world.shown_view = View(world.shown_view.pose, headset.fov(eye))
     if not moved:
-        world.late_view = world.shown_view
+        world.rendered_view = world.shown_view
         world.upload(gpu)
     return world
 

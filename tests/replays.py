@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hmdwarp.gpu.textures import download
-from hmdwarp.loop import Refresh
-from hmdwarp.options import RunOptions
-from hmdwarp.replay import ReplayResult, replay
-from hmdwarp.rig import Rig, build_rig
+from hmdwarp.pipeline.loop import Refresh
+from hmdwarp.pipeline.options import RunOptions
+from hmdwarp.run.replay import ReplayResult, replay
+from hmdwarp.run.rig import Rig, build_rig
 
 SMALL = {
     "trace": "look-around",

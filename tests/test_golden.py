@@ -21,8 +21,8 @@ from replays import each_refresh, small
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.gpu.textures import download
-from hmdwarp.loop import Refresh
-from hmdwarp.rig import Rig
+from hmdwarp.pipeline.loop import Refresh
+from hmdwarp.run.rig import Rig
 
 GOLDEN = Path(__file__).resolve().parent / "golden"
 WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"

@@ -28,28 +28,20 @@ FLOORS = [
     {"tables"},
     {"gpu", "poses", "headsets"},
     {"scenes"},
-    {"frame"},
-    {"server", "reference"},
-    {"link", "codec"},
+    {"frames"},
+    {"server"},
+    {"link"},
     {"client"},
+    {"auto"},
     {"metrics"},
     {"report"},
-    {"channel"},
-    {"options", "frame_files", "loop"},
-    {"client_scene"},
-    {"sizes", "plans"},
     {"pipeline"},
-    {"rig", "image"},
-    {"truth", "border"},
-    {"measuring", "runlog", "ladder", "autolog"},
-    {"outcome"},
-    {"bench"},
-    {"trial"},
+    {"image"},
     {"display"},
-    {"doctor", "_probes"},
-    {"replay", "live"},
+    {"doctor"},
+    {"run"},
+    {"bench"},
     {"study"},
-    {"catalogue"},
     {"cli"},
     {"__main__"},
 ]
@@ -59,34 +51,15 @@ APART = {
     "gpu": {"geometry", "colour"},
     "scenes": {"poses", "headsets"},
     "server": {"poses", "headsets"},
-    "frame": {"gpu", "poses"},
-    "link": {"gpu", "server", "reference", "headsets"},
-    "codec": {"gpu", "server", "reference", "headsets", "scenes", "poses", "frame", "geometry"},
-    "reference": {"gpu"},
-    "client": {"server", "link", "reference", "poses"},
+    "frames": {"gpu", "poses"},
+    "link": {"gpu", "server", "headsets", "scenes", "poses", "frames"},
+    "client": {"server", "link", "poses"},
     "metrics": {"client", "server", "link"},
     "report": {"client", "server", "link", "gpu"},
     "doctor": {"client", "server", "scenes", "poses"},
-    "_probes": {"client", "server", "scenes", "poses"},
 }
-CLOCK_READERS = {
-    "gpu/timers.py",
-    "channel.py",
-    "loop.py",
-    "replay.py",
-    "live.py",
-    "bench.py",
-    "doctor.py",
-    "study/store/clock.py",
-}
-CLOCK_FOLDERS = (
-    "cli/",
-    "loop/",
-    "replay/",
-    "live/",
-    "bench/",
-    "display/",
-)  # display: its clock is the one all live times are on
+CLOCK_READERS = {"gpu/timers.py", "pipeline/channel.py", "pipeline/loop.py", "doctor/checks.py", "study/store/clock.py"}
+CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")  # display: its clock is the one all live times are on
 HEAVY = (
     "scipy",
     "moderngl",
@@ -190,7 +163,7 @@ def test_import_rules_notice_what_they_forbid():
     }
     assert units_in("from hmdwarp import warp_image", ("hmdwarp", "client")) == {""}
     assert units_in(
-        "if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frame import Frame", ("hmdwarp", "link")
+        "if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frames import Frame", ("hmdwarp", "link")
     ) == {"frame"}
     assert forbidden("geometry", {"errors", "gpu", "registry"}) == {"gpu", "registry"}
     assert forbidden("server", {"gpu", "client"}) == {"client"}

@@ -9,7 +9,7 @@ import pytest
 from costs import Costs, costs_of
 
 from hmdwarp.client.effects import effects
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.resources import folder
 from hmdwarp.scenes import scenes
 from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, effect_names
@@ -29,7 +29,7 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkey
     costs = costs_of(monkeypatch, scene=scene, fill="interpolate")
     assert costs.shaders == BASE_SHADERS
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
-    assert costs.layers == {"late.colour": 96 * 80 * 8, "late.inverse_depth": 96 * 80 * 4}
+    assert costs.layers == {"rendered.colour": 96 * 80 * 8, "rendered.inverse_depth": 96 * 80 * 4}
     assert costs.sent == 2 * 96 * 80 * 12
     # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each has colour and depth for two eyes.
     # The client has a canvas for the warp and one for the fill, for each eye.
@@ -50,7 +50,7 @@ def test_a_plain_scene_costs_the_same_whatever_is_allowed(monkeypatch, scene):
 def test_what_is_forbidden_costs_the_client_and_the_link_nothing(monkeypatch, scene):
     with_all, without = (costs_of(monkeypatch, scene=scene, effects=asked) for asked in ("auto", "none"))
     assert not {path for path in without.shaders if path.startswith("effects/")}
-    assert set(without.layers) == {"late.colour", "late.inverse_depth"}
+    assert set(without.layers) == {"rendered.colour", "rendered.inverse_depth"}
     assert without.sent < with_all.sent
     assert _passes(without) < _passes(with_all)
     assert sum(without.textures.values()) < sum(with_all.textures.values())

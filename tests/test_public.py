@@ -43,7 +43,7 @@ def test_names_that_are_not_there_say_so():
     [
         "import hmdwarp.replay",
         "from hmdwarp.replay import ReplayResult",
-        "import hmdwarp.cli._app, hmdwarp.rig",
+        "import hmdwarp.cli._app, hmdwarp.run.rig",
         "from hmdwarp import replay",
         "pass",
     ],

@@ -8,25 +8,23 @@ import typing
 
 import attrs
 import numpy as np
+import reference
+from reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
 from scipy.spatial.transform import Rotation
 
-from hmdwarp import reference
-from hmdwarp.client.choices import every_warp, parse_warp
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import CLIENT_DEPTH
+from hmdwarp.client.variants import every_warp, parse_warp
 from hmdwarp.client.warps import Warp, warps
-from hmdwarp.frame import EyeImage, Layer
+from hmdwarp.frames.frame import EyeImage, Layer
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
-from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
 
 
 def twin_of(name: str):
-    """The float64 twin of a warp: the public function of its name in a module of hmdwarp.reference."""
-    modules = (
-        importlib.import_module(f"hmdwarp.reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__)
-    )
+    """The float64 twin of a warp: the public function of its name in a module of reference."""
+    modules = (importlib.import_module(f"reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__))
     twins = {
         module: vars(module)[name]
         for module in modules
@@ -65,11 +63,11 @@ class World:
         self.other_images: tuple[EyeImage, ...] = ()
         self.cube: np.ndarray | None = None
         fov = Fov(*np.deg2rad([-rng.uniform(30, 55), rng.uniform(30, 55), -rng.uniform(30, 55), rng.uniform(30, 55)]))
-        self.late_view = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
+        self.rendered_view = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
         turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=5 if moved else 0, size=3)))
         step = rng.normal(scale=0.03 if moved else 0, size=3)
-        pose = Pose(self.late_view.pose.position_m + step, (self.late_view.pose.rotation * turn).as_quat())
-        self.shown_view = View(pose if moved else self.late_view.pose, fov)
+        pose = Pose(self.rendered_view.pose.position_m + step, (self.rendered_view.pose.rotation * turn).as_quat())
+        self.shown_view = View(pose if moved else self.rendered_view.pose, fov)
         self._draw()
         self.client = self._client_depth()
         self.upload(gpu)
@@ -104,7 +102,7 @@ class World:
         return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
 
     def upload(self, gpu) -> None:
-        self.late = EyeImage(self.late_view, *self._textures(gpu, self.colour, self.inverse_depth))
+        self.rendered = EyeImage(self.rendered_view, *self._textures(gpu, self.colour, self.inverse_depth))
         self.client_texture = allocate(gpu.gl, self.shown_size, SCALAR)
         self.client_texture.write(self.client.astype(np.float32).tobytes(), alignment=1)
 
@@ -129,13 +127,13 @@ class World:
     def bring(self, gpu, entry: type[Warp]) -> None:
         """Everything else that a warp of this kind reads: layers behind the visible surfaces, a cube around the eye, further pictures."""
         settings = entry.Settings()
-        if "late.cube" in entry.reads:
+        if "rendered.cube" in entry.reads:
             self.bring_cube(gpu)
-        if "late.layers" in entry.reads:
+        if "rendered.layers" in entry.reads:
             self.layers = self.layers or tuple(self._behind(k + 1) for k in range(entry.needs(settings).layers))
             uploaded = tuple(Layer(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
-            self.late = attrs.evolve(self.late, layers=uploaded)
-        if "late.others" in entry.reads:
+            self.rendered = attrs.evolve(self.rendered, layers=uploaded)
+        if "rendered.others" in entry.reads:
             self.others = self.others or tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(
                 EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others
@@ -147,7 +145,7 @@ class World:
             side = max(self.size) + 2
             colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))
             self.cube = np.dstack([colour, np.ones(colour.shape[:2])]).astype(np.float16).astype(np.float64)
-        self.late = attrs.evolve(self.late, cube=self._colour_texture(gpu, self.cube))
+        self.rendered = attrs.evolve(self.rendered, cube=self._colour_texture(gpu, self.cube))
 
     def look_along_a_face(self, gpu, index: int, margin: int = 0) -> np.ndarray:
         """Show what the cube holds in one face, less `margin` of its pixels on each side; returns that picture."""
@@ -155,7 +153,7 @@ class World:
         face, side = FACES[index], max(self.size) + 2
         edge, left = 1 + margin, (side - 2) / 2
         narrower = (left - margin) / left
-        turned = face_views(self.late_view, side)[index].pose
+        turned = face_views(self.rendered_view, side)[index].pose
         self.shown_view = View(turned, Fov.from_tangents([-narrower, narrower, -narrower, narrower]))
         self.shown_size = (side - 2 * edge, side - 2 * edge)
         x, y = face.column * side, face.row * side
@@ -167,28 +165,28 @@ class World:
         missing = (self.inverse_depth <= 0) | (self.rng.uniform(size=self.inverse_depth.shape) < 0.3)
         depth = np.where(missing, -1, self.inverse_depth * 0.6**number).astype(np.float32).astype(np.float64)
         colour[..., 3] = 1
-        return LatePicture(colour * ~missing[..., None], depth, self.late_view)
+        return LatePicture(colour * ~missing[..., None], depth, self.rendered_view)
 
     def _beside(self) -> View:
         """The late view from a few centimetres beside."""
-        pose = self.late_view.pose
+        pose = self.rendered_view.pose
         return View(
-            Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.late_view.fov
+            Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.rendered_view.fov
         )
 
-    def given(self, entry: type[Warp] | None) -> Given:
+    def inputs(self, entry: type[Warp] | None) -> PassInputs:
         own = self.client_texture if entry is not None and CLIENT_DEPTH in entry.reads else None
-        return Given(self.late, self.shown_view, others=self.other_images, client_inverse_depth=own)
+        return PassInputs(self.rendered, self.shown_view, others=self.other_images, client_inverse_depth=own)
 
     def warp(self, gpu, spec: str) -> np.ndarray:
         choice = parse_warp(spec)
         self.bring(gpu, choice.entry)
         warp = choice.entry(gpu, self.size, self.shown_size, choice.settings)
-        canvas, given = Canvas(gpu.gl, self.shown_size), self.given(choice.entry)
-        warp.run(given, canvas)
+        canvas, inputs = Canvas(gpu.gl, self.shown_size), self.inputs(choice.entry)
+        warp.run(inputs, canvas)
         gpu.gl.memory_barrier()
         out = read(canvas.texture)
-        warp.run(given, canvas)  # a second run must not see what the first left behind
+        warp.run(inputs, canvas)  # a second run must not see what the first left behind
         gpu.gl.memory_barrier()
         assert np.array_equal(out, read(canvas.texture), equal_nan=True), "two runs differ"
         warp.close()
@@ -199,7 +197,7 @@ class World:
         return Asked(
             self.colour,
             self.inverse_depth,
-            self.late_view,
+            self.rendered_view,
             self.shown_view,
             self.shown_size,
             client_inverse_depth=self.client,

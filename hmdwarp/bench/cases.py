@@ -7,15 +7,15 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import attrs
 
-from ..client.choices import every_warp, fill_text, parse_fills, parse_warp
 from ..client.history import History
 from ..client.plan import Plan, build_plan
-from ..frame import Needs
+from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
+from ..frames.frame import Needs
 from ..link import Link, LinkOptions
-from ..options import RunOptions
-from ..pipeline import refreshes_of
+from ..pipeline.build import refreshes_of
+from ..pipeline.options import RunOptions
 from ..poses import PoseTrack
-from ..rig import Timetable, timetable
+from ..run.rig import Timetable, timetable
 from ..scenes import Scene
 from ..scenes.effects import asked_effects
 from .options import BenchOptions, Size
@@ -71,7 +71,7 @@ def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
 
 
 def batches(
-    combinations: Sequence[Combination], late_size: Size, shown_size: Size, most_bytes: float
+    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
 ) -> list[list[Combination]]:
     """Combinations that exist at the same time: those that want their older frames equally far apart, within `most_bytes`.
 
@@ -85,7 +85,7 @@ def batches(
         current: list[Combination] = []
         for _, group in itertools.groupby(fitting, key=lambda c: c.warp):
             together = list(group)
-            if current and sum(_bytes(c, late_size, shown_size) for c in (*current, *together)) > most_bytes:
+            if current and sum(_bytes(c, rendered_size, shown_size) for c in (*current, *together)) > most_bytes:
                 found.append(current)
                 current = []
             current += together
@@ -93,10 +93,12 @@ def batches(
     return found
 
 
-def _bytes(combination: Combination, late_size: Size, shown_size: Size) -> int:
+def _bytes(combination: Combination, rendered_size: Size, shown_size: Size) -> int:
     plan = combination.plan
     canvases = 1 + len(plan.fills) + len(plan.effect_passes) + plan.lens.is_pass
-    return 2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * late_size[0] * late_size[1]
+    return (
+        2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * rendered_size[0] * rendered_size[1]
+    )
 
 
 def run_options(options: BenchOptions, case: Case, **changes: object) -> RunOptions:

@@ -10,18 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..client.compensator import Compensator, EyeResult
-from ..client.given import Given
+from ..client.inputs import PassInputs
 from ..client.plan import needs_of
 from ..colour import picture_from_linear
-from ..frame import Needs
+from ..frames.frame import Needs
 from ..geometry import View
 from ..gpu.textures import download
-from ..loop import Refresh
 from ..metrics.job import Compared, QualityJob
 from ..metrics.mismatch import Mismatch, SharedSurface
 from ..metrics.pool import QualityPool
-from ..rig import Rig
-from ..runlog import Row, stage_columns
+from ..pipeline.loop import Refresh
+from ..run.log import Row, stage_columns
+from ..run.rig import Rig
 from ..server.targets import TargetPool
 from .cases import Case, Combination, frames_used, instants_of, numbered
 
@@ -103,18 +103,18 @@ class Casework:
         finally:
             self._targets.close()
 
-    def _given(self, compensator: Compensator, refresh: Refresh) -> tuple[Given, ...]:
-        return self._rig.loop.given(refresh, compensator.plan.needs)
+    def _inputs(self, compensator: Compensator, refresh: Refresh) -> tuple[PassInputs, ...]:
+        return self._rig.loop.inputs(refresh, compensator.plan.needs)
 
     def _truth(self, view: View, time_ns: int) -> Truth:
         drawn = self._rig.server.draw(view, self._rig.size, self._target, time_ns)
         return Truth(picture_from_linear(download(drawn.colour)), download(drawn.inverse_depth))
 
     def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
-        truth = self._truth(refresh.given[eye].shown, refresh.shown_ns)
+        truth = self._truth(refresh.inputs[eye].shown, refresh.shown_ns)
         shown = []
         for compensator in self._compensators:
-            result = compensator.run(self._given(compensator, refresh)[eye])
+            result = compensator.run(self._inputs(compensator, refresh)[eye])
             shown.append(Compared(_picture(result), truth.picture, result.view))
         self._rig.gpu.timer.collect()
         return shown
@@ -137,19 +137,19 @@ class Casework:
     def _run(self, index: int, refresh: Refresh, *, timed: bool) -> None:
         compensator, measured = self._compensators[index], self.measured[index]
         self._last[index] = []
-        for given in self._given(compensator, refresh):
-            self._last[index].append(compensator.run(given))
+        for inputs in self._inputs(compensator, refresh):
+            self._last[index].append(compensator.run(inputs))
             stages = self._rig.gpu.timer.collect()
             if timed:
-                measured.times.append({"frame": refresh.shown_ns, "eye": given.eye, **stage_columns(stages)})
+                measured.times.append({"frame": refresh.shown_ns, "eye": inputs.eye, **stage_columns(stages)})
                 for name in dict.fromkeys(name for name, _ in stages):
                     measured.stages[name].append(sum(milliseconds for other, milliseconds in stages if other == name))
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Hand in the pictures, and compare the eyes' holes, which no fill changes."""
-        truths = [self._truth(given.shown, given.shown_ns) for given in refresh.given]
-        shared = SharedSurface(*(given.shown for given in refresh.given), *(truth.inverse_depth for truth in truths))
-        late, truth = refresh.frame.eyes[eye], truths[eye]
+        truths = [self._truth(inputs.shown, inputs.shown_ns) for inputs in refresh.inputs]
+        shared = SharedSurface(*(inputs.shown for inputs in refresh.inputs), *(truth.inverse_depth for truth in truths))
+        rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
@@ -162,8 +162,8 @@ class Casework:
                 before[index] if before else None,
                 coverages[warp][eye],
                 truth.inverse_depth,
-                late.view,
-                late.size,
+                rendered.view,
+                rendered.size,
                 regions=True,
             )
             same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)

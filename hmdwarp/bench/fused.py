@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..client.compensator import Compensator
-from ..client.given import Given
+from ..client.inputs import PassInputs
 from ..client.plan import build_plan, needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
 from ..metrics.job import Compared, QualityJob
 from ..metrics.pool import QualityPool
 from ..metrics.sharpness import sharpness
-from ..rig import Rig
-from ..runlog import stage_columns
+from ..run.log import stage_columns
+from ..run.rig import Rig
 from ..server.targets import Target, TargetPool
 from .cases import instants_of
 from .casework import refreshes
@@ -67,10 +67,10 @@ class PanelTruth:
         plan = build_plan(rig.plan.effects, "none", "none", lens, client_geometry=True)
         self._lens = plan.lens(rig.gpu, rig.headset, self._size)
 
-    def __call__(self, given: Given) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
+    def __call__(self, inputs: PassInputs) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
         """sRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
-        self._rig.server.draw(given.shown, self._size, self._target, given.shown_ns)
-        self._lens.run(self._shown, given.shown.fov, given.eye, self._panel)
+        self._rig.server.draw(inputs.shown, self._size, self._target, inputs.shown_ns)
+        self._lens.run(self._shown, inputs.shown.fov, inputs.eye, self._panel)
         self._rig.gpu.gl.memory_barrier()
         large = download(self._panel.texture).astype(np.float32)
         wide, high = self._rig.size
@@ -95,11 +95,11 @@ def fused_rows(
     try:
         for number, refresh in refreshes(rig, needs, numbers):
             pool.wait()
-            given = {pair.warp: rig.loop.given(refresh, pair.compensators["fused"].plan.needs)[EYE] for pair in pairs}
-            _time(rig, pairs, given, rounds)
-            truth, seen = truth_of(refresh.given[EYE])
+            inputs = {pair.warp: rig.loop.inputs(refresh, pair.compensators["fused"].plan.needs)[EYE] for pair in pairs}
+            _time(rig, pairs, inputs, rounds)
+            truth, seen = truth_of(refresh.inputs[EYE])
             for pair in pairs:
-                _compare(pair, given[pair.warp], number, truth, seen, pool)
+                _compare(pair, inputs[pair.warp], number, truth, seen, pool)
             rig.gpu.timer.collect()
             step()
         pool.wait()
@@ -108,28 +108,28 @@ def fused_rows(
     return [_row(pair, numbers, pool) for pair in pairs]
 
 
-def _time(rig: Rig, pairs: list[_Pair], given: dict[str, Given], rounds: int) -> None:
+def _time(rig: Rig, pairs: list[_Pair], inputs: dict[str, PassInputs], rounds: int) -> None:
     rig.gpu.timer.collect()
     for round_ in range(rounds + 1):  # the first to warm up
         for pair in pairs:
             for form in FORMS if round_ % 2 else FORMS[::-1]:
-                pair.compensators[form].run(given[pair.warp])
+                pair.compensators[form].run(inputs[pair.warp])
                 total = stage_columns(rig.gpu.timer.collect())["total_ms"]
                 if round_:
                     pair.times[form].append(total)
 
 
 def _compare(
-    pair: _Pair, given: Given, number: int, truth: NDArray[np.uint8], seen: NDArray[np.bool_], pool: QualityPool
+    pair: _Pair, inputs: PassInputs, number: int, truth: NDArray[np.uint8], seen: NDArray[np.bool_], pool: QualityPool
 ) -> None:
-    panels = {form: download(pair.compensators[form].run(given).panel.texture) for form in FORMS}
+    panels = {form: download(pair.compensators[form].run(inputs).panel.texture) for form in FORMS}
     both = seen & np.logical_and.reduce([panel[..., 3] == 1 for panel in panels.values()])
     for form, panel in panels.items():
         picture = picture_from_linear(panel)
         found = sharpness(picture, truth, both)
         if found is not None:
             pair.sharpness[form].append(found)
-        pool.submit((pair.warp, form, number), QualityJob(Compared(picture, truth, given.shown)))
+        pool.submit((pair.warp, form, number), QualityJob(Compared(picture, truth, inputs.shown)))
 
 
 def _row(pair: _Pair, numbers: list[int], pool: QualityPool) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from ..channel import Channel
 from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import needs_of
@@ -18,11 +17,12 @@ from ..errors import HmdwarpError
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link import LinkOptions
-from ..loop import Loop, Requested
 from ..metrics.job import Compared, QualityJob
 from ..metrics.pool import QualityPool
+from ..pipeline.channel import Channel
+from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
-from ..rig import Rig
+from ..run.rig import Rig
 from ..scenes import Scene
 from ..server.targets import TargetPool
 from .cases import Combination
@@ -82,10 +82,10 @@ def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Calla
         target = targets.acquire()
         for number in range(len(moves)):
             refresh = loop.show(number + 1)
-            truth = rig.server.draw(refresh.given[0].shown, rig.size, target, refresh.shown_ns)
+            truth = rig.server.draw(refresh.inputs[0].shown, rig.size, target, refresh.shown_ns)
             picture = picture_from_linear(download(truth.colour))
             for combination, compensator in zip(warps, compensators, strict=True):
-                result = compensator.run(loop.given(refresh, combination.plan.needs)[0])
+                result = compensator.run(loop.inputs(refresh, combination.plan.needs)[0])
                 shown = Compared(picture_from_linear(download(result.shown.texture)), picture, result.view)
                 pool.submit(
                     (combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3])
@@ -105,7 +105,7 @@ def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack
     stack.callback(channel.close)
     main: Compensator = rig.compensator(rig.plan)
     loop = Loop(
-        Requested(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset
+        PoseRequest(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset
     )
     for back in range(needs.past, -1, -1):
         loop.draw(-back * max(1, needs.past_spacing_ns))

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import number
+from ..pipeline.options import number
 from ..poses.options import TraceOptions
 
 Size = tuple[int, int]

@@ -11,8 +11,8 @@ from ..metrics import QUALITY, STAGES
 from ..metrics.mismatch import Mismatch
 from ..metrics.pool import QualityPool
 from ..metrics.regions import REGIONS, pooled
-from ..outcome import summary_of
-from ..rig import Rig
+from ..run.outcome import summary_of
+from ..run.rig import Rig
 from .casework import Measured
 from .traffic import passes_of
 
@@ -54,13 +54,13 @@ def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) 
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     base = summary_of(rig, combination.warp, combination.fill, combination.plan.lens.name, [*measured.times, *pictures])
-    late_pixels, shown_pixels = (w * h for w, h in (rig.pipeline.sizes.late, rig.pipeline.sizes.shown))
+    rendered_pixels, shown_pixels = (w * h for w, h in (rig.pipeline.sizes.rendered, rig.pipeline.sizes.shown))
     return {
         **base,
         "frames": len(pictures),
         "regions": pooled(regions[key] for key in measured.keys),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
-        "passes": passes_of(combination.plan, late_pixels, shown_pixels, measured.stages, bytes_per_s),
+        "passes": passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
     }
 
 

@@ -11,23 +11,23 @@ from typing import Any
 
 import attrs
 
-from ..client.choice import choose
+from ..auto.levels import choose
 from ..client.plan import build_plan, needs_of
 from ..errors import InputError
-from ..frame import Needs
-from ..gpu.bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
+from ..frames.frame import Needs
 from ..gpu.context import Gpu
+from ..gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..headsets import Headset, load_headset
 from ..metrics.pool import QualityPool, worker_count
-from ..options import PipelineOptions
-from ..pipeline import check_held
-from ..plans import build_plan_for
+from ..pipeline.build import check_held
+from ..pipeline.options import PipelineOptions
+from ..pipeline.planning import build_plan_for
+from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
 from ..report.files import OutputFolder
 from ..report.schema import SCHEMA
-from ..rig import build_rig, timetable
+from ..run.rig import build_rig, timetable
 from ..scenes import load_scene
-from ..sizes import eye_sizes, guarded_size, memory_bytes
 from ..version import __version__
 from . import fused, grid
 from .cases import (

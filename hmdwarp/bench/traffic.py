@@ -12,7 +12,7 @@ from ..client.weight import DEPTH
 
 
 def passes_of(
-    plan: Plan, late_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
+    plan: Plan, rendered_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
 ) -> list[dict[str, Any]]:
     """The `passes` of a row: name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
 
@@ -20,11 +20,11 @@ def passes_of(
     pictures stay in the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it writes counts.
     """
     moved = {"client_depth": DEPTH * shown_pixels} if plan.draws_client_depth else {}
-    moved["warp"] = plan.warp.bytes_moved(late_pixels, shown_pixels, plan.choice.settings)
+    moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)
     if plan.fills:
         moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
     if plan.effect_passes:
-        moved["effects"] = sum(one.made_by.bytes_moved(late_pixels, shown_pixels) for one in plan.effect_passes)
+        moved["effects"] = sum(one.made_by.bytes_moved(rendered_pixels, shown_pixels) for one in plan.effect_passes)
     if plan.lens.is_pass and not plan.fused:
         moved["lens"] = plan.lens.bytes_moved(shown_pixels)
     return [_pass(name, count, stages[name], bytes_per_s) for name, count in moved.items() if stages.get(name)]

@@ -98,7 +98,7 @@ Bandwidth = Annotated[
 ]
 LinkSeed = Annotated[int, typer.Option("--link-seed", help="Of jitter and loss.")]
 Codec = Annotated[
-    str, typer.Option("--codec", help=f"{names_in('codec/codecs')}: what frames are encoded by and decoded from.")
+    str, typer.Option("--codec", help=f"{names_in('link/codec/codecs')}: what frames are encoded by and decoded from.")
 ]
 Crf = Annotated[int | None, typer.Option("--crf", help="The codec's quality, 0 (best) to 51.", show_default=False)]
 Bitrate = Annotated[

@@ -144,7 +144,7 @@ def _milliseconds(text: str) -> float:
 
 
 def _size(text: str) -> tuple[int, int]:
-    from ..options import parse_size
+    from ..pipeline.options import parse_size
 
     return parse_size(text)
 

@@ -14,7 +14,7 @@ def doctor(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead of lines.")] = False,
 ) -> None:
     """Show what this machine has: GL, compute, timers, OpenXR; what is missing and how to get it."""
-    from ..doctor import examine, replay_can_run
+    from ..doctor.checks import examine, replay_can_run
 
     findings = examine()
     ready = replay_can_run(findings)

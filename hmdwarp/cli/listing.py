@@ -37,8 +37,8 @@ def list_(
 
 
 def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
-    from ..catalogue import entries
     from ..registry import unknown_name
+    from .catalogue import entries
 
     rows = entries(kind)
     if name is None:

@@ -94,7 +94,7 @@ def live(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Show late frames live, each warped to the newest pose: in the headset, or in a window (h shows its keys)."""
-    from ..live.given import options_given
+    from ..run.live.given import options_given
 
     options = options_given(
         source=source,
@@ -144,7 +144,7 @@ def live(
 
 def run(options, quiet: bool) -> None:
     """Run it and tell what came out."""
-    from ..live.run import live as go
+    from ..run.live.run import live as go
 
     result = go(options, (lambda text: None) if quiet else lambda text: typer.echo(text, err=True))
     if not quiet:

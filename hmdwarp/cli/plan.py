@@ -13,7 +13,7 @@ from . import _options as o
 if TYPE_CHECKING:
     from ..client.plan import Plan, Step
     from ..headsets import Headset
-    from ..options import PipelineOptions
+    from ..pipeline.options import PipelineOptions
 
 REPLAY = "replay"
 Source = Annotated[str, typer.Option("--source", help="Who shows it: replay, or live: openxr or desktop.")]
@@ -40,8 +40,8 @@ def plan(
 ) -> None:
     """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
     from ..headsets import load_headset
-    from ..options import AUTO, fill_for, parse_size
-    from ..plans import build_plan_for
+    from ..pipeline.options import AUTO, fill_for, parse_size
+    from ..pipeline.planning import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
 
@@ -79,8 +79,8 @@ def _driver(source: str) -> tuple[Callable[..., PipelineOptions], dict[str, str]
     """The options of whoever shows it, and what the plan is told of that. Errors: InputError for a source that is not known."""
     from ..display.openxr import WHO
     from ..errors import InputError
-    from ..live.options import DESKTOP, OPENXR, LiveOptions
-    from ..options import PipelineOptions
+    from ..pipeline.options import PipelineOptions
+    from ..run.live.options import DESKTOP, OPENXR, LiveOptions
 
     if source not in (REPLAY, OPENXR, DESKTOP):
         raise InputError(f"source '{source}': wanted {REPLAY}, {OPENXR} or {DESKTOP}")
@@ -102,12 +102,12 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
 
 def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
     """What warp auto would choose from, as far as that can be told without running anything."""
-    from ..client.choice import best_within
+    from ..auto.levels import best_within
     from ..headsets import load_headset
-    from ..ladder import ladder_from_file
-    from ..plans import plans_for
+    from ..pipeline.planning import plans_for
+    from ..run.bench_levels import ladder_from_file
+    from ..run.trial import INSTANTS, candidates
     from ..scenes import load_scene
-    from ..trial import INSTANTS, candidates
     from ._show import in_columns, paragraph
 
     if options.bench is None:
@@ -120,28 +120,28 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
         )
         return
     found = ladder_from_file(options.bench, options, None)
-    first = best_within(found.rungs, options.budget_ms)
+    first = best_within(found.levels, options.budget_ms)
     typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
-    marks = ["; it would begin here" if number == first else "" for number in range(len(found.rungs))]
+    marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
     in_columns(
         (
             (str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}")
-            for r, mark in zip(found.rungs, marks, strict=True)
+            for r, mark in zip(found.levels, marks, strict=True)
         ),
         indent=2,
     )
     for note in found.notes:
         paragraph(f"note: {note}")
     headset = load_headset(options.headset)
-    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.rungs, **told)))
+    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.levels, **told)))
 
 
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
     """What frames weigh that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..client.weight import eye_bytes
-    from ..pipeline import frames_held
-    from ..sizes import eye_sizes
+    from ..pipeline.build import frames_held
+    from ..pipeline.sizes import eye_sizes
 
     rate_hz = options.rate_hz or headset.refresh_hz
     needs, sizes = needs_of(plans), eye_sizes(options.guard, headset, options.size or headset.eye_size_px)
@@ -151,7 +151,7 @@ def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> l
     return [
         (
             "A frame",
-            f"2 eyes x {sizes.late[0]}x{sizes.late[1]} px, {2 * sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}",
+            f"2 eyes x {sizes.rendered[0]}x{sizes.rendered[1]} px, {2 * sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}",
         ),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]

@@ -38,8 +38,8 @@ def record(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Record a head while it moves: what came is on the disk within a second, whatever happens. A window shows the scene."""
-    from ..live.recording import RecordOptions
-    from ..live.recording import record as go
+    from ..run.live.recording import RecordOptions
+    from ..run.live.recording import record as go
 
     options = RecordOptions(
         source=source,

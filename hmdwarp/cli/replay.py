@@ -71,9 +71,9 @@ def replay(
     segment: o.Segment = None,
 ) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it against no latency at all."""
-    from ..codec import Coding
     from ..link import LinkOptions
-    from ..options import RunOptions, fill_for, parse_guard, parse_size
+    from ..link.codec import Coding
+    from ..pipeline.options import RunOptions, fill_for, parse_guard, parse_size
     from ..poses.options import TraceOptions
 
     options = RunOptions(
@@ -115,9 +115,9 @@ def replay(
 
 
 def _run(options, quiet: bool) -> None:
-    from ..replay import replay as run
     from ..report.tables import summary_table
     from ..report.way import told_lines
+    from ..run.replay import replay as run
     from ._show import console, steps
 
     with steps("refreshes", quiet=quiet) as (progress, screen):

@@ -23,9 +23,9 @@ def warp(
     ] = None,
 ) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
-    from ..frame_files import read_frame, read_view
-    from ..image import warp_image
-    from ..options import parse_size
+    from ..image.files import read_frame, read_view
+    from ..image.warping import warp_image
+    from ..pipeline.options import parse_size
     from ..report.files import write_image_result
 
     colour, depth_m, rendered = read_frame(frame)

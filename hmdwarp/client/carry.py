@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import attrs
 import moderngl
 
-from ..frame import EyeImage, Needs
+from ..frames.frame import EyeImage, Needs
 from ..geometry import WarpMap
 from ..gpu.textures import COLOUR, Canvas, allocate
 
 if TYPE_CHECKING:
     from ..gpu.context import Gpu
-    from .given import Given
+    from .inputs import PassInputs
     from .warps import Warp
 
 PictureOf = Callable[[EyeImage], moderngl.Texture]
@@ -31,16 +31,16 @@ class Carry:
         self._warp = warp
         self.works = warp.carries
 
-    def along(self, given: Given, picture_of: PictureOf, into: Canvas) -> None:
+    def along(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
         """Write into `into` what `picture_of` the late image (and of every layer and other picture the warp reads) shows.
 
         picture_of: rgba16f with coverage in alpha, of the image's size; a layer comes to it as an image of its own.
         """
         self._warp.run(
             attrs.evolve(
-                given,
-                late=_swapped(given.late, picture_of),
-                others=tuple(_swapped(o, picture_of) for o in given.others),
+                inputs,
+                rendered=_swapped(inputs.rendered, picture_of),
+                others=tuple(_swapped(o, picture_of) for o in inputs.others),
             ),
             into,
         )
@@ -74,18 +74,18 @@ class ShownDepth:
     """
 
     def __init__(
-        self, gpu: Gpu, carry: Carry, pictures: int, late_size: tuple[int, int], shown_size: tuple[int, int]
+        self, gpu: Gpu, carry: Carry, pictures: int, rendered_size: tuple[int, int], shown_size: tuple[int, int]
     ) -> None:
         self._gpu, self._carry, self._size = gpu, carry, shown_size
         self._here, self._take = (gpu.shaders.compute("fills/shown_depth.comp", PASS=k) for k in range(2))
-        self._late = [allocate(gpu.gl, late_size, COLOUR) for _ in range(pictures if carry.works else 0)]
+        self._rendered = [allocate(gpu.gl, rendered_size, COLOUR) for _ in range(pictures if carry.works else 0)]
         self._carried = Canvas(gpu.gl, shown_size)
 
-    def run(self, given: Given, into: moderngl.Texture) -> None:
+    def run(self, inputs: PassInputs, into: moderngl.Texture) -> None:
         """Into r32f; -1 where the warp left a hole, and everywhere if it cannot carry."""
         if self._carry.works:
-            free = iter(self._late)
-            self._carry.along(given, lambda image: self._seen_from_here(image, given, next(free)), self._carried)
+            free = iter(self._rendered)
+            self._carry.along(inputs, lambda image: self._seen_from_here(image, inputs, next(free)), self._carried)
         else:
             self._carried.clear()
         self._barrier()
@@ -95,11 +95,11 @@ class ShownDepth:
         self._take.run(*self._size)
         self._barrier()
 
-    def _seen_from_here(self, image: EyeImage, given: Given, into: moderngl.Texture) -> moderngl.Texture:
-        forward = WarpMap.between(image.view, image.size, given.shown, self._size)
+    def _seen_from_here(self, image: EyeImage, inputs: PassInputs, into: moderngl.Texture) -> moderngl.Texture:
+        forward = WarpMap.between(image.view, image.size, inputs.shown, self._size)
         image.inverse_depth.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)
-        self._here.uniforms.set(late_inverse_depth=0, here=1, late_size=image.size, H=forward.H, e=forward.e)
+        self._here.uniforms.set(rendered_inverse_depth=0, here=1, rendered_size=image.size, H=forward.H, e=forward.e)
         self._here.run(*image.size)
         self._barrier()
         return into
@@ -109,6 +109,6 @@ class ShownDepth:
 
     def close(self) -> None:
         """Free its textures."""
-        for texture in self._late:
+        for texture in self._rendered:
             texture.release()
         self._carried.release()

@@ -15,7 +15,7 @@ from .carry import Carry, ShownDepth, images_given, pictures_read
 from .effects import LatePass, ShownPass, Tools
 from .fills import Fill
 from .geometry import ClientGeometry
-from .given import Given
+from .inputs import PassInputs
 from .picture import ShownPicture
 from .plan import SHOWN_DEPTH, Plan
 from .warps import Output
@@ -86,7 +86,7 @@ class Compensator:
         gpu: Gpu,
         plan: Plan,
         headset: Headset | None,
-        late_size: tuple[int, int],
+        rendered_size: tuple[int, int],
         shown_size: tuple[int, int],
         geometry: ClientGeometry | None = None,
     ) -> None:
@@ -96,18 +96,20 @@ class Compensator:
         lens = plan.lens(gpu, headset, shown_size) if plan.lens.is_pass else None
         self._lens = None if plan.fused else lens
         output = Output(lens if plan.fused else None, plan.scanout)
-        self._warp = plan.warp(gpu, late_size, shown_size, plan.choice.settings, output)
+        self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output)
         pictures = pictures_read(plan.warp_needs)
         carry = Carry(self._warp)
-        self._depth = ShownDepth(gpu, carry, pictures, late_size, shown_size) if plan.makes_shown_depth else None
+        self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.makes_shown_depth else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-        self._fills: list[Fill] = [one.entry(gpu, late_size, shown_size, one.settings, geometry) for one in plan.fills]
+        self._fills: list[Fill] = [
+            one.entry(gpu, rendered_size, shown_size, one.settings, geometry) for one in plan.fills
+        ]
         tools = Tools(carry, pictures, images_given(plan.needs))
         made = [
-            one.made_by(gpu, frozenset(e.name for e in one.effects), late_size, shown_size, tools)
+            one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
             for one in plan.effect_passes
         ]
-        self._late = [one for one in made if isinstance(one, LatePass)]
+        self._rendered = [one for one in made if isinstance(one, LatePass)]
         self._shown = [one for one in made if isinstance(one, ShownPass)]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
 
@@ -125,48 +127,48 @@ class Compensator:
         shown = effects[-1] if effects else last.colour
         return _Canvases(warped, tuple(filled), effects, Canvas(gl, size) if self._lens else shown)
 
-    def run(self, given: Given) -> EyeResult:
+    def run(self, inputs: PassInputs) -> EyeResult:
         """Every pass of the plan for eye 0 or 1, each timed as a stage of gpu.timer."""
-        made = self._eyes[given.eye]
-        given = given if self.plan.scanout else given.at_once()
-        if self._late:
-            given = attrs.evolve(given, drawn=given.late)
-        for one in self._late:
+        made = self._eyes[inputs.eye]
+        inputs = inputs if self.plan.scanout else inputs.at_once()
+        if self._rendered:
+            inputs = attrs.evolve(inputs, drawn=inputs.rendered)
+        for one in self._rendered:
             with self._stage("effects"):
-                given = one.run(given)
+                inputs = one.run(inputs)
         if self._client_depth is not None:
             with self._stage("client_depth"):
-                self._geometry.draw_depth(given.shown, self.shown_size, self._client_depth, given.shown_ns)
-            given = attrs.evolve(given, client_inverse_depth=self._client_depth)
+                self._geometry.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
+            inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stage("warp"):
-            self._warp.run(given, made.warped.colour if made.warped is not None else made.panel)
+            self._warp.run(inputs, made.warped.colour if made.warped is not None else made.panel)
         if made.warped is None:
-            return EyeResult(given.middle, None, None, made.panel)
-        return self._finish(given, made)
+            return EyeResult(inputs.middle, None, None, made.panel)
+        return self._finish(inputs, made)
 
-    def _finish(self, given: Given, made: _Canvases) -> EyeResult:
+    def _finish(self, inputs: PassInputs, made: _Canvases) -> EyeResult:
         """Everything after the warp."""
         if self._depth is not None:
             with self._stage(self._depth_stage):
-                self._depth.run(given, made.warped.inverse_depth)
+                self._depth.run(inputs, made.warped.inverse_depth)
         picture = made.warped
         for fill, into in zip(self._fills, made.filled, strict=True):
             with self._stage("fill"):
-                fill.run(given, picture, into)
+                fill.run(inputs, picture, into)
             picture = into
         shown = picture.colour
         for one, into in zip(self._shown, made.effects, strict=True):
             with self._stage("effects"):
-                one.run(given, ShownPicture(shown, picture.inverse_depth), into)
+                one.run(inputs, ShownPicture(shown, picture.inverse_depth), into)
             shown = into
         if self._lens is not None:
             with self._stage("lens"):
-                self._lens.run(shown, given.shown.fov, given.eye, made.panel)
+                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
         names = (one.entry.name for one in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
-        return EyeResult(given.middle, made.warped.colour, shown, made.panel, filled, picture.inverse_depth)
+        return EyeResult(inputs.middle, made.warped.colour, shown, made.panel, filled, picture.inverse_depth)
 
-    def took(self, stages: Sequence[Stages]) -> None:
+    def record_timings(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""
 
     def _stage(self, name: str) -> _Stage:
@@ -174,7 +176,7 @@ class Compensator:
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
-        for owner in (self._warp, self._depth, *self._fills, *self._late, *self._shown):
+        for owner in (self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
             if owner is not None:
                 owner.close()
         for made in self._eyes:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..frame import Frame
+    from ..frames.frame import Frame
 
 
 class History:

@@ -12,27 +12,27 @@ from operator import or_
 import attrs
 
 from ..errors import InputError, PlanError
-from ..frame import Needs
+from ..frames.frame import Needs
 from ..scenes.effects import SceneEffect
-from .choices import Choice, fill_text, parse_fills, parse_warp
 from .effects import Effect, EffectPass, LatePass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
+from .variants import Choice, fill_text, parse_fills, parse_warp
 from .warps import Warp
 
 # What a frame brings along, what the client can make by itself, and what the passes hand on.
-PICTURE = ("late.colour", "late.inverse_depth")
+PICTURE = ("rendered.colour", "rendered.inverse_depth")
 LATE = (
     *PICTURE,
-    "late.layers",
-    "late.cube",
-    "late.others",
-    "late.ids",
-    "late.velocity",
-    "late.reflection",
-    "late.transparent",
-    "late.overlay",
-    "late.wide",
+    "rendered.layers",
+    "rendered.cube",
+    "rendered.others",
+    "rendered.ids",
+    "rendered.velocity",
+    "rendered.reflection",
+    "rendered.transparent",
+    "rendered.overlay",
+    "rendered.wide",
 )
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
@@ -178,8 +178,10 @@ def build_plan(
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
     passes = _effect_passes(declared, choice.entry, fused, forbidden, draft)
-    late, shown = ([one for one in passes if issubclass(one.made_by, LatePass) is before] for before in (True, False))
-    for one in late:
+    rendered, shown = (
+        [one for one in passes if issubclass(one.made_by, LatePass) is before] for before in (True, False)
+    )
+    for one in rendered:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, draft)
     follows = scanout and choice.entry.scans_out
@@ -210,7 +212,7 @@ def build_plan(
         chosen_lens,
         fused,
         follows,
-        (*late, *shown),
+        (*rendered, *shown),
         tuple(draft.steps),
         tuple(draft.left_out),
     )

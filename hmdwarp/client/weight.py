@@ -6,17 +6,17 @@ from collections.abc import Iterable
 
 import attrs
 
-from ..frame import Needs
+from ..frames.frame import Needs
 
 # Bytes a pixel: rgba16f and r32f, r16ui.
 COLOUR, DEPTH, IDS = 8, 4, 2
-PICTURE_BYTES = {"late.colour": COLOUR, "late.inverse_depth": DEPTH}
+PICTURE_BYTES = {"rendered.colour": COLOUR, "rendered.inverse_depth": DEPTH}
 # A pixel of the late picture, for each of these layers that Needs asks for.
 _LATE_BYTES = {
-    "late.ids": IDS,
-    "late.velocity": COLOUR,
-    "late.reflection": 2 * COLOUR + DEPTH,
-    "late.transparent": 2 * COLOUR + DEPTH,
+    "rendered.ids": IDS,
+    "rendered.velocity": COLOUR,
+    "rendered.reflection": 2 * COLOUR + DEPTH,
+    "rendered.transparent": 2 * COLOUR + DEPTH,
 }
 
 
@@ -24,7 +24,7 @@ _LATE_BYTES = {
 class EyeSizes:
     """(w, h) in pixels of one eye's pictures: late with its guard band, shown, the cube around it, the wide view."""
 
-    late: tuple[int, int]
+    rendered: tuple[int, int]
     shown: tuple[int, int]
     cube: tuple[int, int] = (0, 0)
     wide: tuple[int, int] = (0, 0)
@@ -35,18 +35,18 @@ def eye_bytes(needs: Needs, sizes: EyeSizes, pictures: Iterable[str] = tuple(PIC
 
     pictures: which of colour and inverse depth are sent at all.
     """
-    late, shown, cube, wide = (pixels(getattr(sizes, field.name)) for field in attrs.fields(EyeSizes))
+    rendered, shown, cube, wide = (pixels(getattr(sizes, field.name)) for field in attrs.fields(EyeSizes))
     wanted = {
-        "late.ids": needs.ids,
-        "late.velocity": needs.velocity,
-        "late.reflection": needs.reflections or needs.curved_reflections,
-        "late.transparent": needs.transparency,
+        "rendered.ids": needs.ids,
+        "rendered.velocity": needs.velocity,
+        "rendered.reflection": needs.reflections or needs.curved_reflections,
+        "rendered.transparent": needs.transparency,
     }
-    found = {name: PICTURE_BYTES[name] * late for name in PICTURE_BYTES if name in pictures}
-    found |= {"late.layers": needs.layers * (COLOUR + DEPTH) * late}
-    found |= {name: _LATE_BYTES[name] * late for name, asked in wanted.items() if asked}
-    found |= {"late.overlay": needs.overlay * COLOUR * shown, "late.cube": needs.cube * COLOUR * cube}
-    found |= {"late.wide": needs.wide * (COLOUR + DEPTH) * wide}
+    found = {name: PICTURE_BYTES[name] * rendered for name in PICTURE_BYTES if name in pictures}
+    found |= {"rendered.layers": needs.layers * (COLOUR + DEPTH) * rendered}
+    found |= {name: _LATE_BYTES[name] * rendered for name, asked in wanted.items() if asked}
+    found |= {"rendered.overlay": needs.overlay * COLOUR * shown, "rendered.cube": needs.cube * COLOUR * cube}
+    found |= {"rendered.wide": needs.wide * (COLOUR + DEPTH) * wide}
     return {name: count for name, count in found.items() if count}
 
 

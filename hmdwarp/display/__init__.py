@@ -3,6 +3,6 @@
 The loop knows none of this; live/ knows the protocol in `_base` alone.
 """
 
-from ._base import Closed, Command, Display, DisplayOptions, Label, Lost, Plate, Tick
+from ._base import Closed, Command, Display, DisplayOptions, Label, Lost, TextPanel, Tick
 
-__all__ = ["Closed", "Command", "Display", "DisplayOptions", "Label", "Lost", "Plate", "Tick"]
+__all__ = ["Closed", "Command", "Display", "DisplayOptions", "Label", "Lost", "TextPanel", "Tick"]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..geometry import Eyes
     from ..gpu.context import Gpu
     from ..headsets import Headset
-    from ..loop import Refresh
+    from ..pipeline.loop import Refresh
     from ..poses import PoseSource, PoseTrack
 
 
@@ -29,7 +29,7 @@ class Lost(MachineError):
     """The display went away in the middle of a run, and may come back: `Display.reopen`. The message says what happened."""
 
 
-class Plate(Hashable, Protocol):
+class TextPanel(Hashable, Protocol):
     """Something drawn that lies over the picture where a line of text would: a question with its scale. Equal plates look the same.
 
     pointed: whether it wants to be pointed at. While it lies there a window's mouse is free and leads no head, and what it does on the
@@ -44,7 +44,7 @@ class Plate(Hashable, Protocol):
         """(h, w), top row first: 255 where ink is. Called once for a plate, not at each refresh."""
 
 
-Label = str | Plate  # what lies over a picture; "" for nothing
+Label = str | TextPanel  # what lies over a picture; "" for nothing
 
 
 @attrs.frozen

@@ -20,7 +20,7 @@ from .desktop.views import shown
 from .present import Presenter
 
 if TYPE_CHECKING:
-    from ..loop import Refresh
+    from ..pipeline.loop import Refresh
 
 AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
 

@@ -6,7 +6,7 @@ from .link import Link
 from .loss import GilbertElliott
 from .options import LinkOptions
 from .response import ResponseTime, medians
-from .tally import Passage, Tally
+from .tally import Tally, TransitStats
 
 __all__ = [
     "DELAYS",
@@ -15,7 +15,7 @@ __all__ = [
     "GilbertElliott",
     "Link",
     "LinkOptions",
-    "Passage",
+    "TransitStats",
     "ResponseTime",
     "Tally",
     "medians",

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 import attrs
 
 from .bandwidth import Bandwidth, Bottleneck
-from .tally import Passage, Tally
+from .tally import Tally, TransitStats
 
 Payload = TypeVar("Payload")
 
@@ -43,8 +43,10 @@ class Link(Generic[Payload]):
         self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
         self._heard_ns: int | None = None  # when the sender first hears of a loss that no key frame has made good
-        self._under_way: list[tuple[int, int, Passage, Payload]] = []  # a heap: ready_ns, then number, which differs
-        self._shown: tuple[Passage, Payload] | None = None
+        self._under_way: list[
+            tuple[int, int, TransitStats, Payload]
+        ] = []  # a heap: ready_ns, then number, which differs
+        self._shown: tuple[TransitStats, Payload] | None = None
         self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
         self._drawn = 0
         self._last_ready_ns = 0
@@ -65,7 +67,7 @@ class Link(Generic[Payload]):
         return Tally(**self._counts)
 
     @property
-    def passage(self) -> Passage | None:
+    def transit(self) -> TransitStats | None:
         """How the frame that is shown came through; None before the first."""
         return self._shown[0] if self._shown is not None else None
 
@@ -80,16 +82,16 @@ class Link(Generic[Payload]):
             self._bottleneck.enter(now_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
         )
         self._last_sent_ns = now_ns
-        passage = self._in_order(Passage(self._drawn, now_ns, size_bytes, queue_ns, transfer_ns, delay_ns))
+        transit = self._in_order(TransitStats(self._drawn, now_ns, size_bytes, queue_ns, transfer_ns, delay_ns))
         self._drawn += 1
         if key:
             self._heard_ns = None
         if taken and not is_lost:
             self._count("under_way")
-            heapq.heappush(self._under_way, (passage.ready_ns, passage.number, passage, frame))
+            heapq.heappush(self._under_way, (transit.ready_ns, transit.number, transit, frame))
             return
         self._count("lost" if taken else "dropped")
-        heard_ns = passage.ready_ns + delay_ns
+        heard_ns = transit.ready_ns + delay_ns
         self._heard_ns = heard_ns if self._heard_ns is None else min(self._heard_ns, heard_ns)
         self._wasted(frame)
 
@@ -118,36 +120,36 @@ class Link(Generic[Payload]):
         if shown is not None:
             self._discard(shown[1])
 
-    def _in_order(self, passage: Passage) -> Passage:
+    def _in_order(self, transit: TransitStats) -> TransitStats:
         """With the wait for those before it, where a decoder needs them."""
         if self._receive is None:
-            return passage
-        hold_ns = max(0, self._last_ready_ns - passage.ready_ns) if passage.number else 0
-        passage = attrs.evolve(passage, hold_ns=hold_ns)
-        self._last_ready_ns = passage.ready_ns
-        return passage
+            return transit
+        hold_ns = max(0, self._last_ready_ns - transit.ready_ns) if transit.number else 0
+        transit = attrs.evolve(transit, hold_ns=hold_ns)
+        self._last_ready_ns = transit.ready_ns
+        return transit
 
-    def _arrived(self, now_ns: int) -> list[tuple[Passage, Payload]]:
+    def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
         """What has come since the last time and can be decoded, in the order of sending."""
         arrived = []
         while self._under_way and self._under_way[0][0] <= now_ns:
-            _, _, passage, frame = heapq.heappop(self._under_way)
+            _, _, transit, frame = heapq.heappop(self._under_way)
             if self._receive is None or self._receive(frame):
-                arrived.append((passage, frame))
+                arrived.append((transit, frame))
             else:
                 self._arrive("undecodable")
                 self._wasted(frame)
         return sorted(arrived, key=lambda one: one[0].number)
 
-    def _take(self, arrived: list[tuple[Passage, Payload]]) -> None:
+    def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
         """Show the newest, be it the one that is shown; the others go, oldest first."""
         shown = self._shown
         newer = shown is None or arrived[-1][0].number > shown[0].number
         if newer:
             self._shown = arrived.pop()
             self._arrive("shown")
-        for passage, _ in arrived:
-            self._arrive("late" if shown is not None and passage.number < shown[0].number else "superseded")
+        for transit, _ in arrived:
+            self._arrive("late" if shown is not None and transit.number < shown[0].number else "superseded")
         leaving = [*arrived, shown] if newer and shown is not None else arrived
         for _, frame in sorted(leaving, key=lambda one: one[0].number):
             self._discard(frame)

@@ -8,7 +8,7 @@ from typing import Self
 
 import attrs
 
-from .tally import Passage
+from .tally import TransitStats
 
 
 @attrs.frozen
@@ -31,7 +31,7 @@ class ResponseTime:
     @classmethod
     def of(
         cls,
-        passage: Passage,
+        transit: TransitStats,
         *,
         render_ms: float = 0.0,
         encode_ms: float = 0.0,
@@ -39,9 +39,9 @@ class ResponseTime:
         warp_ms: float = 0.0,
     ) -> Self:
         """From how the frame came through the link and what was measured at both ends."""
-        queue_ms = (passage.queue_ns + passage.hold_ns) / 1e6
+        queue_ms = (transit.queue_ns + transit.hold_ns) / 1e6
         return cls(
-            render_ms, encode_ms, queue_ms, passage.transfer_ns / 1e6, passage.delay_ns / 1e6, decode_ms, warp_ms
+            render_ms, encode_ms, queue_ms, transit.transfer_ns / 1e6, transit.delay_ns / 1e6, decode_ms, warp_ms
         )
 
     @property

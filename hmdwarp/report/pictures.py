@@ -35,9 +35,9 @@ def _magma_table() -> Picture:
     return np.rint(np.asarray(colormaps["magma"](np.arange(256)))[:, :3] * 255).astype(np.uint8)
 
 
-def comparison_panels(late: Picture | None, warped: Picture, truth: Picture, error_map: NDArray) -> list[Panel]:
+def comparison_panels(rendered: Picture | None, warped: Picture, truth: Picture, error_map: NDArray) -> list[Panel]:
     """The four panels every comparison shows, in this order; without a late picture, three."""
-    first = [] if late is None else [("late frame", late)]
+    first = [] if rendered is None else [("late frame", rendered)]
     return [*first, ("warped", warped), ("truth", truth), ("error (FLIP)", magma(error_map))]
 
 

@@ -199,9 +199,9 @@ class Nodes:
             raise wrong(f"{told}: {len(times)} key times and {len(values)} values; wanted {each} for each")
         if not np.isfinite(times).all() or not np.isfinite(values).all():
             raise wrong(f"{told}: a key is not made of finite numbers")
-        late = np.diff(times) <= 0
-        if late.any() or times[0] < 0:
-            key = int(np.argmax(late)) + 1 if late.any() else 0
+        rendered = np.diff(times) <= 0
+        if rendered.any() or times[0] < 0:
+            key = int(np.argmax(rendered)) + 1 if rendered.any() else 0
             raise wrong(f"{told}: key {key} is at {times[key]:g} s; key times must be 0 or more and increase")
         values = values.reshape(len(times), 3, -1) if each == 3 else values
         if path == "rotation":

@@ -102,9 +102,9 @@ class Track:
         bad = ~(np.isfinite(times) & np.isfinite(places).all(axis=1))
         if bad.any():
             raise SceneError(f"track: key {int(np.argmax(bad))} is not made of finite numbers")
-        late = np.diff(times) <= 0
-        if late.any():
-            key = int(np.argmax(late)) + 1
+        rendered = np.diff(times) <= 0
+        if rendered.any():
+            key = int(np.argmax(rendered)) + 1
             raise SceneError(
                 f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: key times must increase"
             )

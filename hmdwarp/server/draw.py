@@ -8,7 +8,7 @@ import attrs
 import moderngl
 
 from ..errors import InputError
-from ..frame import EyeImage, Frame, Needs
+from ..frames.frame import EyeImage, Frame, Needs
 from ..geometry import View, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
@@ -16,7 +16,7 @@ from ..registry import unknown_name
 from ..scenes import Scene
 from .cube import checked_cube_size, draw_cube
 from .moving import Moving, moving_parts, stands_still
-from .parts import Drawing, Easel, Part, parts
+from .parts import DrawContext, Drawing, Part, parts
 from .passes import ScenePasses
 from .peel import peel
 from .targets import Framebuffers, Target, TargetPool
@@ -49,7 +49,7 @@ class Server:
         self._behind: dict[tuple[Moving, ...], ScenePasses] = {}
         self._parts: dict[str, Part] = {}
         self._chosen: dict[Needs, list[Part]] = {}
-        self._easel = Easel(gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire)
+        self._easel = DrawContext(gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """The whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth, into `into` or a target of the server's own.

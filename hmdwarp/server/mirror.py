@@ -16,16 +16,16 @@ from .moving import Place
 from .passes import ScenePasses, clear_depth
 from .peel import SAME_SURFACE
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
-from .sight import Sights
+from .sight import Visibility
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..frame import EyeImage
+    from ..frames.frame import EyeImage
     from ..geometry import Mirror
     from ..scenes import Mesh
     from ..scenes._mirrors import SceneMirror
-    from .parts import Easel
+    from .parts import DrawContext
     from .targets import Target
     from .upload import SceneBuffers
 
@@ -95,8 +95,8 @@ class MirroredPasses(ScenePasses):
 
     vertex = "server/mirrored.vert"
 
-    def __init__(self, easel: Easel) -> None:
-        super().__init__(easel.gpu, easel.scene, easel.colour.buffers, colour=True, moving=easel.colour.moving)
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context.gpu, context.scene, context.colour.buffers, colour=True, moving=context.colour.moving)
         self._mirror: Mirror | None = None
 
     def draw_behind(
@@ -120,7 +120,7 @@ class MirroredPasses(ScenePasses):
         buffers: SceneBuffers,
         view: View,
         place: Place,
-        sights: Sights | None = None,
+        sights: Visibility | None = None,
     ) -> None:
         """As those of the scene, from behind the mirror: nothing stands there for what stands still here."""
         self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
@@ -137,9 +137,9 @@ class MirroredPasses(ScenePasses):
 class MirrorSurface:
     """One mirror's own triangles."""
 
-    def __init__(self, easel: Easel, mirror: SceneMirror) -> None:
-        self.mirror, self._easel = mirror, easel
-        gl, shaders = easel.gpu.gl, easel.gpu.shaders
+    def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
+        self.mirror, self._easel = mirror, context
+        gl, shaders = context.gpu.gl, context.gpu.shaders
         self._vertices = gl.buffer(np.concatenate([_rows(mesh) for mesh in mirror.meshes]).astype(np.float32).tobytes())
         mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
         self._surface = shaders.draw("server/mirror_surface.vert", "server/mirror_surface.frag", **mapped)
@@ -167,10 +167,10 @@ class MirrorSurface:
 class Ball(MirrorSurface):
     """A curved mirror: its surroundings are drawn once around its centre, again only for another instant of a scene that moves."""
 
-    def __init__(self, easel: Easel, mirror: SceneMirror) -> None:
-        super().__init__(easel, mirror)
-        gl = easel.gpu.gl
-        self._image = easel.gpu.shaders.draw("server/mirror_surface.vert", "server/mirror_ball.frag", CURVED=1)
+    def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
+        super().__init__(context, mirror)
+        gl = context.gpu.gl
+        self._image = context.gpu.shaders.draw("server/mirror_surface.vert", "server/mirror_ball.frag", CURVED=1)
         layout = [(self._vertices, "3f4 8x 3f4", "in_position", "in_normal")]
         self._curved = gl.vertex_array(self._image.program, layout)
         self._around: Target | None = None

@@ -16,7 +16,7 @@ from .upload import SceneBuffers
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..frame import Needs
+    from ..frames.frame import Needs
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Mesh, Scene

@@ -13,7 +13,7 @@ from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
-from .sight import Draws, Sights, draws_of
+from .sight import Draws, Visibility, draws_of
 from .upload import Batch, SceneBuffers
 
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
@@ -82,7 +82,7 @@ class ScenePasses:
         buffers: SceneBuffers,
         view: View,
         place: Place,
-        sights: Sights | None = None,
+        sights: Visibility | None = None,
     ) -> None:
         """sights: where positions stand still in the world's axes."""
         clip = clip_from_eye(view.fov) @ place.eye_from_here

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..frame import EyeImage, Layer
+from ..frames.frame import EyeImage, Layer
 from .passes import ScenePasses
 from .targets import Framebuffers, Target
 

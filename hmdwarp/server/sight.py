@@ -61,7 +61,7 @@ KEPT = 64
 
 
 @attrs.define
-class Sights:
+class Visibility:
     """What is drawn of chunks that stand still, found once for all views of a cell: most refreshes find it there.
 
     A function of the view and nothing else, so that the order, which decides between surfaces at the same depth, is the same twice.

@@ -13,7 +13,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import check_size, flip_rows
 from ..scenes import Mesh, Scene, Texture
 from .projection import boxes_of
-from .sight import Sights
+from .sight import Visibility
 
 SRGB8_ALPHA8 = 0x8C43
 CHUNK_TRIANGLES = 1024
@@ -110,7 +110,7 @@ class SceneBuffers:
         corners = positions[np.concatenate(self._order)].astype(np.float64)
         low, high = (extreme.reduceat(corners, self.chunks.first, axis=0) for extreme in (np.minimum, np.maximum))
         self.chunks = attrs.evolve(self.chunks, boxes=boxes_of((low + high) / 2, (high - low) / 2))
-        self.sights = Sights(self.chunks)
+        self.sights = Visibility(self.chunks)
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; returns the chunks' indices."""
@@ -131,7 +131,7 @@ class SceneBuffers:
         low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
         around = boxes_of((low + high) / 2, (high - low) / 2)
         self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
-        self.sights = Sights(self.chunks)
+        self.sights = Visibility(self.chunks)
         return indices
 
     def vertex_array(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..frame import EyeImage, Needs
+from ..frames.frame import EyeImage, Needs
 from ..geometry import View
 from ..geometry.wide import wide_size, wide_view
 from .parts import Drawing

@@ -16,8 +16,8 @@ import attrs
 from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..options import AUTO, PipelineOptions, RunOptions, number, parse_size
-from ..replay import figures
+from ..pipeline.options import AUTO, PipelineOptions, RunOptions, number, parse_size
+from ..run.replay import figures
 from ..version import __version__
 from .design.settings import live_options
 from .store import Session, Showing, Store

@@ -1,8 +1,8 @@
-// The colour of a moved surface: bilinear among late pixels of the same surface alone, so that nothing else shows at its rim.
-// In: late pixel and inverse depth, interpolated; the pixel the square belongs to. Out: linear colour with coverage 1; inverse depth, 1/m.
+// The colour of a moved surface: bilinear among rendered pixels of the same surface alone, so that nothing else shows at its rim.
+// In: rendered pixel and inverse depth, interpolated; the pixel the square belongs to. Out: linear colour with coverage 1; inverse depth, 1/m.
 // Source: as motion.vert.
 #include "effects/motion.glsl"
-uniform sampler2D late_colour;
+uniform sampler2D rendered_colour;
 in vec3 surface_point;
 flat in ivec3 owner;
 layout(location = 0) out vec4 colour;
@@ -21,7 +21,7 @@ void main() {
         ivec2 step = ivec2(k & 1, k >> 1), pixel = owner.xy + step * side;
         bool same = k == 0 || joined(own, seen(pixel));
         vec2 weights = mix(1.0 - share, share, vec2(step));
-        if (same) sum += weights.x * weights.y * texelFetch(late_colour, clamp(pixel, ivec2(0), late_size - 1), 0);
+        if (same) sum += weights.x * weights.y * texelFetch(rendered_colour, clamp(pixel, ivec2(0), rendered_size - 1), 0);
     }
     if (hidden || sum.a <= 0.0) discard;
     colour = vec4(sum.rgb / sum.a, 1.0);

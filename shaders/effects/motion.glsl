@@ -1,29 +1,29 @@
-// Which late pixels move by themselves until they are shown, and where to: p_moved ~ H p + e * inverse_depth, p in late pixels (centres
+// Which rendered pixels move by themselves until they are shown, and where to: p_moved ~ H p + e * inverse_depth, p in rendered pixels (centres
 // at i + 0.5), as lib/warp_map.glsl has it. RIGID: one map for each body; a number beyond the table is taken for what stands still.
 // SOFT: H is the unit matrix, e the way in pixels times metres, of each pixel. IMAGES: read by imageLoad, which costs llvmpipe a fifth.
 #if IMAGES
-layout(r32f) readonly uniform image2D late_inverse_depth;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
 #define AT(picture, pixel) imageLoad(picture, pixel)
 #else
-uniform sampler2D late_inverse_depth;
+uniform sampler2D rendered_inverse_depth;
 #define AT(picture, pixel) texelFetch(picture, pixel, 0)
 #endif
-uniform ivec2 late_size;
+uniform ivec2 rendered_size;
 uniform vec2 steepest; // part of itself by which the inverse depth of one surface may change from one pixel to the next on each axis
 #if RIGID
 #if IMAGES
-layout(r16ui, binding = 2) readonly uniform uimage2D late_ids; // moderngl 5.13 knows no uniforms of this type, so it is bound here
+layout(r16ui, binding = 2) readonly uniform uimage2D rendered_ids; // moderngl 5.13 knows no uniforms of this type, so it is bound here
 #else
-uniform usampler2D late_ids;
+uniform usampler2D rendered_ids;
 #endif
 uniform int body_count;
 layout(std430, binding = 0) readonly buffer Bodies { vec4 body_maps[]; }; // columns of H, and e; w of the first: 1 if it moves at all
 #endif
 #if SOFT
 #if IMAGES
-layout(rgba16f) readonly uniform image2D late_velocity;
+layout(rgba16f) readonly uniform image2D rendered_velocity;
 #else
-uniform sampler2D late_velocity; // m/s along the eye's axes, coverage
+uniform sampler2D rendered_velocity; // m/s along the eye's axes, coverage
 #endif
 uniform mat3 pixel_from_eye;     // metres along the eye's axes to homogeneous pixels
 uniform float seconds;           // for which motion goes on as it was
@@ -38,7 +38,7 @@ bool is_depth(float r) { return r >= 0.0 && r <= LARGEST; }
 
 // 1/m, -1 for a pixel without depth.
 float known_inverse_depth(ivec2 pixel) {
-    float r = AT(late_inverse_depth, clamp(pixel, ivec2(0), late_size - 1)).r;
+    float r = AT(rendered_inverse_depth, clamp(pixel, ivec2(0), rendered_size - 1)).r;
     return is_depth(r) ? r : -1.0;
 }
 
@@ -46,12 +46,12 @@ float known_inverse_depth(ivec2 pixel) {
 uint key_of(ivec2 pixel) {
     uint key = 0u;
 #if RIGID
-    uint id = AT(late_ids, pixel).r;
+    uint id = AT(rendered_ids, pixel).r;
     uint slot = clamp(id, 1u, uint(max(body_count, 1))) - 1u;
     if (id == slot + 1u && body_count > 0 && body_maps[4u * slot].w > 0.0) key = id;
 #endif
 #if SOFT
-    vec4 velocity = AT(late_velocity, pixel);
+    vec4 velocity = AT(rendered_velocity, pixel);
     if (key == 0u && velocity.a >= 0.5 && dot(abs(velocity.rgb), vec3(1.0)) > 0.0) key = SOFT_KEY;
 #endif
     return key;
@@ -59,14 +59,14 @@ uint key_of(ivec2 pixel) {
 
 // The same for any pixel. Beside the picture nothing moves.
 uint moves_with(ivec2 pixel) {
-    ivec2 within = clamp(pixel, ivec2(0), late_size - 1);
+    ivec2 within = clamp(pixel, ivec2(0), rendered_size - 1);
     return within == pixel && known_inverse_depth(pixel) >= 0.0 ? key_of(within) : 0u;
 }
 
 #if SOFT && !IMAGES
 // Pixels times metres that a pixel of what deforms goes.
 vec3 way_of(ivec2 pixel) {
-    vec3 way = AT(late_velocity, clamp(pixel, ivec2(0), late_size - 1)).rgb * seconds;
+    vec3 way = AT(rendered_velocity, clamp(pixel, ivec2(0), rendered_size - 1)).rgb * seconds;
     return pixel_from_eye * (way * min(1.0, reach_m / max(length(way), 1e-20)));
 }
 

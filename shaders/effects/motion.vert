@@ -1,5 +1,5 @@
 // A moving pixel as the square it covers, moved. Its corners are shared with the neighbours of the same surface, so no crack opens.
-// In: the list of moving pixels. Out: clip space of the late view; late pixel and inverse depth there, for perspective-correct interpolation.
+// In: the list of moving pixels. Out: clip space of the rendered view; rendered pixel and inverse depth there, for perspective-correct interpolation.
 // Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (a surface from pixels, cut where depths do not join); McMillan 1995 (the map).
 #include "effects/motion.glsl"
 layout(std430, binding = 4) readonly buffer Pixels { uint pixels[]; };
@@ -51,5 +51,5 @@ void main() {
     owner = ivec3(pixel, int(around[own].key));
     // The depth that is tested is linear in the inverse depth, 1 for infinitely far and -1 for `nearest`.
     float w = q.z == 0.0 ? -1e-30 : q.z; // (0, 0, 0) would be inside the clip volume and have no place
-    gl_Position = vec4(2.0 * q.xy / vec2(late_size) - w, w - 2.0 * r / nearest, w);
+    gl_Position = vec4(2.0 * q.xy / vec2(rendered_size) - w, w - 2.0 * r / nearest, w);
 }

@@ -3,15 +3,15 @@
 // Source: as motion_order.comp.
 #define ROWS 32
 #include "lib/rows.glsl"
-uniform ivec2 late_size;
+uniform ivec2 rendered_size;
 layout(std430, binding = 1) readonly buffer Masks { uint masks[]; };
 layout(std430, binding = 2) readonly buffer Before { uint before[]; };
 layout(std430, binding = 4) writeonly buffer Pixels { uint pixels[]; };
 
 void main() {
     ivec2 first = first_pixel();
-    if (first.x >= late_size.x || first.y >= late_size.y) return;
-    int word = (first.y / ROWS) * late_size.x + first.x;
+    if (first.x >= rendered_size.x || first.y >= rendered_size.y) return;
+    int word = (first.y / ROWS) * rendered_size.x + first.x;
     uint mask = masks[word], at = before[word];
     while (mask != 0u) {
         int row = findLSB(mask);

@@ -1,13 +1,13 @@
-// Lays what one sees through over the shown picture: each pixel asks where its ray meets the late veil, as the warp `iterative` does.
-// In: shown colour and inverse depth; late veil, premultiplied, with its inverse depth, and what passes it. Out: shown colour.
+// Lays what one sees through over the shown picture: each pixel asks where its ray meets the rendered veil, as the warp `iterative` does.
+// In: shown colour and inverse depth; rendered veil, premultiplied, with its inverse depth, and what passes it. Out: shown colour.
 // Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Porter and Duff 1984, Compositing Digital Images (over).
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-#include "lib/late_surface.glsl"
+#include "lib/rendered_surface.glsl"
 #include "lib/seeds.glsl"
 #include OUTPUT
 uniform float most_pixels; // by which the last guess may have been off
-uniform sampler2D late_passing;
+uniform sampler2D rendered_passing;
 layout(rgba16f) readonly uniform image2D picture;
 layout(r32f) readonly uniform image2D shown_inverse_depth; // -1: not known, then whatever is there lies behind
 uniform float nearer; // a little above 1: the shown depth has come through a half float
@@ -19,7 +19,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 along = parallax.xy - start * parallax.z;
     float r = seed_at(shown);
     for (int look = 0; look < PLAIN; ++look) {
-        float seen = imageLoad(late_inverse_depth, texel_at(start + r * along)).r;
+        float seen = imageLoad(rendered_inverse_depth, texel_at(start + r * along)).r;
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
     vec2 place = start + r * along;
@@ -35,7 +35,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 at = colour_place(surface, p);
     vec4 sum = look(at);
     float share = 1.0 / max(sum.a, 0.5); // of what is covered, as the warps have it; where nothing is, all passes
-    vec3 passing = 1.0 - (1.0 - textureLod(late_passing, at * late_pixel, 0.0).rgb) * share;
-    bool shows = met && ahead && in_front && in_late(p) && sum.a >= 0.5 && behind.a > 0.0;
+    vec3 passing = 1.0 - (1.0 - textureLod(rendered_passing, at * rendered_pixel, 0.0).rgb) * share;
+    bool shows = met && ahead && in_front && in_rendered(p) && sum.a >= 0.5 && behind.a > 0.0;
     return shows ? vec4(passing * behind.rgb + sum.rgb * share, behind.a) : behind;
 }

@@ -9,7 +9,7 @@ layout(r32f) uniform image2D kept_depth;
 layout(rg32f) readonly uniform image2D depths;
 layout(rgba16f) readonly uniform image2D lowest;
 layout(rgba16f) readonly uniform image2D highest;
-uniform ivec2 late_size; // of both
+uniform ivec2 rendered_size; // of both
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m
 uniform vec2 colour_margin; // absolute, and a share of the brightest around
@@ -19,8 +19,8 @@ void check(ivec2 p, vec3 base) {
     vec3 q = base + e * depth;
     vec2 at = q.xy / q.z;
     float expected = depth / q.z, limit = depth_tolerance * (expected + depth_floor);
-    bool seen = depth >= 0.0 && q.z > 0.0 && inside(at, late_size);
-    ivec2 cell = ivec2(clamp(at, vec2(0.0), vec2(late_size))) / 2;
+    bool seen = depth >= 0.0 && q.z > 0.0 && inside(at, rendered_size);
+    ivec2 cell = ivec2(clamp(at, vec2(0.0), vec2(rendered_size))) / 2;
     vec2 range = imageLoad(depths, cell).rg;
     vec4 colour = imageLoad(kept_colour, p), low = imageLoad(lowest, cell), high = imageLoad(highest, cell);
     vec3 margin = colour_margin.x + colour_margin.y * high.rgb;
@@ -33,7 +33,7 @@ void check(ivec2 p, vec3 base) {
 }
 
 void main() {
-    ivec2 first = first_pixel(), size = late_size;
+    ivec2 first = first_pixel(), size = rendered_size;
     if (first.x >= size.x) return;
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
     for (int row = 0; row < ROWS; ++row) {

@@ -54,7 +54,7 @@ void fill(ivec2 pixel, vec3 base, vec2 before) {
         guess = seed_depth(tried == 0 ? keys.y : keys.z + 1u);
         pending = found.depth < 0.0;
     }
-    vec4 sum = textureLod(late_colour, found.look * late_pixel, 0.0);
+    vec4 sum = textureLod(rendered_colour, found.look * rendered_pixel, 0.0);
     float density = density_of(ray, found.depth);
     bool shows = found.depth >= 0.0 && found.depth <= LARGEST && sum.a >= 0.5 && is_better(found.depth, density, before);
     if (shows) {

@@ -23,7 +23,7 @@ layout(r32f) writeonly uniform image2D filled_depth;
 layout(rgba16f) writeonly uniform image2D streaks; // the last channel: pixels from the source, 0 for none
 uniform mat3 back_H;    // shown -> rendered
 uniform vec3 back_e;
-uniform vec2 late_size;
+uniform vec2 rendered_size;
 uniform uint stamp;     // that pieces with a covered pixel have
 const float MOST_TAPS = 4.0;
 
@@ -101,18 +101,18 @@ Found behind(Found a, Found b) {
     return NOTHING;
 }
 
-// Whether the late picture looked there at all. What it did not look at was not hidden, and no line tells what it is.
+// Whether the rendered picture looked there at all. What it did not look at was not hidden, and no line tells what it is.
 bool was_in_view(vec2 centre, float depth) {
     vec3 rendered = back_H * vec3(centre, 1.0) + back_e * (depth < MOST_KNOWN ? depth : 0.0);
     vec2 place = rendered.xy / rendered.z;
-    return rendered.z > 0.0 && all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, late_size));
+    return rendered.z > 0.0 && all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, rendered_size));
 }
 
 void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
     float hidden_side = first_covered(centre, -line), near_side = first_covered(centre, hidden_side > 0.0 ? line : vec2(0.0));
     Found found = behind(gathered(centre, -line, hidden_side), gathered(centre, line, near_side));
-    // Of the near side alone nobody knows what it hid; and what ends at the picture's border may have come from beside the late picture.
+    // Of the near side alone nobody knows what it hid; and what ends at the picture's border may have come from beside the rendered picture.
     bool known = hidden_side > 0.0 && was_in_view(centre, found.depth) && (near_side > 0.0 || was_in_view(centre, UNKNOWN));
     if (!known) found = NOTHING;
     imageStore(streaks, pixel, vec4(found.colour, found.away));

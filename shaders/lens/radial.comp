@@ -1,5 +1,5 @@
 // Applies the lens: each panel pixel looks up, for each colour of its own, the tangent the lens shows there.
-// In: shown picture, here in the place of the late one. Out: panel; black where the lens shows more than was rendered.
+// In: shown picture, here in the place of the rendered one. Out: panel; black where the lens shows more than was rendered.
 // Source: radial polynomial in r^2 (Brown 1966), one per colour; the coefficients come from hmdwarp/headsets.
 #include "lib/rows.glsl"
 #include "lib/gather.glsl"

@@ -79,7 +79,7 @@ void composite(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
         guess = seed_depth(tried == 0 ? here.z : farthest);
         pending = found.depth < 0.0;
     }
-    vec4 sum = textureLod(late_colour, found.look * late_pixel, 0.0);
+    vec4 sum = textureLod(rendered_colour, found.look * rendered_pixel, 0.0);
     bool shows = found.depth >= 0.0 && sum.a >= 0.5 && belongs(shown, ray, found, before, after);
     if (shows || is_first) {
         imageStore(shown_colour, pixel, shows ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0));

@@ -1,46 +1,46 @@
-// One bilinear look into the late picture. Its colour is premultiplied by coverage there (a hole is 0, 0, 0, 0), so holes
+// One bilinear look into the rendered picture. Its colour is premultiplied by coverage there (a hole is 0, 0, 0, 0), so holes
 // never bleed: what is covered is averaged, and the result is covered where the weight of covered pixels is at least a half.
-uniform sampler2D late_colour;
-uniform ivec2 late_size;
-uniform vec2 late_pixel; // 1 / late_size
+uniform sampler2D rendered_colour;
+uniform ivec2 rendered_size;
+uniform vec2 rendered_pixel; // 1 / rendered_size
 
 // llvmpipe checks the bounds of every load of a uniform, with a branch, and moves none out of the loop over rows: copies made
 // before the loop took a third off the fused warps. prepare_looks() makes them.
-vec2 late_extent;
+vec2 rendered_extent;
 #ifdef TEXELS
 // One channel of four texels, which is what the fused warps want of each look, costs llvmpipe two thirds of a look of its sampler, as
 // that makes all four channels. GPUs are given the sampler.
-layout(rgba16f) readonly uniform image2D late_texels;
+layout(rgba16f) readonly uniform image2D rendered_texels;
 vec2 texels_end;
 
 void prepare_looks() {
-    late_extent = vec2(late_size);
-    texels_end = vec2(imageSize(late_texels)) - 0.5;
+    rendered_extent = vec2(rendered_size);
+    texels_end = vec2(imageSize(rendered_texels)) - 0.5;
 }
 
 vec4 look(vec2 p) {
     vec2 at = clamp(p, vec2(0.5), texels_end) - 0.5;
     vec2 low = floor(at), part = at - low;
     ivec2 texel = ivec2(low);
-    vec4 a = imageLoad(late_texels, texel), b = imageLoad(late_texels, texel + ivec2(1, 0));
-    vec4 c = imageLoad(late_texels, texel + ivec2(0, 1)), d = imageLoad(late_texels, texel + ivec2(1, 1));
+    vec4 a = imageLoad(rendered_texels, texel), b = imageLoad(rendered_texels, texel + ivec2(1, 0));
+    vec4 c = imageLoad(rendered_texels, texel + ivec2(0, 1)), d = imageLoad(rendered_texels, texel + ivec2(1, 1));
     return mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
 }
 #else
 vec2 per_pixel;
 
 void prepare_looks() {
-    late_extent = vec2(late_size);
-    per_pixel = late_pixel;
+    rendered_extent = vec2(rendered_size);
+    per_pixel = rendered_pixel;
 }
 
 vec4 look(vec2 p) {
-    return textureLod(late_colour, p * per_pixel, 0.0);
+    return textureLod(rendered_colour, p * per_pixel, 0.0);
 }
 #endif
 
-bool in_late(vec2 p) {
-    return p.x >= 0.0 && p.y >= 0.0 && p.x < late_extent.x && p.y < late_extent.y;
+bool in_rendered(vec2 p) {
+    return p.x >= 0.0 && p.y >= 0.0 && p.x < rendered_extent.x && p.y < rendered_extent.y;
 }
 
 vec4 covered_average(vec2 p) {

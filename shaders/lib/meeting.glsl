@@ -4,10 +4,10 @@
 // picture the ray is a line, on which the place of a point at rendered inverse depth r is linear in r: p = start + r * along. From a guess of
 // r, one step to the plane of the texel there (Newton's) is exact as long as it stays on that plane.
 // Source: Bowles et al. 2012, Iterative Image Warping, section 3; the slanted texels are this project's.
-uniform sampler2D late_colour;
-layout(r32f) readonly uniform image2D late_depth;
-uniform ivec2 late_size;
-uniform vec2 late_pixel;       // 1 / late_size
+uniform sampler2D rendered_colour;
+layout(r32f) readonly uniform image2D rendered_depth;
+uniform ivec2 rendered_size;
+uniform vec2 rendered_pixel;       // 1 / rendered_size
 uniform float depth_tolerance; // neighbours that differ by less than this times (their inverse depth + floor) are one surface
 uniform float depth_floor;     // 1/m
 const float MOST_STEP = 0.5;   // pixels that the step may lead away from the place it started from
@@ -39,7 +39,7 @@ bool of_one_surface(float a, float b) {
 }
 
 float held(ivec2 texel) {
-    return imageLoad(late_depth, clamp(texel, ivec2(0), late_size - 1)).r;
+    return imageLoad(rendered_depth, clamp(texel, ivec2(0), rendered_size - 1)).r;
 }
 
 // seed: an inverse depth in the shown view; negative: none.
@@ -47,7 +47,7 @@ Meeting meet(Ray ray, float seed) {
     float r = seed / (ray.base_z + seed * ray.parallax_z);
     vec2 p = ray.start + r * ray.along;
     // The texel that p lies in, and the two beside it that p is nearest to.
-    ivec2 corner = ivec2(floor(clamp(p, vec2(0.0), vec2(late_size)) + 0.5));
+    ivec2 corner = ivec2(floor(clamp(p, vec2(0.0), vec2(rendered_size)) + 0.5));
     bvec2 upper = greaterThanEqual(p, vec2(corner));
     ivec2 texel = corner - ivec2(not(upper)), other = corner - ivec2(upper);
     float own = held(texel);
@@ -67,8 +67,8 @@ Meeting meet(Ray ray, float seed) {
     found.look = mix(centre, found.place, found.connected);
     float nearer = 1.0 - r * ray.parallax_z;
     bool met = ray.ahead && seed >= 0.0 && is_depth(own) && nearer > 0.0 && abs(change) * length(ray.along) <= MOST_STEP;
-    bool inside_late = all(greaterThanEqual(found.place, vec2(0.0))) && all(lessThan(found.place, vec2(late_size)));
-    found.depth = met && inside_late ? r * ray.base_z / nearer : -1.0;
+    bool inside_rendered = all(greaterThanEqual(found.place, vec2(0.0))) && all(lessThan(found.place, vec2(rendered_size)));
+    found.depth = met && inside_rendered ? r * ray.base_z / nearer : -1.0;
     return found;
 }
 

@@ -2,7 +2,7 @@
 // A drawn pixel whose inverse depth is negative, NaN or infinite has no depth and lands nowhere.
 #include "lib/scatter_sizes.glsl"
 #include "lib/warp_map.glsl"
-layout(r32f) readonly uniform image2D late_inverse_depth;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
 
 const float LARGEST = 3.402823466e38; // the largest finite float32
 
@@ -15,7 +15,7 @@ struct Landing {
 
 // base: H times the drawn pixel's centre.
 Landing landing(ivec2 drawn, vec3 base) {
-    float inverse_depth = imageLoad(late_inverse_depth, drawn).r;
+    float inverse_depth = imageLoad(rendered_inverse_depth, drawn).r;
     // precise: two passes must compute the same bits, whatever the compiler would contract.
     precise vec3 q = base + e * inverse_depth;
     precise vec2 p = q.xy / q.z;
@@ -35,7 +35,7 @@ void visit_all(ivec2 first) {
     // precise: as in landing(), whose own `precise` does not reach its caller.
     precise vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
     for (int row = 0; row < ROWS; ++row) {
-        if (first.y + row >= late_size.y) break;
+        if (first.y + row >= rendered_size.y) break;
         precise vec3 here = base + H[1] * float(row);
         visit(first + ivec2(0, row), here);
     }

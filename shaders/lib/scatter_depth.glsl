@@ -8,7 +8,7 @@ const uint NEAREST_BITS = 0x44FFFFFFu;  // the largest float32 below 2^11 1/m
 const uint FARTHEST_BITS = 0x35800000u; // 2^-20 1/m
 const uint FAR_KEYS = 0x08000000u;      // keys below this one are farther than that
 
-// source: index of the drawn pixel in the late picture, at most 2^27 - 2.
+// source: index of the drawn pixel in the rendered picture, at most 2^27 - 2.
 uint depth_key(float inverse_depth, ivec2 drawn, uint source) {
     uint bits = min(floatBitsToUint(abs(inverse_depth)), NEAREST_BITS); // abs: -0 is 0
     uint neighbour = 15u - (uint(drawn.y & 3) * 4u + uint(drawn.x & 3));
@@ -16,5 +16,5 @@ uint depth_key(float inverse_depth, ivec2 drawn, uint source) {
 }
 
 uint source_of(ivec2 drawn) {
-    return uint(drawn.y) * uint(late_size.x) + uint(drawn.x);
+    return uint(drawn.y) * uint(rendered_size.x) + uint(drawn.x);
 }

@@ -1,4 +1,4 @@
-// The cheaper mirror: marches each mirrored ray through the late picture itself. What that does not show stays a hole.
+// The cheaper mirror: marches each mirrored ray through the rendered picture itself. What that does not show stays a hole.
 // In: the picture and its inverse depth. Out: what one plane mirror shows, rgba16f; the inverse depth of the whole path, -1 for none.
 // Source: McGuire and Mara 2014, Efficient GPU Screen-Space Ray Tracing (JCGT 3:4): steps of equal length on the screen.
 #define ROWS 4

@@ -1,9 +1,9 @@
-// Gathers each shown pixel from the late picture through the client's own depth; a depth test keeps what was hidden empty.
+// Gathers each shown pixel from the rendered picture through the client's own depth; a depth test keeps what was hidden empty.
 // In: shown pixel and the client's inverse depth there. Out: rendered pixel by H, e (here shown -> rendered) and what it held.
 // Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams 1978), per texel of the footprint.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-layout(r32f) readonly uniform image2D late_inverse_depth;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
 layout(r32f) readonly uniform image2D client_inverse_depth;
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
@@ -33,12 +33,12 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float expected = own * depth_ratio;
     vec2 nearest = floor(at_centre.xy * depth_ratio);
     vec2 across = 2.0 * floor(p - 0.5) + 1.0 - nearest;
-    bool near_holds = holds(imageLoad(late_inverse_depth, ivec2(nearest)).r, expected);
-    bool across_holds = holds(imageLoad(late_inverse_depth, ivec2(across)).r, expected);
-    near_holds = near_holds && in_late(nearest); // beyond the border an image reads 0, which would pass for sky
-    across_holds = across_holds && in_late(across);
+    bool near_holds = holds(imageLoad(rendered_inverse_depth, ivec2(nearest)).r, expected);
+    bool across_holds = holds(imageLoad(rendered_inverse_depth, ivec2(across)).r, expected);
+    near_holds = near_holds && in_rendered(nearest); // beyond the border an image reads 0, which would pass for sky
+    across_holds = across_holds && in_rendered(across);
     vec2 at = near_holds ? (across_holds ? p : nearest + 0.5) : across + 0.5;
     vec4 sum = look(at);
     bool ahead = own >= 0.0 && q.z > 0.0 && at_centre.z > 0.0;
-    return ahead && (near_holds || across_holds) && in_late(p) ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+    return ahead && (near_holds || across_holds) && in_rendered(p) ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

@@ -7,7 +7,7 @@
 // dispatched indirectly, by a count that is 0 when nothing tied.
 #include "lib/scatter.glsl"
 #include "lib/scatter_depth.glsl"
-layout(rgba16f) readonly uniform image2D late_colour;
+layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
 // A drawn pixel that finds its own key there sets tie_groups.z to 1, the z of the indirect dispatches that settle ties.
 layout(std430, binding = 0) buffer Keys { uint key_of[]; };
@@ -22,11 +22,11 @@ void visit(ivec2 drawn, vec3 base) {
 #if PASS == 0
     if (atomicMax(key_of[to.slot], key) == key) tie_groups[2] = 1u;
 #elif PASS == 1
-    if (key_of[to.slot] == key) imageStore(shown_colour, to.pixel, imageLoad(late_colour, drawn));
+    if (key_of[to.slot] == key) imageStore(shown_colour, to.pixel, imageLoad(rendered_colour, drawn));
 #elif PASS == 2
     if (key_of[to.slot] == key) atomicMin(winner_of[to.slot], source);
 #elif PASS == 3
-    if (winner_of[to.slot] == source) imageStore(shown_colour, to.pixel, imageLoad(late_colour, drawn));
+    if (winner_of[to.slot] == source) imageStore(shown_colour, to.pixel, imageLoad(rendered_colour, drawn));
 #else
     winner_of[to.slot] = NO_WINNER;
 #endif
@@ -34,6 +34,6 @@ void visit(ivec2 drawn, vec3 base) {
 
 void main() {
     ivec2 first = first_pixel();
-    if (first.x >= late_size.x) return;
+    if (first.x >= rendered_size.x) return;
     visit_all(first);
 }

@@ -24,7 +24,7 @@ void visit(ivec2 drawn, vec3 base) {
 
 void main() {
     ivec2 first = first_pixel();
-    if (first.x >= late_size.x) return;
+    if (first.x >= rendered_size.x) return;
     visit_all(first);
 }
 #else
@@ -35,7 +35,7 @@ ivec2 winner(uint slot) {
     uvec2 key = key_of[slot];
     key_of[slot] = uvec2(0u);
     uint source = ~key.x;
-    return key.y == 0u ? ivec2(-1) : ivec2(source % uint(late_size.x), source / uint(late_size.x));
+    return key.y == 0u ? ivec2(-1) : ivec2(source % uint(rendered_size.x), source / uint(rendered_size.x));
 }
 
 void main() {

@@ -2,7 +2,7 @@
 // In: rendered pixel and inverse depth (for the landing alone). Out: shown colour; coverage 0 where nothing landed.
 // Source: McMillan 1995 (A List-Priority Rendering Algorithm for Redisplaying Projected Surfaces, UNC TR95-005); Walia and Verma.
 //
-// The epipole is where the shown eye appears in the late picture. Two drawn pixels of one line through it may land in the same
+// The epipole is where the shown eye appears in the rendered picture. Two drawn pixels of one line through it may land in the same
 // place, and then the one closer to it is nearer if the shown eye lies ahead (order: towards the epipole), the farther one if
 // behind (away from it). So any order works that runs along each such line in that sense. The picture is cut at the epipole:
 // RINGS: into four triangles by the diagonals through it, run in step, ring by ring of squares around it (with the halves of each

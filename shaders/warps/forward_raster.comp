@@ -5,9 +5,9 @@
 
 // 15 bits each for the row from the top and the column.
 uint order_of(ivec2 drawn) {
-    return (uint(late_size.y - 1 - drawn.y) << 15) | uint(drawn.x);
+    return (uint(rendered_size.y - 1 - drawn.y) << 15) | uint(drawn.x);
 }
 
 ivec2 drawn_of(uint order) {
-    return ivec2(order & 0x7FFFu, late_size.y - 1 - int(order >> 15));
+    return ivec2(order & 0x7FFFu, rendered_size.y - 1 - int(order >> 15));
 }

@@ -1,12 +1,12 @@
-// Gathers each shown pixel along its ray: guesses a depth, looks at the late depth where the ray has it, and guesses again.
-// In: shown pixel, late inverse depth, a first guess. Out: rendered pixel where the ray meets the late surface, and its colour there.
+// Gathers each shown pixel along its ray: guesses a depth, looks at the rendered depth where the ray has it, and guesses again.
+// In: shown pixel, rendered inverse depth, a first guess. Out: rendered pixel where the ray meets the rendered surface, and its colour there.
 // Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Lee et al. 2018, Iterative Depth Warping (first guess, convergence).
 //
-// In the late picture the ray is a line, and its place is linear in the inverse depth r there: q = base + parallax s with r = s / q.z gives
+// In the rendered picture the ray is a line, and its place is linear in the inverse depth r there: q = base + parallax s with r = s / q.z gives
 // q / q.z = start + r * along.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-#include "lib/late_surface.glsl"
+#include "lib/rendered_surface.glsl"
 #ifdef SEEDED
 #include "lib/seeds.glsl"
 #endif
@@ -23,7 +23,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
 #endif
     // A plain look costs a third of a slanted one. A guess that is on the surface already is kept: the seed knows its slope.
     for (int look = 0; look < PLAIN; ++look) {
-        float seen = imageLoad(late_inverse_depth, texel_at(start + r * along)).r;
+        float seen = imageLoad(rendered_inverse_depth, texel_at(start + r * along)).r;
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
     // Newton steps: exact on planes, however far the guess was off.
@@ -42,5 +42,5 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
 #endif
     bool met = surface.known && abs(change) * length(along) <= most_pixels;
     bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // of both eyes
-    return met && ahead && in_late(p) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+    return met && ahead && in_rendered(p) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

@@ -1,10 +1,10 @@
-// Splats late depth at a quarter of the resolution, of each block its nearest texel, so that a gather starts on what is in front.
-// In: late inverse depth. Out: per cell of shown pixels the inverse depth where its central ray meets the plane of the texel in front.
+// Splats rendered depth at a quarter of the resolution, of each block its nearest texel, so that a gather starts on what is in front.
+// In: rendered inverse depth. Out: per cell of shown pixels the inverse depth where its central ray meets the plane of the texel in front.
 // Source: Lee et al. 2018, Iterative Depth Warping (a first guess by warping depth forward); McMillan and Bishop 1995 for the map.
 //
 // PASS 0 finds the nearest texel of each block and empties the cells, PASS 1 splats the blocks, PASS 2 meets rays and planes.
 #include "lib/warp_map.glsl"
-#include "lib/late_surface.glsl"
+#include "lib/rendered_surface.glsl"
 #include "lib/seeds.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
 struct Block {
@@ -27,7 +27,7 @@ void visit(ivec2 block) {
     for (int y = 0; y < BLOCK; ++y)
         for (int x = 0; x < BLOCK; ++x) {
             ivec2 texel = block * BLOCK + ivec2(x, y);
-            float here = imageLoad(late_inverse_depth, texel).r; // 0 beyond the border, which lands nowhere
+            float here = imageLoad(rendered_inverse_depth, texel).r; // 0 beyond the border, which lands nowhere
             bool nearer = here > found.nearest && here < 1e30;
             found.nearest = nearer ? here : found.nearest;
             found.texel = nearer ? texel : found.texel;
@@ -68,7 +68,7 @@ void visit(ivec2 cell) {
     // Slanted towards its neighbours in the block, which more likely belong to its surface.
     vec2 place = vec2(texel) + mix(vec2(0.25), vec2(0.75), lessThan(texel & (BLOCK - 1), ivec2(BLOCK / 2)));
     float r = meets(surface_at(place), place, start, e.xy - start * e.z);
-    // A ray that goes behind the late eye has no line in its picture, though the division finds one.
+    // A ray that goes behind the rendered eye has no line in its picture, though the division finds one.
     seed_of[slot] = key != 0u && base.z > 0.0 && r > 0.0 && r < 1e30 ? floatBitsToUint(r) : 0u;
 }
 #endif

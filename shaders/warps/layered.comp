@@ -5,11 +5,11 @@
 #include "lib/composite.glsl"
 layout(r32f) readonly uniform image2D front_inverse_depth; // of the visible layer
 
-// What covered a hidden place has moved off it, to `front` on the ray. Where that lies outside the late picture, something else as near
+// What covered a hidden place has moved off it, to `front` on the ray. Where that lies outside the rendered picture, something else as near
 // may stand there, which nobody has drawn: then the hidden place may be hidden still.
 bool is_uncovered(Ray ray, vec2 place) {
     float depth = imageLoad(front_inverse_depth, ivec2(place)).r;
-    return !is_depth(depth) || inside(ray.start + depth * ray.along, late_size);
+    return !is_depth(depth) || inside(ray.start + depth * ray.along, rendered_size);
 }
 
 bool may_belong(Ray ray, float nearest, vec4 before) {

@@ -11,6 +11,6 @@ void visit(ivec2 drawn, vec3 base) {
 
 void main() {
     ivec2 first = first_pixel();
-    if (first.x >= late_size.x) return;
+    if (first.x >= rendered_size.x) return;
     visit_all(first);
 }

@@ -1,12 +1,12 @@
-// The (lower) median inverse depth over a grid of GRID x GRID samples of the late picture, one work group, no read-back.
+// The (lower) median inverse depth over a grid of GRID x GRID samples of the rendered picture, one work group, no read-back.
 // In: rendered inverse depth, -1 where there is none. Out: 1/m; 0 if nothing has depth.
 // Source: selection by bisection on the bits of non-negative floats, which sort as unsigned integers (abs: -0.0 sorts as 0).
 #define GRID 64
 #define THREADS 256
 #define FLOAT_MAX 3.4028234e38
 layout(local_size_x = THREADS) in;
-uniform sampler2D late_inverse_depth;
-uniform ivec2 late_size;
+uniform sampler2D rendered_inverse_depth;
+uniform ivec2 rendered_size;
 layout(std430, binding = 0) writeonly buffer Plane { float plane_inverse_depth; };
 shared uint at_most;
 shared uint with_depth;
@@ -19,7 +19,7 @@ void main() {
     for (int i = 0; i < each; ++i) {
         int k = int(gl_LocalInvocationIndex) + i * THREADS;
         ivec2 cell = ivec2(k % GRID, k / GRID);
-        mine[i] = texelFetch(late_inverse_depth, (2 * cell + 1) * late_size / (2 * GRID), 0).r;
+        mine[i] = texelFetch(rendered_inverse_depth, (2 * cell + 1) * rendered_size / (2 * GRID), 0).r;
         if (!(mine[i] <= FLOAT_MAX)) mine[i] = -1.0; // Inf and NaN are no depth
         if (mine[i] >= 0.0) atomicAdd(with_depth, 1u);
     }

@@ -32,7 +32,7 @@ void bounds_of_cells(float r[SIDE * SIDE], ivec2 corner, out vec2 least[16], out
     bool before[25];
     for (int k = 0; k < 25; ++k) {
         ivec2 at = ivec2(k % 5, k / 5);
-        vec3 q = shown_point(clamp(vec2(corner + at) + 0.5, vec2(0.0), vec2(late_size)), r[(at.y + 1) * SIDE + at.x + 1]);
+        vec3 q = shown_point(clamp(vec2(corner + at) + 0.5, vec2(0.0), vec2(rendered_size)), r[(at.y + 1) * SIDE + at.x + 1]);
         place[k] = q.xy / q.z;
         before[k] = q.z > 0.0;
     }
@@ -65,7 +65,7 @@ void main() {
     for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 4; ++x) {
             ivec2 cell = first + ivec2(x, y);
-            bool exists = all(greaterThanEqual(cell, ivec2(0))) && all(lessThanEqual(cell, late_size));
+            bool exists = all(greaterThanEqual(cell, ivec2(0))) && all(lessThanEqual(cell, rendered_size));
             uint below = rows >> uint(y * 4 + x), left = columns >> uint(y * 5 + x);
             bool is_whole = (below & (below >> 4u) & left & (left >> 1u) & 1u) != 0u;
             int a = (y + 1) * SIDE + x + 1;
@@ -87,7 +87,7 @@ void main() {
     }
     shown = on_screen != 0u ? 0x80000000u : 0u;
 
-    bool inner = all(greaterThan(first, ivec2(0))) && all(lessThanEqual(first + BLOCK, late_size));
+    bool inner = all(greaterThan(first, ivec2(0))) && all(lessThanEqual(first + BLOCK, rendered_size));
     float quarters = 0.0;
     for (int k = 0; k < 4; ++k) {
         int a = ((k >> 1) * 2 + 1) * SIDE + (k & 1) * 2 + 1;
@@ -106,7 +106,7 @@ void main() {
         for (int x = 0; x < 4; ++x) {
             int k = (y + 1) * SIDE + x + 1;
             ivec2 cell = first + ivec2(x, y);
-            bool within = all(greaterThan(cell, ivec2(0))) && all(lessThan(cell, late_size));
+            bool within = all(greaterThan(cell, ivec2(0))) && all(lessThan(cell, rendered_size));
             float beside = max(abs(r[k] - 2.0 * r[k + 1] + r[k + 2]), abs(r[k + SIDE] - 2.0 * r[k + SIDE + 1] + r[k + SIDE + 2]));
             float above = max(abs(r[k] - 2.0 * r[k + SIDE] + r[k + 2 * SIDE]), abs(r[k + 1] - 2.0 * r[k + SIDE + 1] + r[k + 2 * SIDE + 1]));
             uint bit = 1u << uint(y * 4 + x);

@@ -1,4 +1,4 @@
-// A whole cell of the late surface: two triangles with the late inverse depth at its corners.
+// A whole cell of the rendered surface: two triangles with the rendered inverse depth at its corners.
 // In: the list of cells. Out: clip space; rendered pixel and inverse depth there, for perspective-correct interpolation.
 // Source: Mark et al. 1997, Post-Rendering 3D Warping, section 3 (the picture as a mesh of triangles).
 #include "warps/mesh_surface.glsl"
@@ -14,7 +14,7 @@ void main() {
     ivec2 origin = ivec2(cell.x & 0xFFFFu, cell.x >> 16u), side = ivec2(cell.y & 0xFFFFu, cell.y >> 16u);
     ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
     ivec2 pixel = origin - 1 + corner * side;
-    vec2 drawn = clamp(vec2(pixel) + 0.5, vec2(0.0), vec2(late_size));
+    vec2 drawn = clamp(vec2(pixel) + 0.5, vec2(0.0), vec2(rendered_size));
     float r = known_inverse_depth(pixel), held_back = 1.0;
 #if ADAPTIVE
     // Beside a large cell lie vertices that it does not have: what it is off there would show as a crack. Its own plane goes on a

@@ -1,4 +1,4 @@
-// Where a point of the late surface lies in the shown picture; depth is no part of its clip coordinates.
+// Where a point of the rendered surface lies in the shown picture; depth is no part of its clip coordinates.
 // `precise`, so that the corners of whole cells and of pieces are the same to the last bit, and no crack is between them.
 #include "lib/warp_map.glsl"
 uniform ivec2 shown_size;

@@ -1,8 +1,8 @@
-// The late colour on the surface, and the surface's shown inverse depth for the depth test: both kinds of triangles, those of whole
+// The rendered colour on the surface, and the surface's shown inverse depth for the depth test: both kinds of triangles, those of whole
 // cells and (PIECES) of cut ones. VERTEX: sheets are cut here, by the connectedness test of Mark 1999, 3.3, per shown pixel.
 #include "lib/warp_map.glsl"
-uniform sampler2D late_colour;
-uniform vec2 late_pixel;
+uniform sampler2D rendered_colour;
+uniform vec2 rendered_pixel;
 in vec4 surface_point;
 #if PIECES
 flat in vec4 owner;
@@ -19,24 +19,24 @@ float ordered(float inverse_depth) {
 }
 
 #if VERTEX
-layout(r32f) readonly uniform image2D late_inverse_depth;
-uniform ivec2 late_size;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
+uniform ivec2 rendered_size;
 uniform vec2 steepest;
-uniform mat3 late_from_shown;
-uniform vec3 late_parallax;
+uniform mat3 rendered_from_shown;
+uniform vec3 rendered_parallax;
 
 // A sheet that joins two surfaces is known by its nearest vertex: it has another depth. Of each surface half a pixel around the
 // vertex stays, in the vertex's own colour: what lies there at the vertex's own depth. False for the rest of the sheet.
 bool keeps(inout vec2 at) {
-    ivec2 pixel = clamp(ivec2(surface_point.xy), ivec2(0), late_size - 1);
-    float own = imageLoad(late_inverse_depth, pixel).r;
+    ivec2 pixel = clamp(ivec2(surface_point.xy), ivec2(0), rendered_size - 1);
+    float own = imageLoad(rendered_inverse_depth, pixel).r;
     vec2 centre = vec2(pixel) + 0.5;
     float allowed = dot(steepest, abs(surface_point.xy - centre)) * min(own, surface_point.z);
     if (abs(surface_point.z - own) <= allowed) return true;
     at = centre;
-    vec3 base = late_from_shown * vec3(gl_FragCoord.xy, 1.0);
-    // Along this ray the late inverse depth `own` is met at base + late_parallax * s with s = own base_z / (1 - own late_parallax_z).
-    vec3 q = base * (1.0 - own * late_parallax.z) + late_parallax * (own * base.z);
+    vec3 base = rendered_from_shown * vec3(gl_FragCoord.xy, 1.0);
+    // Along this ray the rendered inverse depth `own` is met at base + rendered_parallax * s with s = own base_z / (1 - own rendered_parallax_z).
+    vec3 q = base * (1.0 - own * rendered_parallax.z) + rendered_parallax * (own * base.z);
     vec2 away = abs(q.xy / q.z - centre);
     return max(away.x, away.y) <= 0.5;
 }
@@ -54,7 +54,7 @@ void main() {
 #else
     const bool kept = true;
 #endif
-    vec4 sum = textureLod(late_colour, at * late_pixel, 0.0);
+    vec4 sum = textureLod(rendered_colour, at * rendered_pixel, 0.0);
     // What is not there has depth 0, which is behind nothing and never drawn; to discard it would cost llvmpipe more.
     bool there = kept && sum.a >= 0.5;
 #if ADAPTIVE

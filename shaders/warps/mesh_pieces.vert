@@ -23,6 +23,6 @@ void main() {
     Quarter mine = quarter(pieces[which >> 2u], int(which & 3u));
     vec3 point = point_of(mine, ivec2(vertex & 1, vertex >> 1));
     surface_point = vec4(point, 1.0);
-    owner = vec4(vec2(clamp(mine.cell - 1 + mine.corner, ivec2(0), late_size - 1)) + 0.5, mine.towards);
+    owner = vec4(vec2(clamp(mine.cell - 1 + mine.corner, ivec2(0), rendered_size - 1)) + 0.5, mine.towards);
     gl_Position = mine.own >= 0.0 ? clip_position(point.xy, point.z) : vec4(0.0, 0.0, 0.0, -1.0);
 }

@@ -39,5 +39,5 @@ vec3 point_of(Quarter q, ivec2 vertex) {
     float inwards_x = inner.y ? q.middle : q.half_way, inwards_y = inner.x ? q.middle : q.half_up;
     vec2 outwards = mix(vec2(2 * q.corner - 1), vec2(0.0), inner);
     r = max(r + 2.0 * OVERLAP * ((inner.x ? 0.0 : r - inwards_x) + (inner.y ? 0.0 : r - inwards_y)), 0.0);
-    return vec3(clamp(vec2(q.cell) - 0.5 + 0.5 * vec2(q.corner + vertex) + OVERLAP * outwards, vec2(0.0), vec2(late_size)), r);
+    return vec3(clamp(vec2(q.cell) - 0.5 + 0.5 * vec2(q.corner + vertex) + OVERLAP * outwards, vec2(0.0), vec2(rendered_size)), r);
 }

@@ -1,15 +1,15 @@
-// The late picture as a surface: one vertex at each pixel centre, cells between four of them, numbered 0..w by 0..h from the bottom
+// The rendered picture as a surface: one vertex at each pixel centre, cells between four of them, numbered 0..w by 0..h from the bottom
 // left. Cell (i, j) lies between the centres of pixels (i-1, j-1) and (i, j); those along the border have pixels on one side only
 // and repeat them. Corners of a cell: 0 and 1 below, 2 and 3 above. Its joined edges, a bit each: 1 below, 2 above, 4 left, 8 right.
-layout(r32f) readonly uniform image2D late_inverse_depth;
-uniform ivec2 late_size;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
+uniform ivec2 rendered_size;
 
 const uint ALL_JOINED = 15u;
 const float MOST = 1e12; // 1/m; nearer than this counts as this near, so that nothing overflows
 
 // 1/m, -1 for a pixel without depth: the largest finite float is the largest that is one.
 float known_inverse_depth(ivec2 pixel) {
-    float r = imageLoad(late_inverse_depth, clamp(pixel, ivec2(0), late_size - 1)).r;
+    float r = imageLoad(rendered_inverse_depth, clamp(pixel, ivec2(0), rendered_size - 1)).r;
     return r >= 0.0 && r <= 3.4028235e38 ? min(r, MOST) : -1.0;
 }
 
@@ -25,7 +25,7 @@ const int BLOCK = 4;  // cells on a side of a block; its first cell is this time
 const int GROUP = 16; // cells on a side of a group of 16 blocks
 const int SHIFT = 15;
 
-ivec2 groups() { return (late_size + SHIFT + GROUP) / GROUP; }
+ivec2 groups() { return (rendered_size + SHIFT + GROUP) / GROUP; }
 
 ivec2 first_cell(ivec2 block) { return block * BLOCK - SHIFT; }
 

@@ -1,4 +1,4 @@
-// Adds one late picture to the shown one: the nearest surface stays, of those equally near the one known better, and of a picture other
+// Adds one rendered picture to the shown one: the nearest surface stays, of those equally near the one known better, and of a picture other
 // than the newest only what the newest does not contradict.
 // In: shown pixel, the picture's inverse depth, a first guess per shown pixel. Out: the picture's colour where it stays.
 // Source: Mark et al. 1997, Post-Rendering 3D Warping (two reference frames, depth and connectedness); Mark 1999, chapter 3.

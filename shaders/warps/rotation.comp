@@ -1,4 +1,4 @@
-// Gathers each shown pixel through a homography: the late picture as if everything were infinitely far.
+// Gathers each shown pixel through a homography: the rendered picture as if everything were infinitely far.
 // In: shown pixel. Out: rendered pixel by H (here shown -> rendered). A ray that left the rendered view is coverage 0.
 // Source: van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware.
 #include "lib/warp_map.glsl"
@@ -8,5 +8,5 @@
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 p = base.xy / base.z;
     vec4 colour = covered_average(p);
-    return base.z > 0.0 && in_late(p) ? colour : vec4(0.0);
+    return base.z > 0.0 && in_rendered(p) ? colour : vec4(0.0);
 }

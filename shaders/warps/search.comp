@@ -1,17 +1,17 @@
-// Gathers each shown pixel by following its ray through the late depth, from near to far, to the first surface that it meets.
-// In: shown pixel, late inverse depth and its pyramid of bounds. Out: rendered pixel where the ray meets the late surface, and its colour.
+// Gathers each shown pixel by following its ray through the rendered depth, from near to far, to the first surface that it meets.
+// In: shown pixel, rendered inverse depth and its pyramid of bounds. Out: rendered pixel where the ray meets the rendered surface, and its colour.
 // Source: McMillan 1997, thesis, section 7.4 (search along the epipolar line); Tevs et al. 2008 (skipping by maximum mipmaps).
 //
-// In the late picture the ray is a line, and its place is linear in the inverse depth r there: start + r * along. It is followed from
+// In the rendered picture the ray is a line, and its place is linear in the inverse depth r there: start + r * along. It is followed from
 // large r to r = 0, its place at infinity, cell by cell: blocks it passes in front of or behind are skipped whole. In the smallest cells,
 // quarters of texels, the surface is a plane. A ray that passes behind an edge meets nothing there and goes on.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-#include "lib/late_surface.glsl"
+#include "lib/rendered_surface.glsl"
 #include "lib/pyramid.glsl"
 #include OUTPUT
 uniform float gap;   // pixels, by which a ray may miss a surface's end and meet it all the same
-uniform float nearest; // 1/m, no late depth is nearer
+uniform float nearest; // 1/m, no rendered depth is nearer
 uniform int steps;
 
 const float STRIDE = 1e-3; // pixels beyond a border, so that rounding cannot hold the ray there
@@ -22,7 +22,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     // Per inverse depth a pixel at least every 1e9 1/m, so that a ray that stays in place needs no case.
     vec2 run = mix(along, vec2(1e-9), lessThan(abs(along), vec2(1e-9)));
     float slack = gap / length(run), stride = STRIDE / max(abs(run.x), abs(run.y));
-    vec2 at_low = -start / run, at_high = (vec2(late_size) - start) / run;
+    vec2 at_low = -start / run, at_high = (vec2(rendered_size) - start) / run;
     vec2 enters = max(at_low, at_high), leaves = min(at_low, at_high);
     float r = min(min(enters.x, enters.y), parallax.z > 0.0 ? min(nearest, 1.0 / parallax.z) : nearest);
     float last = max(max(leaves.x, leaves.y), 0.0);
@@ -31,7 +31,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 p = start, place = start;
     for (int step = 0; step < steps && going; ++step) {
         float side = level == 0 ? 0.5 : float(1 << (2 * level));
-        vec2 here = clamp(start + r * along, vec2(0.0), vec2(late_size) - 1e-3);
+        vec2 here = clamp(start + r * along, vec2(0.0), vec2(rendered_size) - 1e-3);
         vec2 cell = floor(here / side);
         vec2 border = (cell + vec2(lessThan(run, vec2(0.0)))) * side; // where the ray, going towards r = 0, leaves the cell
         vec2 out_at = (border - start) / run;
@@ -61,6 +61,6 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
             level = same_block ? 0 : min(level + 1, TOP);
         }
     }
-    vec4 sum = textureLod(late_colour, place * late_pixel, 0.0);
-    return met && inside(p, late_size) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
+    vec4 sum = textureLod(rendered_colour, place * rendered_pixel, 0.0);
+    return met && inside(p, rendered_size) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

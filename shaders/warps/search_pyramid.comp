@@ -1,10 +1,10 @@
-// Builds one level of the pyramid of bounds, from late depth (LEVEL 1) or from the level below.
-// In: late inverse depth. Out: bounds_of the blocks of a level, in 1/m.
+// Builds one level of the pyramid of bounds, from rendered depth (LEVEL 1) or from the level below.
+// In: rendered inverse depth. Out: bounds_of the blocks of a level, in 1/m.
 // Source: Tevs, Ihrke and Seidel 2008, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, section 3.
 #include "lib/pyramid.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(r32f) readonly uniform image2D late_inverse_depth;
-uniform ivec2 late_size;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
+uniform ivec2 rendered_size;
 uniform ivec2 blocks, below; // of this level, and of the one below
 uniform int level;
 
@@ -18,8 +18,8 @@ vec2 bounds_in(ivec2 block) {
     for (int y = -1; y <= 4; ++y)
         for (int x = -1; x <= 4; ++x) {
             ivec2 texel = block * 4 + ivec2(x, y);
-            float here = imageLoad(late_inverse_depth, texel).r;
-            bool holds = here >= 0.0 && here < 1e30 && all(lessThan(uvec2(texel), uvec2(late_size)));
+            float here = imageLoad(rendered_inverse_depth, texel).r;
+            bool holds = here >= 0.0 && here < 1e30 && all(lessThan(uvec2(texel), uvec2(rendered_size)));
             found = holds ? joined(found, vec2(here)) : found;
         }
     return found;

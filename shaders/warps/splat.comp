@@ -4,12 +4,12 @@
 // (depth warped forward, colour fetched backward).
 //
 // PASS 0: the square around each drawn pixel, on the plane that its neighbours' depths give, is a small homography; each shown pixel
-// whose centre it covers keeps the nearest inverse depth by atomicMax. PASS 1 takes each shown pixel back to the late picture
+// whose centre it covers keeps the nearest inverse depth by atomicMax. PASS 1 takes each shown pixel back to the rendered picture
 // through that depth and averages the drawn pixels of that surface by the area that the shown pixel covers of each.
 // Every sum has its order fixed by the shown pixel alone, so two runs are equal, and light of any size and sign can be averaged.
 #include "lib/scatter_sizes.glsl"
 #include "lib/warp_map.glsl"
-layout(r32f) readonly uniform image2D late_inverse_depth;
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
 layout(std430, binding = 0) buffer Keys { uint key_of[]; }; // 0 = nothing landed, else 1 + the bits of the nearest shown inverse depth
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
@@ -20,15 +20,15 @@ bool known(float inverse_depth) {
     return inverse_depth >= 0.0 && inverse_depth <= LARGEST;
 }
 
-float late_at(ivec2 drawn) {
+float rendered_at(ivec2 drawn) {
     // Beyond the border an image reads 0, which would pass for sky.
-    float held = imageLoad(late_inverse_depth, drawn).r;
-    return all(lessThan(uvec2(drawn), uvec2(late_size))) ? held : -1.0;
+    float held = imageLoad(rendered_inverse_depth, drawn).r;
+    return all(lessThan(uvec2(drawn), uvec2(rendered_size))) ? held : -1.0;
 }
 
 #if PASS == 0
 uniform float reach;   // pixels: how far a footprint may go from its middle
-uniform float overlap; // pixels of the late picture by which squares are larger on each side
+uniform float overlap; // pixels of the rendered picture by which squares are larger on each side
 const float SMALLEST = 1.17549435e-38; // the smallest normal float32
 const float NEAREST = 1048576.0; // 1/m: what comes nearer than a micrometre to the eye is not drawn
 
@@ -50,11 +50,11 @@ void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
     if (!all(lessThan(abs(p), vec2(1e9)))) return; // NaN would make the bounds below all of the picture
     vec2 moves = abs(e.xy - p * e.z) / q.z;
     float parallax = max(moves.x, moves.y), receding = e.z / q.z;
-    vec2 step = vec2(slope(late_at(drawn - ivec2(1, 0)), here, late_at(drawn + ivec2(1, 0)), parallax, receding),
+    vec2 step = vec2(slope(rendered_at(drawn - ivec2(1, 0)), here, rendered_at(drawn + ivec2(1, 0)), parallax, receding),
                      slope(below, here, above, parallax, receding));
     // Within its square a patch stays at half its inverse depth or more: else it would tip over beyond infinity.
     step *= here / max(max(abs(step.x) + abs(step.y), here), SMALLEST);
-    // A point d late pixels beside lands at p + J d / (1 + a d), J = (across, along), with w = q.z (1 + a d). So what lands `off` beside
+    // A point d rendered pixels beside lands at p + J d / (1 + a d), J = (across, along), with w = q.z (1 + a d). So what lands `off` beside
     // p is, with u = J^-1 off, at d = u / (1 - a u), where 1 + a d = 1 / (1 - a u): its inverse depth is affine in `off`.
     vec3 qx = H[0] + e * step.x, qy = H[1] + e * step.y;
     vec2 across = (qx.xy - p * qx.z) / q.z, along = (qy.xy - p * qy.z) / q.z;
@@ -78,40 +78,40 @@ void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
 
 void main() {
     ivec2 first = first_pixel();
-    if (first.x >= late_size.x) return;
+    if (first.x >= rendered_size.x) return;
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
-    float below = late_at(first - ivec2(0, 1)), here = late_at(first);
+    float below = rendered_at(first - ivec2(0, 1)), here = rendered_at(first);
     for (int row = 0; row < ROWS; ++row) {
-        if (first.y + row >= late_size.y) break;
-        float above = late_at(first + ivec2(0, row + 1));
+        if (first.y + row >= rendered_size.y) break;
+        float above = rendered_at(first + ivec2(0, row + 1));
         cover(first + ivec2(0, row), base + H[1] * float(row), below, here, above);
         below = here;
         here = above;
     }
 }
 #else
-layout(rgba16f) readonly uniform image2D late_colour;
+layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
-const float WIDEST = 3.0; // late pixels that a shown one is averaged over at most, on each axis
-const float SHARPNESS = 0.6667; // up to 1.5 late pixels a shown one four are enough, as for any bilinear look
+const float WIDEST = 3.0; // rendered pixels that a shown one is averaged over at most, on each axis
+const float SHARPNESS = 0.6667; // up to 1.5 rendered pixels a shown one four are enough, as for any bilinear look
 
 // How far a drawn pixel's inverse depth is from the expected one.
 float off(ivec2 drawn, float expected) {
-    float held = late_at(drawn);
+    float held = rendered_at(drawn);
     return known(held) ? abs(held - expected) : LARGEST;
 }
 
 // Of the pixels under the box of these sides around p, those whose depth is off by at most `most`, weighted by the area under the box.
 vec4 average_over(vec2 p, vec2 sides, float expected, float most) {
     vec2 low = p - 0.5 * sides, high = p + 0.5 * sides;
-    ivec2 from = ivec2(floor(max(low, vec2(0.0)))), to = ivec2(ceil(min(high, vec2(late_size)))) - 1;
+    ivec2 from = ivec2(floor(max(low, vec2(0.0)))), to = ivec2(ceil(min(high, vec2(rendered_size)))) - 1;
     vec4 sum = vec4(0.0);
     for (int y = from.y; y <= to.y; ++y) {
         float height = min(high.y, float(y + 1)) - max(low.y, float(y));
         for (int x = from.x; x <= to.x; ++x) {
             float area = height * (min(high.x, float(x + 1)) - max(low.x, float(x)));
-            float held = imageLoad(late_inverse_depth, ivec2(x, y)).r;
-            if (abs(held - expected) <= most) sum += area * imageLoad(late_colour, ivec2(x, y));
+            float held = imageLoad(rendered_inverse_depth, ivec2(x, y)).r;
+            if (abs(held - expected) <= most) sum += area * imageLoad(rendered_colour, ivec2(x, y));
         }
     }
     return sum;
@@ -129,19 +129,19 @@ vec4 average(vec2 p, vec2 sides, float expected, float most) {
     most = max(most, min(min(far.x, far.y), min(far.z, far.w)));
     if (any(greaterThan(sides, vec2(1.0)))) return average_over(p, clamp(sides, vec2(1.0), vec2(WIDEST)), expected, most);
     area = mix(vec4(0.0), area, lessThanEqual(far, vec4(most)));
-    vec4 sum = area.x * imageLoad(late_colour, corner);
-    sum += area.y * imageLoad(late_colour, corner + ivec2(1, 0));
-    sum += area.z * imageLoad(late_colour, corner + ivec2(0, 1));
-    return sum + area.w * imageLoad(late_colour, corner + ivec2(1, 1));
+    vec4 sum = area.x * imageLoad(rendered_colour, corner);
+    sum += area.y * imageLoad(rendered_colour, corner + ivec2(1, 0));
+    sum += area.z * imageLoad(rendered_colour, corner + ivec2(0, 1));
+    return sum + area.w * imageLoad(rendered_colour, corner + ivec2(1, 1));
 }
 
-// base + e * inverse_depth: the late pixel (homogeneous) of a point at that inverse depth in the shown view. Here H, e: shown -> rendered.
+// base + e * inverse_depth: the rendered pixel (homogeneous) of a point at that inverse depth in the shown view. Here H, e: shown -> rendered.
 vec4 fetched(uint key, vec3 base) {
     float nearness = uintBitsToFloat(key - 1u);
     vec3 q = base + e * nearness;
     if (key == 0u || !(q.z > 0.0)) return vec4(0.0);
     // Rounding may put it a little outside; clamped well beyond that, so that no place makes the loops long.
-    vec2 p = clamp(q.xy / q.z, vec2(-1.0), vec2(late_size + 1));
+    vec2 p = clamp(q.xy / q.z, vec2(-1.0), vec2(rendered_size + 1));
     float expected = nearness / q.z;
     vec2 across = (H[0].xy - p * H[0].z) / q.z, along = (H[1].xy - p * H[1].z) / q.z;
     vec2 sides = SHARPNESS * sqrt(across * across + along * along);

@@ -61,7 +61,7 @@ KEYS = {
 def small_grid():
     """A sixteenth of the grid's pixels, and small buffers to copy."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.gpu.bandwidth.suitable_bytes", lambda gpu: 1 << 20)
+        patch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
         patch.setattr("hmdwarp.bench.grid.SIZE", (100, 100))
         yield
 

@@ -24,9 +24,9 @@ from hmdwarp.bench.casework import refreshes
 from hmdwarp.bench.options import BenchOptions
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.rig import build_rig
+from hmdwarp.run.rig import build_rig
 from hmdwarp.scenes import load_scene
 
 

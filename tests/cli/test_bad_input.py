@@ -176,7 +176,7 @@ def test_a_guard_beyond_the_gl_limit(command, quick, kept):
 
 def test_more_frames_than_memory_holds(command, quick, kept):
     """16384 x 16384 pixels of 12 bytes for two eyes are 6 GB a frame, 14 frames at a time."""
-    from hmdwarp.sizes import memory_bytes
+    from hmdwarp.pipeline.sizes import memory_bytes
 
     if memory_bytes() > 85e9:
         pytest.skip("this machine has more than 85 GB of memory")
@@ -319,10 +319,10 @@ def test_without_opengl(arguments, program, quick, kept, tmp_path):
 
 
 def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
-    import hmdwarp.measuring
+    import hmdwarp.run.measuring
 
     def broken(*_: object) -> None:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr(hmdwarp.measuring.Probe, "look", broken)
+    monkeypatch.setattr(hmdwarp.run.measuring.Probe, "look", broken)
     command("replay", "still", *quick).refused("a fault of hmdwarp", "ZeroDivisionError", "HMDWARP_DEBUG=1", status=1)

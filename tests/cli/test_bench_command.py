@@ -13,7 +13,7 @@ QUICK = ("--scene", "planes", "--size", "48x40", "--seconds", "0.3", "--instants
 @pytest.fixture(autouse=True)
 def small_copies(monkeypatch):
     """The copies that measure the memory are of 1 MiB."""
-    monkeypatch.setattr("hmdwarp.gpu.bandwidth.suitable_bytes", lambda gpu: 1 << 20)
+    monkeypatch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
 
 
 def test_lists_by_repetition_and_by_commas(command, tmp_path):

@@ -35,7 +35,7 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
 def test_plan_tells_of_the_wide_view_and_its_bytes(command):
     told = " ".join(command("plan", "--scene", "planes", "--size", "96x80", "--wide").done().out.split())
     assert "fill wide" in told
-    assert "late.wide" in told
+    assert "rendered.wide" in told
     assert told.index("fill wide") < told.index("fill interpolate")
 
 

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from hmdwarp.catalogue import entries
+from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps

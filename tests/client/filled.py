@@ -6,14 +6,14 @@ import numpy as np
 from worlds import read
 
 from hmdwarp.client.compensator import Compensator
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
 from hmdwarp.scenes.effects import SceneEffect
 
-from .late_pictures import FOV
+from .rendered_pictures import FOV
 
 
 def filled(
@@ -27,7 +27,7 @@ def filled(
     compensator = Compensator(
         gpu, build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False), None, size, size
     )
-    result = compensator.run(Given(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)))
+    result = compensator.run(PassInputs(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)))
     gpu.timer.collect()
     found = read(result.warped.texture), read(result.shown.texture)
     compensator.close()

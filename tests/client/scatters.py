@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.given import Given
-from hmdwarp.frame import EyeImage
+from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.variants import parse_warp
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 
@@ -24,20 +24,20 @@ class Scatter:
     """One scatter warp of fixed sizes, run on several depth pictures in turn (bottom row first)."""
 
     def __init__(
-        self, gpu, size, shown_size, late_pose: Pose | None = None, shown_pose: Pose | None = None, spec="forward"
+        self, gpu, size, shown_size, rendered_pose: Pose | None = None, shown_pose: Pose | None = None, spec="forward"
     ) -> None:
         self.gpu, self.size, self.shown_size = gpu, size, shown_size
-        self.late_view, self.shown_view = View(late_pose or Pose(), FOV), View(shown_pose or Pose(), FOV)
+        self.rendered_view, self.shown_view = View(rendered_pose or Pose(), FOV), View(shown_pose or Pose(), FOV)
         choice = parse_warp(spec)
         self.warp, self.canvas = choice.entry(gpu, size, shown_size, choice.settings), Canvas(gpu.gl, shown_size)
         colour, self.depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
         colour.write(numbered(size).tobytes(), alignment=1)
-        self.late = EyeImage(self.late_view, colour, self.depth)
+        self.rendered = EyeImage(self.rendered_view, colour, self.depth)
 
     def run(self, depth: np.ndarray) -> np.ndarray:
         """(h, w) index of the drawn pixel that each shown pixel shows, -1 for none."""
         self.depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
-        self.warp.run(Given(self.late, self.shown_view), self.canvas)
+        self.warp.run(PassInputs(self.rendered, self.shown_view), self.canvas)
         self.gpu.gl.memory_barrier()
         return self.winners(self.canvas)
 
@@ -51,7 +51,7 @@ class Scatter:
 
     def wanted(self, depth: np.ndarray) -> np.ndarray:
         """The same by sorting, for `forward`; only for maps whose w does not depend on the pixel: equal depths stay equal in float32."""
-        forward = WarpMap.between(self.late_view, self.size, self.shown_view, self.shown_size)
+        forward = WarpMap.between(self.rendered_view, self.size, self.shown_view, self.shown_size)
         assert np.array_equal(forward.H[2], [0, 0, 1])
         y, x = (a.ravel() for a in np.mgrid[: self.size[1], : self.size[0]])
         flat = np.asarray(depth, np.float32).astype(np.float64).ravel()

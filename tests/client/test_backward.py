@@ -6,33 +6,38 @@ import math
 
 import numpy as np
 import pytest
+from reference import gather
+from reference.picture import Asked
 
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE, BackwardSettings
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
-from hmdwarp.reference import gather
-from hmdwarp.reference.picture import Asked
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 
 
 def backward(
-    gpu, colour: np.ndarray, late_depth: np.ndarray, client_depth: np.ndarray, pose: Pose, late_pose: Pose | None = None
+    gpu,
+    colour: np.ndarray,
+    rendered_depth: np.ndarray,
+    client_depth: np.ndarray,
+    pose: Pose,
+    rendered_pose: Pose | None = None,
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees; all pictures bottom row first, (h, w[, 4])."""
-    size, shown_size = late_depth.shape[::-1], client_depth.shape[::-1]
+    size, shown_size = rendered_depth.shape[::-1], client_depth.shape[::-1]
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR), allocate(gpu.gl, shown_size, SCALAR)]
     for texture, picture, dtype in zip(
-        textures, (colour, late_depth, client_depth), (np.float16, np.float32, np.float32), strict=True
+        textures, (colour, rendered_depth, client_depth), (np.float16, np.float32, np.float32), strict=True
     ):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, shown_size)
-    late = EyeImage(View(late_pose or Pose(), FOV), *textures[:2])
+    rendered = EyeImage(View(rendered_pose or Pose(), FOV), *textures[:2])
     warps.get("backward")(gpu, size, shown_size).run(
-        Given(late, View(pose, FOV), client_inverse_depth=textures[2]), canvas
+        PassInputs(rendered, View(pose, FOV), client_inverse_depth=textures[2]), canvas
     )
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(*client_depth.shape, 4).astype(np.float64)
@@ -46,11 +51,13 @@ def white(size: tuple[int, int]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("turn", [(0, 0.01, 0), (0.02, 0, 0), (0.01, -0.02, 0.3), (0, 0, 0)])
-@pytest.mark.parametrize("late", [1.0, -1.0])
-def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, late):
+@pytest.mark.parametrize("rendered", [1.0, -1.0])
+def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, rendered):
     """Beyond the border of the late picture there is no depth, and above all not that of the sky."""
     size = (13, 11)
-    got = backward(gpu, white(size), np.full(size[::-1], late), np.zeros(size[::-1]), Pose(orientation_xyzw=(*turn, 1)))
+    got = backward(
+        gpu, white(size), np.full(size[::-1], rendered), np.zeros(size[::-1]), Pose(orientation_xyzw=(*turn, 1))
+    )
     assert (got == 0).all()
 
 
@@ -66,10 +73,10 @@ def test_the_border_of_the_picture_itself_is_seen(gpu):
 def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
     """A square at 1 m before a wall at 4 m, seen from 0.4 m to the right at 30 pixels per tangent: 12 px against 3 px of parallax."""
     y, x = np.mgrid[:60, :60]
-    late = np.where((y >= 20) & (y < 40) & (x >= 20) & (x < 40), 1.0, 0.25)
+    rendered = np.where((y >= 20) & (y < 40) & (x >= 20) & (x < 40), 1.0, 0.25)
     now = np.where((y >= 20) & (y < 40) & (x >= 8) & (x < 28), 1.0, 0.25)
-    colour = np.stack([late, x / 60, y / 60, np.ones_like(late)], axis=-1).astype(np.float16).astype(np.float64)
-    got = backward(gpu, colour, late, now, Pose((0.4, 0, 0)))
+    colour = np.stack([rendered, x / 60, y / 60, np.ones_like(rendered)], axis=-1).astype(np.float16).astype(np.float64)
+    got = backward(gpu, colour, rendered, now, Pose((0.4, 0, 0)))
     hole = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
     left_view = x >= 57
     # A pixel at the rim of the hole may take the colour of the same wall from the texel across the corner.
@@ -88,8 +95,8 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
 @pytest.mark.parametrize("side", [-1, 1])
 def test_the_tolerance_is_where_it_says(gpu, own, share, side):
     limit = DEPTH_TOLERANCE * (own + DEPTH_FLOOR)
-    late = own + side * limit * share
-    got = backward(gpu, white((5, 5)), np.full((5, 5), late), np.full((5, 5), own), Pose())
+    rendered = own + side * limit * share
+    got = backward(gpu, white((5, 5)), np.full((5, 5), rendered), np.full((5, 5), own), Pose())
     assert (got[..., 3] == (share < 1)).all()
 
 
@@ -109,15 +116,15 @@ def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
     """Small pictures, where half of all looks touch the border, with depths that agree here and there."""
     rng = np.random.default_rng(seed)
     size = (9, 7)
-    late_depth = rng.choice([0.0, 0.5, 1.0, -1.0], size[::-1])
+    rendered_depth = rng.choice([0.0, 0.5, 1.0, -1.0], size[::-1])
     client = rng.choice([0.0, 0.5, 1.0, -1.0], size[::-1])
-    colour = np.where(late_depth[..., None] >= 0, np.append(rng.uniform(0, 1, 3), 1), 0) * np.ones((*size[::-1], 1))
+    colour = np.where(rendered_depth[..., None] >= 0, np.append(rng.uniform(0, 1, 3), 1), 0) * np.ones((*size[::-1], 1))
     colour = colour.astype(np.float16).astype(np.float64)
     pose = Pose(rng.normal(scale=0.02, size=3), (*rng.normal(scale=0.02, size=3), 1))
-    got = backward(gpu, colour, late_depth, client, pose)
+    got = backward(gpu, colour, rendered_depth, client, pose)
     settings = BackwardSettings()
     wanted = gather.backward(
-        Asked(colour, late_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
+        Asked(colour, rendered_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
     )
     decided = ~wanted.undecided
     assert decided.sum() > 30

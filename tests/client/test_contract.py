@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from holed import Holed
+from reference.interpolate import interpolate
 from worlds import World, every_choice
 
-from hmdwarp.client.choices import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
+from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.geometry import View
-from hmdwarp.reference.interpolate import interpolate
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it against the other.
 CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
@@ -56,9 +56,9 @@ def test_a_guard_band_is_cut_off_exactly(gpu, name):
         wanted = world.look_along_a_face(gpu, 1, margin=7)
         assert np.array_equal(world.warp(gpu, name), wanted)
         return
-    fov, size = world.late_view.fov.guarded(1.3, world.size)
+    fov, size = world.rendered_view.fov.guarded(1.3, world.size)
     inner, world.size = world.size, size
-    world.late_view, world.shown_view = View(world.late_view.pose, fov), world.late_view
+    world.rendered_view, world.shown_view = View(world.rendered_view.pose, fov), world.rendered_view
     world.shown_size = inner
     world._draw()
     left, right, down, up = fov.tangents

@@ -7,17 +7,17 @@ import math
 import attrs
 import numpy as np
 import pytest
+from reference._rays import world_directions
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import PlanError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
 from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
-from hmdwarp.reference._rays import world_directions
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
@@ -25,9 +25,9 @@ SIZE = (61, 53)
 FOV = Fov.symmetric(1.4, 1.3)
 
 
-def looked(gpu, late, shown: View, size=SIZE) -> np.ndarray:
-    warp, canvas = warps.get("environment")(gpu, late.size, size), Canvas(gpu.gl, size)
-    warp.run(Given(late, shown), canvas)
+def looked(gpu, rendered, shown: View, size=SIZE) -> np.ndarray:
+    warp, canvas = warps.get("environment")(gpu, rendered.size, size), Canvas(gpu.gl, size)
+    warp.run(PassInputs(rendered, shown), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     warp.close()
@@ -66,9 +66,9 @@ def test_whatever_the_turn_all_is_covered_and_shows_its_own_direction(gpu, world
     half floats by 2^-11 of a value up to 1 (twice that where the store truncates)."""
     paint(gpu, world, lambda d: d)
     turn = Rotation.from_rotvec(np.array(axis) / np.linalg.norm(axis) * math.radians(degrees))
-    pose = world.late_view.pose
+    pose = world.rendered_view.pose
     shown = View(Pose(pose.position_m, (pose.rotation * turn).as_quat()), FOV)
-    out = looked(gpu, world.late, shown)
+    out = looked(gpu, world.rendered, shown)
     rays = world_directions(shown, SIZE) @ pose.rotation.as_matrix()
     assert (out[..., 3] == 1).all()
     wanted = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
@@ -78,11 +78,11 @@ def test_whatever_the_turn_all_is_covered_and_shows_its_own_direction(gpu, world
 def test_no_seam_at_edges_and_corners(gpu, world):
     """A smooth pattern, looked at closely across a corner: no step between neighbours is larger than the pattern's steepest."""
     paint(gpu, world, lambda d: 1 + np.sin(3 * d))
-    pose = world.late_view.pose
+    pose = world.rendered_view.pose
     for yaw, pitch in ((45, math.degrees(math.atan(math.sqrt(0.5)))), (45, 0), (0, 45), (135, -35), (-45, 35)):
         turn = Rotation.from_euler("YX", [yaw, pitch], degrees=True)
         fov = Fov.symmetric(0.2, 0.2)
-        out = looked(gpu, world.late, View(Pose(pose.position_m, (pose.rotation * turn).as_quat()), fov))
+        out = looked(gpu, world.rendered, View(Pose(pose.position_m, (pose.rotation * turn).as_quat()), fov))
         for axis in (0, 1):
             step = np.abs(np.diff(out[..., :3], axis=axis)).max()
             # slope 3 per radian; a face's chord of one pixel may be off the curve by 9/8 of its square at either side; half floats below 2
@@ -90,12 +90,12 @@ def test_no_seam_at_edges_and_corners(gpu, world):
 
 
 def test_a_step_of_the_eye_changes_nothing(gpu, world):
-    pose = world.late_view.pose
+    pose = world.rendered_view.pose
     views = [
         View(Pose(pose.position_m + step, world.shown_view.pose.orientation_xyzw), FOV)
         for step in ((0, 0, 0), (5, -3, 1e6))
     ]
-    first, second = (looked(gpu, world.late, view) for view in views)
+    first, second = (looked(gpu, world.rendered, view) for view in views)
     assert np.array_equal(first, second)
 
 
@@ -112,18 +112,18 @@ def test_what_is_not_covered_in_the_cube_stays_a_hole(gpu, world):
 @pytest.mark.parametrize("degrees", [1, 120, 170])
 def test_any_field_of_view(gpu, world, degrees):
     fov = Fov.symmetric(math.radians(degrees), math.radians(degrees))
-    out = looked(gpu, world.late, View(world.shown_view.pose, fov))
+    out = looked(gpu, world.rendered, View(world.shown_view.pose, fov))
     assert (out[..., 3] == 1).all()
 
 
 def test_the_server_s_cube_is_the_scene_it_would_draw(gpu):
     """Half a turn away from where the late picture looked; sharp edges are where a resampled picture may differ."""
     server, size = Server(gpu, load_scene("room")), (240, 240)
-    late = View(Pose((0, 1.6, 0), Rotation.from_euler("YXZ", [10, -5, 3], degrees=True).as_quat()), FOV)
-    frame = server.draw_frame([late], 0, size, needs=Needs(cube=True))
+    rendered = View(Pose((0, 1.6, 0), Rotation.from_euler("YXZ", [10, -5, 3], degrees=True).as_quat()), FOV)
+    frame = server.draw_frame([rendered], 0, size, needs=Needs(cube=True))
     for turn in ([180, 0], [45, 35], [-100, -40]):
-        orientation = late.pose.rotation * Rotation.from_euler("YX", turn, degrees=True)
-        shown = View(Pose(late.pose.position_m, orientation.as_quat()), FOV)
+        orientation = rendered.pose.rotation * Rotation.from_euler("YX", turn, degrees=True)
+        shown = View(Pose(rendered.pose.position_m, orientation.as_quat()), FOV)
         out, truth = looked(gpu, frame.eyes[0], shown, size), read(server.draw(shown, size).colour)
         assert np.median(np.abs(out - truth)[..., :3]) < 0.01
         assert (np.abs(out - truth)[..., :3].max(axis=-1) > 0.2).mean() < 0.05
@@ -133,27 +133,27 @@ def test_the_server_s_cube_is_the_scene_it_would_draw(gpu):
 def test_row_by_row_each_row_has_its_own_direction(gpu, world):
     """The first row to light up (the top one) is that of `shown`, the last that of `shown_last`, up to half a row's worth of the turn."""
     paint(gpu, world, lambda d: d)
-    pose = world.late_view.pose
+    pose = world.rendered_view.pose
     first, last = (
         View(Pose(pose.position_m, (pose.rotation * Rotation.from_euler("Y", a)).as_quat()), FOV) for a in (0.0, 0.08)
     )
     warp, canvas = warps.get("environment")(gpu, SIZE, SIZE, output=Output(scanout=True)), Canvas(gpu.gl, SIZE)
-    warp.run(Given(world.late, first, shown_last=last), canvas)
+    warp.run(PassInputs(world.rendered, first, shown_last=last), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     canvas.release()
     for row, view in ((SIZE[1] - 1, first), (0, last)):
-        assert np.abs(out[row] - looked(gpu, world.late, view)[row]).max() <= 0.08 / SIZE[1] + 2.0**-10
+        assert np.abs(out[row] - looked(gpu, world.rendered, view)[row]).max() <= 0.08 / SIZE[1] + 2.0**-10
 
 
 def test_a_frame_without_a_cube_is_refused_with_the_reason(gpu, world):
     with pytest.raises(PlanError, match="needs a cube map around the eye"):
-        looked(gpu, attrs.evolve(world.late, cube=None), world.shown_view)
+        looked(gpu, attrs.evolve(world.rendered, cube=None), world.shown_view)
 
 
 def test_a_uniform_cube_gives_a_uniform_picture(gpu, world):
     """Also on the very edges of faces, where a look without a border would meet another face."""
     cube = allocate(gpu.gl, (30, 20), COLOUR)
     cube.write(np.full((20, 30, 4), (0.5, 0.25, 2, 1), np.float16).tobytes(), alignment=1)
-    out = looked(gpu, attrs.evolve(world.late, cube=cube), View(world.late_view.pose, Fov.symmetric(3.0, 3.0)))
+    out = looked(gpu, attrs.evolve(world.rendered, cube=cube), View(world.rendered_view.pose, Fov.symmetric(3.0, 3.0)))
     assert (out == (0.5, 0.25, 2, 1)).all()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worlds import World
 
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import ATOMIC64, MOST_PIXELS
 from hmdwarp.errors import InputError, MachineError
@@ -237,7 +237,7 @@ def test_what_64_bit_keys_name_is_the_portable_picture(gpu):
     buffer.bind_to_storage_buffer(0)
     colour.bind_to_image(1, read=True, write=False)
     canvas.bind_for_writing(0)
-    resolve.uniforms.set(late_size=size, shown_size=shown_size, late_colour=1, shown_colour=0)
+    resolve.uniforms.set(rendered_size=size, shown_size=shown_size, rendered_colour=1, shown_colour=0)
     resolve.run(*shown_size)
     gpu.gl.memory_barrier()
     assert np.array_equal(scatter.winners(canvas), scatter.run(depth))
@@ -248,7 +248,7 @@ def sorted_keys(scatter: Scatter, depth: np.ndarray) -> np.ndarray:
     """The largest 64-bit key of each shown pixel."""
     (wide, high), source = scatter.size, np.arange(depth.size, dtype=np.uint64)
     y, x = np.divmod(np.arange(depth.size), wide)
-    forward = WarpMap.between(scatter.late_view, scatter.size, scatter.shown_view, scatter.shown_size)
+    forward = WarpMap.between(scatter.rendered_view, scatter.size, scatter.shown_view, scatter.shown_size)
     pixels, shown, _ = forward.apply(np.stack([x, y], axis=-1) + 0.5, depth.ravel())
     bits = shown.astype(np.float32).view(np.uint32).astype(np.int64)
     near = 0x08000000 + (bits - 0x35800000) * 16 + 15 - (y % 4 * 4 + x % 4)

@@ -61,7 +61,7 @@ def test_elsewhere_it_differs_only_where_the_two_are_less_than_a_pixel_apart_on_
     assert np.array_equal(ordered >= 0, nearest >= 0)
     differs = ordered != nearest
     scatter = Scatter(gpu, size, size, shown_pose=Pose(step))
-    forward = WarpMap.between(scatter.late_view, size, scatter.shown_view, size)
+    forward = WarpMap.between(scatter.rendered_view, size, scatter.shown_view, size)
     places = []
     for winner in (ordered[differs], nearest[differs]):
         y, x = np.divmod(winner, size[0])
@@ -89,8 +89,8 @@ def test_it_beats_raster_order(gpu):
 @pytest.mark.parametrize("where", ["inside", "centre", "behind", "infinite", "none", "outside", "corner"])
 def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, where):
     world = World(gpu, seed, (67, 53), (70, 50))
-    late, rng = world.late_view, np.random.default_rng(seed)
-    left, right, down, up = late.fov.tangents
+    rendered, rng = world.rendered_view, np.random.default_rng(seed)
+    left, right, down, up = rendered.fov.tangents
     half_pixel = np.array([right - left, up - down]) / np.array(world.size)
     tangent = {
         "inside": (left + rng.uniform() * (right - left), down + rng.uniform() * (up - down)),
@@ -105,8 +105,10 @@ def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, wher
     step = np.array([-along * tangent[0], -along * tangent[1], along]) if along else np.array([*tangent, 0.0])
     step *= 0.05 / max(np.linalg.norm(step), 1)
     turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=3, size=3)))
-    pose = Pose(late.pose.position_m + late.pose.rotation.apply(step), (late.pose.rotation * turn).as_quat())
-    world.shown_view = View(pose, late.fov)
+    pose = Pose(
+        rendered.pose.position_m + rendered.pose.rotation.apply(step), (rendered.pose.rotation * turn).as_quat()
+    )
+    world.shown_view = View(pose, rendered.fov)
     got, wanted = world.warp(gpu, spec), world.reference(spec)
     assert np.isfinite(got).all()
     decided = ~wanted.undecided

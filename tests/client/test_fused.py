@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from panels import assert_equals_twin, in_two_passes, panel_of, world_before
+from reference.fused import fused, looked_at
+from reference.picture import HALF_SMALLEST, HALF_UNIT
 from scipy import ndimage
 from worlds import World, twin_of
 
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
 from hmdwarp.headsets import Headset, headset_names, load_headset
-from hmdwarp.reference.fused import fused, looked_at
-from hmdwarp.reference.picture import HALF_SMALLEST, HALF_UNIT
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
 FUSING = [name for name in warps.names() if warps.get(name).fuses]
@@ -81,7 +81,7 @@ def test_an_unmoved_head_gets_the_lens_pass_of_the_late_picture(gpu, name, heads
 def smooth_cube(world: World, side: int) -> np.ndarray:
     """What the cube holds if the colour of a direction is its own coordinates."""
     out = np.zeros((2 * side, 3 * side, 4))
-    for face, view in zip(FACES, face_views(world.late_view, side), strict=True):
+    for face, view in zip(FACES, face_views(world.rendered_view, side), strict=True):
         direction = view.rays((side, side)) @ view.pose.rotation.as_matrix().T
         colour = 0.5 + 0.3 * direction / np.linalg.norm(direction, axis=-1, keepdims=True)
         cell = np.s_[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
@@ -100,7 +100,7 @@ def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
     world.colour, world.inverse_depth = smooth.astype(np.float16).astype(np.float64), np.full(size[::-1], 0.3)
     world.client = world._client_depth()
     world.upload(gpu)
-    if "late.cube" in warps.get(name).reads:
+    if "rendered.cube" in warps.get(name).reads:
         world.cube = smooth_cube(world, max(size) + 2)
     got, two = (make(gpu, world, name, chosen, 0, panel_size) for make in (panel_of, in_two_passes))
     assert np.isfinite(got).all()
@@ -135,6 +135,6 @@ def test_a_head_that_looks_the_other_way_sees_black(gpu, name):
         pytest.skip(f"'{name}' sees all around")
     chosen = load_headset("rift-dk1")
     world = world_before(gpu, chosen, 0, 1, (40, 30))
-    away = world.late_view.pose @ Pose((0, 0, 0), (0, 1, 0, 0))
+    away = world.rendered_view.pose @ Pose((0, 0, 0), (0, 1, 0, 0))
     world.shown_view = View(away, world.shown_view.fov)
     assert not panel_of(gpu, world, name, chosen, 0, (41, 31)).any()

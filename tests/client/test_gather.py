@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.warps import warps
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 
@@ -18,7 +18,7 @@ SIZE = (19, 13)
 
 
 def warped(
-    gpu, name: str, shown: Pose, depth: float, seed: int | None = None, fov: Fov = FOV, late: Pose | None = None
+    gpu, name: str, shown: Pose, depth: float, seed: int | None = None, fov: Fov = FOV, rendered: Pose | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """(h, w, 4) the late picture (white, or noise) and the shown one, bottom row first."""
     picture = np.ones((SIZE[1], SIZE[0], 4))
@@ -29,7 +29,7 @@ def warped(
     colour.write(picture.tobytes(), alignment=1)
     inverse.write(np.full(SIZE[::-1], depth, np.float32).tobytes(), alignment=1)
     warp, canvas = warps.get(name)(gpu, SIZE, SIZE), Canvas(gpu.gl, SIZE)
-    warp.run(Given(EyeImage(View(late or Pose(), FOV), colour, inverse), View(shown, fov)), canvas)
+    warp.run(PassInputs(EyeImage(View(rendered or Pose(), FOV), colour, inverse), View(shown, fov)), canvas)
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(SIZE[1], SIZE[0], 4)
     warp.close()
@@ -66,7 +66,7 @@ def test_an_eye_short_of_the_plane_sees_its_middle(gpu):
 @pytest.mark.parametrize("name", ["rotation", "none"])
 def test_a_step_without_a_turn_keeps_the_picture_bit_for_bit(gpu, name):
     q = np.array([0.1, -0.2, 0.3, 0.9])
-    picture, out = warped(gpu, name, Pose((1.5, -0.3, 2.0), q), 0.5, seed=1, late=Pose((0.2, 0.1, 0), q))
+    picture, out = warped(gpu, name, Pose((1.5, -0.3, 2.0), q), 0.5, seed=1, rendered=Pose((0.2, 0.1, 0), q))
     assert np.array_equal(out, picture)
 
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.client.history import History
-from hmdwarp.frame import Frame
+from hmdwarp.frames.frame import Frame
 from hmdwarp.scenes.effects import SceneEffect
 
 MS = 1_000_000

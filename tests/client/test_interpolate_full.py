@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from holed import Holed
+from reference.interpolate import interpolate_full
 
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
-from hmdwarp.reference.interpolate import interpolate_full
 
 
 def with_a_hole(gpu, size: tuple[int, int], hole: tuple[slice, slice], empty: float = 0.0) -> Holed:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference.iterative import iterative
 from worlds import World
 
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.reference.iterative import iterative
 
-from .late_pictures import asked, square_before_a_wall, warped
+from .rendered_pictures import asked, square_before_a_wall, warped
 
 SPECS = [
     "iterative",

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from worlds import World, read
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.frame import Layer, Needs
+from hmdwarp.frames.frame import Layer, Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
@@ -46,10 +46,10 @@ def shown_and_truth(
     gpu, scene: Scene, step, spec: str = "layered", size=SIZE, guard: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray]:
     server, choice = Server(gpu, scene), parse_warp(spec)
-    late = server.draw_frame([View(Pose(), FOV)], 0, size, guard, choice.entry.needs(choice.settings)).eyes[0]
+    rendered = server.draw_frame([View(Pose(), FOV)], 0, size, guard, choice.entry.needs(choice.settings)).eyes[0]
     shown = View(Pose(step), FOV)
-    warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
-    warp.run(Given(late, shown), canvas)
+    warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp.run(PassInputs(rendered, shown), canvas)
     gpu.gl.memory_barrier()
     out, truth = read(canvas.texture), read(server.draw(shown, size).colour)
     warp.close()
@@ -118,15 +118,16 @@ def test_in_the_room_it_is_better_than_the_visible_layer_alone(gpu):
     server, choice = Server(gpu, scene), parse_warp("layered")
     eye = scene.viewpoint
     views = [View(Pose(eye.position_m + step, eye.orientation_xyzw), FOV) for step in ((0, 0, 0), (0.2, 0.05, 0.05))]
-    late = server.draw_frame(views[:1], 0, size, 1.4, Needs(layers=2)).eyes[0]
+    rendered = server.draw_frame(views[:1], 0, size, 1.4, Needs(layers=2)).eyes[0]
     alone = attrs.evolve(
-        late, layers=tuple(attrs.evolve(layer, inverse_depth=_nothing(gpu, late.size)) for layer in late.layers)
+        rendered,
+        layers=tuple(attrs.evolve(layer, inverse_depth=_nothing(gpu, rendered.size)) for layer in rendered.layers),
     )
     truth = read(server.draw(views[1], size).colour)
-    warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
     wrong, holes = [], []
-    for given in (late, alone):
-        warp.run(Given(given, views[1]), canvas)
+    for inputs in (rendered, alone):
+        warp.run(PassInputs(inputs, views[1]), canvas)
         gpu.gl.memory_barrier()
         out = read(canvas.texture)
         wrong.append(np.minimum((out - truth)[..., :3] ** 2, 1).mean())
@@ -162,9 +163,9 @@ def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
 def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
     choice = parse_warp(spec)
     layers = tuple(Layer(*world._textures(gpu, one.colour, one.inverse_depth)) for one in world.layers)
-    late = attrs.evolve(world.late, layers=layers)
+    rendered = attrs.evolve(world.rendered, layers=layers)
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
-    warp.run(Given(late, world.shown_view), canvas)
+    warp.run(PassInputs(rendered, world.shown_view), canvas)
     gpu.gl.memory_barrier()
     return read(canvas.texture)
 
@@ -172,7 +173,7 @@ def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
 def test_a_hole_without_depth_is_filled_by_no_neighbour(gpu):
     world = World(gpu, 3, (64, 48))
     world.inverse_depth[20:30, 20:30], world.colour[20:30, 20:30] = -1, 0
-    world.shown_view = View(world.late_view.pose, world.late_view.fov)
+    world.shown_view = View(world.rendered_view.pose, world.rendered_view.fov)
     world.upload(gpu)
     out = world.warp(gpu, "layered")
     assert (out[20:30, 20:30] == 0).all()
@@ -199,7 +200,7 @@ def test_a_frame_with_fewer_layers_is_refused(gpu):
     choice = parse_warp("layered:layers=4")
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     with pytest.raises(PlanError, match="wants 3 layers behind the visible one, this frame has 2"):
-        warp.run(Given(world.late, world.shown_view), canvas)
+        warp.run(PassInputs(world.rendered, world.shown_view), canvas)
 
 
 @pytest.mark.parametrize("layers", ["1", "5", "-2", "three"])

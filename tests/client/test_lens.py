@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference.lens import radial
+from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
 from hmdwarp.gpu.textures import Canvas
 from hmdwarp.headsets import Headset, headset_names, load_headset
-from hmdwarp.reference.lens import radial
-from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
 SIZES = [

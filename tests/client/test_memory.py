@@ -6,24 +6,24 @@ import attrs
 import numpy as np
 import pytest
 from holed import Holed
+from reference.memory import fill_from, forgotten
+from reference.picture import LatePicture
 from replays import run
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.fills._keyframes import Keyframe, covered, is_new, most_redundant, most_useful
 from hmdwarp.client.fills._memory_passes import Keeper, Slot, seeds_for
 from hmdwarp.client.fills._remembered import HoleFiller
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps._composite import Picture
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, Canvas, allocate
-from hmdwarp.reference.memory import fill_from, forgotten
-from hmdwarp.reference.picture import LatePicture
 
 SIZE = (120, 96)
 
@@ -38,9 +38,9 @@ class Client:
         self.empty.colour.clear()
         self.empty.inverse_depth.write(np.full(size[::-1], -1, np.float32).tobytes(), alignment=1)
 
-    def sees(self, late: EyeImage, shown: View, eye: int = 0) -> np.ndarray:
+    def sees(self, rendered: EyeImage, shown: View, eye: int = 0) -> np.ndarray:
         """Colour and coverage after one refresh."""
-        self.fill.run(Given(late, shown, eye), self.empty, self.into)
+        self.fill.run(PassInputs(rendered, shown, eye), self.empty, self.into)
         self.gpu.gl.memory_barrier()
         return read(self.into.colour.texture)
 
@@ -154,9 +154,9 @@ def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
     else:
         texture = allocate(gpu.gl, SIZE, COLOUR)
         texture.write((moving[..., None] * np.array([0, 0, 0, 1.0])).astype(np.float16).tobytes(), alignment=1)
-    late = attrs.evolve(image, **{what: texture})
-    given = Given(image, turned(0), drawn=late) if moved_on else Given(late, turned(0))
-    client.fill.run(given, client.empty, client.into)
+    rendered = attrs.evolve(image, **{what: texture})
+    inputs = PassInputs(image, turned(0), drawn=rendered) if moved_on else PassInputs(rendered, turned(0))
+    client.fill.run(inputs, client.empty, client.into)
     out = client.sees(seconds(drawn(gpu, scene_of(WALL), turned(-60)), 1), turned(0))
     assert not (np.abs(out[..., 0] - 0.5) <= HALF_FLOAT).any()
     assert (out[..., 3] > 0).mean() > 0.8
@@ -165,8 +165,8 @@ def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
 def test_the_newest_picture_is_not_overruled(gpu, client):
     """A square that stood before the newest picture's empty wall has gone; memory fills holes in what that picture shows from it."""
     client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(0)), 0), turned(0))
-    late = seconds(drawn(gpu, scene_of(WALL), turned(1)), 0.1)
-    out = inner(client.sees(late, turned(1)))
+    rendered = seconds(drawn(gpu, scene_of(WALL), turned(1)), 0.1)
+    out = inner(client.sees(rendered, turned(1)))
     assert np.abs(out[..., :3] - 0.25).max() <= HALF_FLOAT
 
 
@@ -192,7 +192,7 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
 
     client = Client(gpu, "memory:frames=3")
     learned, learn = [], module.Memory._learn
-    monkeypatch.setattr(module.Memory, "_learn", lambda self, given: (learned.append(given), learn(self, given)))
+    monkeypatch.setattr(module.Memory, "_learn", lambda self, inputs: (learned.append(inputs), learn(self, inputs)))
 
     def refuse(*_, **__):
         raise AssertionError("run() allocates")
@@ -201,9 +201,9 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
     monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
     for module_name in ("hmdwarp.client.fills._memory_passes", "hmdwarp.client.fills._remembered"):
         monkeypatch.setattr(f"{module_name}.allocate", refuse)
-    for late in frames:
+    for rendered in frames:
         for _ in range(2):
-            client.sees(late, late.view)
+            client.sees(rendered, rendered.view)
     assert len(learned) == len(frames)
     assert len(client.fill._kept) == 3
     assert len({one.slot for one in client.fill._kept}) == 3
@@ -274,7 +274,7 @@ def test_what_is_looked_into_sees_what_the_late_view_does_not():
 def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
     holed = Holed(gpu, seed, (67, 53), empty=0.6)
     world = holed.world
-    pictures = [LatePicture(world.colour, world.inverse_depth, world.late_view)]
+    pictures = [LatePicture(world.colour, world.inverse_depth, world.rendered_view)]
     pictures += [LatePicture(*world._picture(), world._beside()) for _ in range(2)]
     holes, picture, into = HoleFiller(gpu, holed.size, cell), holed.picture(gpu), holed.picture(gpu)
     holes.start(picture, into)
@@ -303,18 +303,18 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
 def test_what_is_forgotten_equals_its_twin(gpu, seed):
     """Of one random world against another from near by, and against itself, which disproves nothing that the twin lets stand."""
     world = World(gpu, seed, (66, 53))
-    late = LatePicture(*world._picture(), world._beside())
-    kept = LatePicture(world.colour, world.inverse_depth, world.late_view)
+    rendered = LatePicture(*world._picture(), world._beside())
+    kept = LatePicture(world.colour, world.inverse_depth, world.rendered_view)
     keeper = Keeper(gpu, world.size)
     slot = Slot.of(gpu, world.size)
-    keeper.keep(world.late, slot)
+    keeper.keep(world.rendered, slot)
     gpu.gl.memory_barrier()
     assert np.array_equal(read(slot.inverse_depth)[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))
-    keeper.look_at(EyeImage(late.view, *world._textures(gpu, late.colour, late.inverse_depth)))
-    keeper.forget(slot, kept.view, late.view)
+    keeper.look_at(EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth)))
+    keeper.forget(slot, kept.view, rendered.view)
     gpu.gl.memory_barrier()
     got = (read(slot.inverse_depth)[..., 0] < 0) & (kept.inverse_depth >= 0)
-    wanted, unsure = forgotten(kept, late)
+    wanted, unsure = forgotten(kept, rendered)
     assert unsure.mean() < 0.2
     assert np.array_equal(got[~unsure], (wanted & (kept.inverse_depth >= 0))[~unsure])
     assert 20 < got.sum() < got.size

@@ -5,16 +5,16 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from reference.picture import Asked
 from worlds import World, read, twin_of
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps._mesh import MOST_SIDE, reach, steepest
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
-from hmdwarp.reference.picture import Asked
 
 SIZE = (64, 48)
 FOV = Fov(*np.deg2rad([-45, 45, -40, 40]))
@@ -37,7 +37,7 @@ class Scene:
             * known[..., None]
         )
         self.colour, self.inverse_depth = colour.astype(np.float16), inverse_depth.astype(np.float32)
-        self.late, self.shown = View(Pose(), fov), View(pose, fov)
+        self.rendered, self.shown = View(Pose(), fov), View(pose, fov)
         self.textures = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
         self.textures[0].write(self.colour.tobytes(), alignment=1)
         self.textures[1].write(self.inverse_depth.tobytes(), alignment=1)
@@ -46,7 +46,7 @@ class Scene:
         choice = parse_warp(spec)
         warp = choice.entry(self.gpu, self.size, self.shown_size, choice.settings)
         canvas = Canvas(self.gpu.gl, self.shown_size)
-        warp.run(Given(EyeImage(self.late, *self.textures), self.shown), canvas)
+        warp.run(PassInputs(EyeImage(self.rendered, *self.textures), self.shown), canvas)
         self.gpu.gl.memory_barrier()
         out = read(canvas.texture)
         warp.close()
@@ -56,7 +56,7 @@ class Scene:
     def twin(self, spec: str):
         choice = parse_warp(spec)
         asked = Asked(
-            self.colour.astype(float), self.inverse_depth.astype(float), self.late, self.shown, self.shown_size
+            self.colour.astype(float), self.inverse_depth.astype(float), self.rendered, self.shown, self.shown_size
         )
         return twin_of(choice.entry.name)(attrs.evolve(asked, settings=choice.settings))
 
@@ -189,10 +189,10 @@ def test_the_limit_is_a_plane_at_that_angle():
 def test_reach_bounds_how_far_depth_moves_a_point():
     rng = np.random.default_rng(2)
     for _ in range(20):
-        late = View(Pose(rng.normal(size=3), rng.normal(size=4)), FOV)
+        rendered = View(Pose(rng.normal(size=3), rng.normal(size=4)), FOV)
         turn = Pose(rng.normal(scale=0.1, size=3), (*rng.normal(scale=0.05, size=3), 1))
-        shown = View(late.pose @ turn, FOV)
-        forward = WarpMap.between(late, SIZE, shown, SIZE)
+        shown = View(rendered.pose @ turn, FOV)
+        forward = WarpMap.between(rendered, SIZE, shown, SIZE)
         place = rng.uniform([0, 0], SIZE, (500, 2))
         before, _, w = forward.apply(place, np.full(500, 0.3))
         after, _, _ = forward.apply(place, np.full(500, 0.3 + 1e-6))

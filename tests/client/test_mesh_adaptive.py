@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from worlds import World, read
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.given import Given
-from hmdwarp.frame import EyeImage
+from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.variants import parse_warp
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 
@@ -29,7 +29,7 @@ class Drawn:
         textures[1].write(inverse_depth.astype(np.float32).tobytes(), alignment=1)
         choice, canvas = parse_warp(spec), Canvas(gpu.gl, (wide, high))
         warp = choice.entry(gpu, (wide, high), (wide, high), choice.settings)
-        warp.run(Given(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)), canvas)
+        warp.run(PassInputs(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)), canvas)
         gpu.gl.memory_barrier()
         self.picture = read(canvas.texture)
         self.cells, self.pieces = (

@@ -6,20 +6,20 @@ import attrs
 import moderngl
 import numpy as np
 import pytest
+from reference.motion import MotionAsked, moved_picture
+from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.warps._mesh import steepest
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage, Needs
+from hmdwarp.frames.frame import EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, allocate
-from hmdwarp.reference.motion import MotionAsked, moved_picture
-from hmdwarp.reference.picture import HALF_UNIT
 from hmdwarp.scenes import Body, Mesh, Scene, SceneEffect, Texture
 from hmdwarp.scenes.motions import Spinning, Thrown
 from hmdwarp.server import Server
@@ -106,13 +106,13 @@ def pass_for(gpu, size: tuple[int, int], *parts: str, images: int = 1) -> Motion
     return MotionPass(gpu, frozenset(parts), size, size, Tools(None, 1, images))
 
 
-def given_at(image: EyeImage, shown_ns: int, *others: EyeImage) -> Given:
-    return Given(image, image.view, others=others, shown_ns=shown_ns)
+def given_at(image: EyeImage, shown_ns: int, *others: EyeImage) -> PassInputs:
+    return PassInputs(image, image.view, others=others, shown_ns=shown_ns)
 
 
 def run(gpu, image: EyeImage, shown_ns: int, *parts: str) -> tuple[np.ndarray, np.ndarray]:
     made = pass_for(gpu, image.size, *parts)
-    moved = made.run(given_at(image, shown_ns)).late
+    moved = made.run(given_at(image, shown_ns)).rendered
     found = read(moved.colour), read(moved.inverse_depth)[..., 0]
     made.close()
     return found
@@ -141,7 +141,7 @@ def test_the_shader_does_what_rays_and_moved_squares_do(gpu, seed, parts):
 @pytest.mark.parametrize("parts", [(RIGID,), (SOFT,), (RIGID, SOFT)], ids="+".join)
 def test_nothing_has_moved_at_the_instant_it_was_drawn(gpu, parts):
     image, made = MovingWorld(7).image(gpu, set(parts), 40 * MS), pass_for(gpu, (26, 19), *parts)
-    assert made.run(given_at(image, 40 * MS)).late is image
+    assert made.run(given_at(image, 40 * MS)).rendered is image
     made.close()
 
 
@@ -149,7 +149,7 @@ def test_two_runs_are_equal_to_the_last_bit(gpu):
     image, made = MovingWorld(8, (131, 77)).image(gpu, {RIGID, SOFT}), pass_for(gpu, (131, 77), RIGID, SOFT)
     found = []
     for _ in range(3):
-        moved = made.run(given_at(image, 150 * MS)).late
+        moved = made.run(given_at(image, 150 * MS)).rendered
         found.append((moved.colour.read(), moved.inverse_depth.read()))
     made.close()
     assert found[0] == found[1] == found[2]
@@ -178,7 +178,7 @@ def test_a_body_at_rest_keeps_its_bits(gpu):
     assert (colour[untouched][:, 3] == 1).all()
     every = attrs.evolve(resting, bodies=(resting.bodies[0],) * 3)
     made = pass_for(gpu, (26, 19), RIGID)
-    assert made.run(given_at(every, 300 * MS)).late is every
+    assert made.run(given_at(every, 300 * MS)).rendered is every
     made.close()
 
 
@@ -191,7 +191,7 @@ def test_a_number_beyond_the_table_stands_still(gpu):
     assert np.array_equal(colour[beyond], world.colour[beyond])
     none = attrs.evolve(image, bodies=())
     made = pass_for(gpu, (26, 19), RIGID)
-    assert made.run(given_at(none, 250 * MS)).late is none
+    assert made.run(given_at(none, 250 * MS)).rendered is none
     with pytest.raises(InputError, match=f"{MOST_BODIES + 1} bodies: 'motion' takes {MOST_BODIES} at most"):
         made.run(given_at(attrs.evolve(image, bodies=world.states[:1] * (MOST_BODIES + 1)), 250 * MS))
     made.close()
@@ -199,14 +199,14 @@ def test_a_number_beyond_the_table_stands_still(gpu):
 
 def test_older_pictures_move_by_their_own_age(gpu):
     world = MovingWorld(12)
-    late, older = world.image(gpu, {RIGID}, 200 * MS), world.image(gpu, {RIGID}, 50 * MS)
+    rendered, older = world.image(gpu, {RIGID}, 200 * MS), world.image(gpu, {RIGID}, 50 * MS)
     made = pass_for(gpu, (26, 19), RIGID, images=2)
-    out = made.run(given_at(late, 300 * MS, older))
-    found = [read(one.colour) for one in (out.late, *out.others)]
+    out = made.run(given_at(rendered, 300 * MS, older))
+    found = [read(one.colour) for one in (out.rendered, *out.others)]
     made.close()
     for image, age in zip(found, (100 * MS, 250 * MS), strict=True):
         assert np.array_equal(image, run(gpu, world.image(gpu, {RIGID}), age, RIGID)[0])
-    assert out.late.ids is None
+    assert out.rendered.ids is None
     assert out.others[0].bodies == ()
 
 
@@ -314,7 +314,7 @@ def test_soft_motion_is_limited_in_reach(gpu):
     assert left - 40 == pytest.approx(REACH_M * per_metre, abs=1)
     made = pass_for(gpu, SIZE, SOFT)
     for age_s in (SWING_S / 2, 10.0):
-        assert made.run(given_at(soft, round(1000 * age_s) * MS)).late is soft
+        assert made.run(given_at(soft, round(1000 * age_s) * MS)).rendered is soft
     made.close()
 
 
@@ -362,7 +362,7 @@ def test_what_is_moved_is_what_the_server_draws_then(gpu, motion, least_db):
     server, drawn_ns, shown_ns = Server(gpu, scene), 100 * MS, 400 * MS
     frame = server.draw_frame([EYE], drawn_ns, (240, 200), needs=Needs(ids=True))
     made = pass_for(gpu, (240, 200), RIGID)
-    moved = made.run(given_at(frame.eyes[0], shown_ns)).late
+    moved = made.run(given_at(frame.eyes[0], shown_ns)).rendered
     truth = server.draw(EYE, (240, 200), time_ns=shown_ns)
     found, exact, before = (read(one.colour)[..., :3] for one in (moved, truth, frame.eyes[0]))
     body = read(truth.inverse_depth)[..., 0] > 0
@@ -393,14 +393,17 @@ class Made:
 
 @pytest.mark.parametrize(
     ("declared", "layer", "other"),
-    [(SceneEffect.RIGID_MOTION, "late.ids", "late.velocity"), (SceneEffect.SOFT_MOTION, "late.velocity", "late.ids")],
+    [
+        (SceneEffect.RIGID_MOTION, "rendered.ids", "rendered.velocity"),
+        (SceneEffect.SOFT_MOTION, "rendered.velocity", "rendered.ids"),
+    ],
     ids=["rigid", "soft"],
 )
 def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, monkeypatch, declared, layer, other):
     plan = build_plan(declared, "forward", "none", "none", client_geometry=True)
     assert layer in plan.layers
     assert other not in plan.layers
-    assert (plan.needs.ids, plan.needs.velocity) == (layer == "late.ids", layer == "late.velocity")
+    assert (plan.needs.ids, plan.needs.velocity) == (layer == "rendered.ids", layer == "rendered.velocity")
     world = MovingWorld(13)
     image, made = world.image(gpu, {RIGID} if plan.needs.ids else {SOFT}), Made(monkeypatch)
     compensator = Compensator(gpu, plan, None, world.size, world.size)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from reference.picture import LatePicture
 from worlds import World, read
 
-from hmdwarp.client.choices import parse_warp
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
-from hmdwarp.reference.picture import LatePicture
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 from hmdwarp.server import Server, Target
 
@@ -56,11 +56,11 @@ def drawn(gpu, scene: Scene, view: View, size=SIZE, target=None) -> EyeImage:
 
 
 def put_together(
-    gpu, late: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE
+    gpu, rendered: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE
 ) -> np.ndarray:
     choice = parse_warp(spec)
-    warp, canvas = choice.entry(gpu, late.size, size, choice.settings), Canvas(gpu.gl, size)
-    warp.run(Given(late, shown, others=others), canvas)
+    warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
+    warp.run(PassInputs(rendered, shown, others=others), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     warp.close()
@@ -138,7 +138,7 @@ def test_without_others_it_is_the_newest_frame_alone_and_nothing_is_left_from_be
     warp, canvas = choice.entry(gpu, SIZE, SIZE, choice.settings), Canvas(gpu.gl, SIZE)
     pictures = []
     for others in ((), (other,), (), (other, other, other), ()):
-        warp.run(Given(newest, at(0), others=others), canvas)
+        warp.run(PassInputs(newest, at(0), others=others), canvas)
         gpu.gl.memory_barrier()
         pictures.append(read(canvas.texture))
     assert np.array_equal(pictures[0], pictures[2])

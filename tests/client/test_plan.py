@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from worlds import World
 
 from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, LATE, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.geometry import Fov, Pose, View
@@ -96,7 +96,7 @@ def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
     wanted = {name for entry in entries for name in entry.reads if name in LATE}
     if any(step.name == "shown depth" for step in plan.steps):
-        wanted.add("late.inverse_depth")
+        wanted.add("rendered.inverse_depth")
     assert set(plan.layers) == wanted
 
 
@@ -222,12 +222,12 @@ class Costs:
         ]
 
 
-def given_for(gpu, warp: str) -> Given:
+def given_for(gpu, warp: str) -> PassInputs:
     """All that this warp and any fill read, for LATE_SIZE and SHOWN_SIZE."""
     world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
-    given = attrs.evolve(world.given(warps.get(warp)), client_inverse_depth=None)
-    return attrs.evolve(given, late=attrs.evolve(given.late, wide=world.late))
+    inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
+    return attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, wide=world.rendered))
 
 
 @pytest.fixture(scope="module")
@@ -254,7 +254,7 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     warp, fill, lens, _ = choice
-    plan, given, chain = plan_of(*choice), given_for(gpu, warp), parse_fills(fill)
+    plan, inputs, chain = plan_of(*choice), given_for(gpu, warp), parse_fills(fill)
     once = Costs(gpu, monkeypatch)  # what the client's model makes at its first use belongs to the geometry
     alone(gpu, monkeypatch, choice, geometry)
     del once
@@ -273,11 +273,11 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     others = {path for path in costs.paths() if path not in own_paths}
     assert {path.split("/")[0] for path in others} == ({"lens"} if lens != "none" else set())
 
-    result = [compensator.run(attrs.evolve(given, eye=eye)) for eye in (0, 1)][-1]
+    result = [compensator.run(attrs.evolve(inputs, eye=eye)) for eye in (0, 1)][-1]
     before = costs.counts
     gpu.timer.collect()
     for eye in (0, 1, 0):
-        result = compensator.run(attrs.evolve(given, eye=eye))
+        result = compensator.run(attrs.evolve(inputs, eye=eye))
     assert costs.counts == before, "run() compiles and allocates nothing"
     assert (result.shown is result.warped) == (fill == "none")
     assert (result.panel is result.shown) == (lens == "none")
@@ -303,12 +303,12 @@ def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
 
 
 def test_the_eyes_have_pictures_of_their_own(gpu):
-    given = given_for(gpu, "forward")
+    inputs = given_for(gpu, "forward")
     compensator = Compensator(
         gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE
     )
-    left = compensator.run(given)
-    right = compensator.run(attrs.evolve(given, eye=1))
+    left = compensator.run(inputs)
+    right = compensator.run(attrs.evolve(inputs, eye=1))
     assert len({id(c.texture) for c in (left.warped, left.shown, right.warped, right.shown)}) == 4
     compensator.close()
     gpu.timer.collect()

@@ -15,7 +15,7 @@ from hmdwarp.client.plan import LATE, SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.warps import warps
 from hmdwarp.client.weight import EyeSizes, eye_bytes
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
 
 SETS = [
@@ -46,8 +46,8 @@ def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(dec
     assert effect_names(plan.effects) == sorted(done, key=effect_names(EVERY_EFFECT).index)
 
     stages = [step.stage for step in plan.steps]
-    late = [one for one in plan.effect_passes if issubclass(one.made_by, LatePass)]
-    assert stages[: len(late)] == ["effects"] * len(late) and stages[len(late)] == "warp"
+    rendered = [one for one in plan.effect_passes if issubclass(one.made_by, LatePass)]
+    assert stages[: len(rendered)] == ["effects"] * len(rendered) and stages[len(rendered)] == "warp"
     assert stages[-1] == "lens", "effects come before the lens"
     assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), (
         "effects that share a pass are one pass"
@@ -67,7 +67,7 @@ def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
     needs = reduce(or_, (effect.needs for one in plan.effect_passes for effect in one.effects), Needs())
     assert plan.needs == needs
     parts = eye_bytes(plan.needs, SIZES, plan.layers)
-    extra = set(parts) - {"late.colour", "late.inverse_depth"}
+    extra = set(parts) - {"rendered.colour", "rendered.inverse_depth"}
     read = {name for step in plan.steps for name in step.reads if name in LATE}
     assert extra <= read, "what nobody reads is not sent"
     assert (extra == set()) == (needs == Needs())

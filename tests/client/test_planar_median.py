@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.gather import median_inverse_depth
 
 from hmdwarp.gpu.textures import SCALAR, allocate
-from hmdwarp.reference.gather import median_inverse_depth
 
 GRID = 64
 
@@ -22,7 +22,7 @@ def gpu_median(gpu, depth: np.ndarray) -> np.float32:
     program = gpu.shaders.compute("warps/median.comp")
     texture.use(1)
     buffer.bind_to_storage_buffer(0)
-    program.uniforms.set(late_inverse_depth=1, late_size=size)
+    program.uniforms.set(rendered_inverse_depth=1, rendered_size=size)
     program.run(1)
     gpu.gl.memory_barrier()
     out = np.frombuffer(buffer.read(), np.float32)

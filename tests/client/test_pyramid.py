@@ -7,16 +7,16 @@ import math
 import numpy as np
 import pytest
 from holed import Holed
+from reference._behind import Behind
+from reference.pyramid import Chosen, pyramid
 
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.reference._behind import Behind
-from hmdwarp.reference.pyramid import Chosen, pyramid
 
 from .filled import filled
-from .late_pictures import square_before_a_wall
+from .rendered_pictures import square_before_a_wall
 
 
 def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:

@@ -6,17 +6,17 @@ import attrs
 import numpy as np
 import pytest
 from mirrored import VIEW, mirrored_scene, moved
+from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.effects import effects
 from hmdwarp.client.effects._closing import Closing
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.errors import PlanError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.gpu.textures import COLOUR, allocate
-from hmdwarp.reference.picture import HALF_UNIT
 from hmdwarp.scenes.effects import SceneEffect
 from hmdwarp.server import Server
 
@@ -33,13 +33,13 @@ def server(gpu):
 
 
 def shown(
-    gpu, server: Server, view, effects: SceneEffect = EVERY, warp: str = "iterative", fill: str = "none", **given
+    gpu, server: Server, view, effects: SceneEffect = EVERY, warp: str = "iterative", fill: str = "none", **inputs
 ):
     """(colour, coverage after the warp) of the late picture of VIEW in `view`."""
-    plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in given)
+    plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
     frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
-    result = compensator.run(Given(frame.eyes[0], view, **given))
+    result = compensator.run(PassInputs(frame.eyes[0], view, **inputs))
     out = read(result.shown.texture), read(result.warped.texture)[..., 3] > 0
     server.recycle(frame)
     compensator.close()
@@ -117,7 +117,7 @@ def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
 def test_scan_out_shows_the_mirrors_as_in_its_middle(gpu, server):
     first, last = moved((0, 0, 0)), moved((0.02, 0, 0), 0.02)
     found, _ = shown(gpu, server, first, shown_last=last)
-    middle, covered = shown(gpu, server, Given(None, first, shown_last=last).middle)
+    middle, covered = shown(gpu, server, PassInputs(None, first, shown_last=last).middle)
     assert found.shape == middle.shape
     where = mirrors_of(server, first, Needs(reflections=True)) & covered
     assert error(found, middle, where) < 0.01
@@ -127,10 +127,10 @@ def test_running_compiles_and_allocates_nothing(gpu, server):
     plan = build_plan(EVERY, "multi", "interpolate", "none", client_geometry=False)
     frames = [server.draw_frame([VIEW], 0, SIZE, needs=plan.needs) for _ in range(2)]
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
-    given = Given(frames[0].eyes[0], moved((0.1, 0, 0)), others=(frames[1].eyes[0],) * plan.needs.past)
+    inputs = PassInputs(frames[0].eyes[0], moved((0.1, 0, 0)), others=(frames[1].eyes[0],) * plan.needs.past)
     before = gpu.shaders.compiled
     for _ in range(2):
-        compensator.run(given)
+        compensator.run(inputs)
     assert gpu.shaders.compiled == before
     compensator.close()
 
@@ -143,7 +143,7 @@ def test_each_effect_is_an_entry_of_the_one_pass(name):
     plan = build_plan(effect.flag, "iterative", "none", "none", client_geometry=False)
     passes = [step for step in plan.steps if step.stage == "effects"]
     assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
-    assert ("late.reflection" in plan.layers) == bool(passes)
+    assert ("rendered.reflection" in plan.layers) == bool(passes)
 
 
 def test_a_warp_that_carries_nothing_leaves_reflections_glued_on():
@@ -157,7 +157,7 @@ def test_a_frame_without_the_layer_is_told(gpu, server):
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
     eye = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs).eyes[0]
     with pytest.raises(PlanError, match="no layer of them"):
-        compensator.run(Given(attrs.evolve(eye, reflection=None), VIEW))
+        compensator.run(PassInputs(attrs.evolve(eye, reflection=None), VIEW))
     compensator.close()
 
 

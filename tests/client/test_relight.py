@@ -6,18 +6,18 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
+from reference.relight import Relit, relight
 from worlds import read
 
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.fills import relight as settings
 from hmdwarp.client.fills.relight import sample_offsets
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
-from hmdwarp.reference.relight import Relit, relight
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
 from hmdwarp.server import Server
 
@@ -52,10 +52,10 @@ class Shown:
         picture, into = picture_of(self.gpu, self.size), picture_of(self.gpu, self.size)
         picture.colour.texture.write(self.colour.astype(np.float16).tobytes(), alignment=1)
         picture.inverse_depth.write(self.shown_depth.astype(np.float32).tobytes(), alignment=1)
-        given = Given(EyeImage(VIEW, picture.colour.texture, picture.inverse_depth), VIEW)
+        inputs = PassInputs(EyeImage(VIEW, picture.colour.texture, picture.inverse_depth), VIEW)
         if not depth:
             picture, into = attrs.evolve(picture, inverse_depth=None), attrs.evolve(into, inverse_depth=None)
-        fill.run(given, picture, into)
+        fill.run(inputs, picture, into)
         self.gpu.gl.memory_barrier()
         found = read(into.colour.texture), read(into.inverse_depth)[..., 0] if depth else None
         fill.close()
@@ -116,7 +116,7 @@ def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
         double_sided=True,
     )
     shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
-    from hmdwarp.client_scene import ClientScene as OfServer
+    from hmdwarp.pipeline.client_scene import ClientScene as OfServer
 
     shown.geometry = OfServer(Server(gpu, Scene("wall", "", [wall])))
     assert np.array_equal(shown.fill("model:share=1")[0], shown.colour)
@@ -131,7 +131,7 @@ class Sliding:
 
 
 def test_bodies_are_drawn_where_they_are_when_shown(gpu):
-    from hmdwarp.client_scene import ClientScene as OfServer
+    from hmdwarp.pipeline.client_scene import ClientScene as OfServer
 
     scene = load_scene("planes")
     moving = attrs.evolve(

@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from panels import assert_equals_twin, panel_of, world_before
+from reference.fused import fused
+from reference.scanout import direction_error, row_view, scanned_out
 from scipy.spatial.transform import Rotation
 from strategies import QUATERNIONS, vectors
 from worlds import World, read, twin_of
 
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import Canvas
 from hmdwarp.headsets import load_headset
-from hmdwarp.reference.fused import fused
-from hmdwarp.reference.scanout import direction_error, row_view, scanned_out
 
 FOLLOWING = [name for name in warps.names() if warps.get(name).scans_out]
 WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "environment"]
@@ -42,7 +42,7 @@ def scanned(gpu, world: World, spec: str, last: View | None) -> np.ndarray:
     world.bring(gpu, choice.entry)
     warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(scanout=True))
     canvas = Canvas(gpu.gl, world.shown_size)
-    warp.run(attrs.evolve(world.given(choice.entry), shown_last=last), canvas)
+    warp.run(attrs.evolve(world.inputs(choice.entry), shown_last=last), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     warp.close()
@@ -115,10 +115,11 @@ def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
     first = View(Pose((1, 2, 3), start), FOV)
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * angle)
     last = View(Pose(first.pose.position_m + step, (first.pose.rotation * turn).as_quat()), FOV)
-    late = View(Pose((1.1, 2, 3), (0.1, 0, 0, 1)), FOV)
+    rendered = View(Pose((1.1, 2, 3), (0.1, 0, 0, 1)), FOV)
     size = (90, 80)
     maps = [
-        WarpMap.between(View(first.pose.towards(last.pose, share), FOV), size, late, size) for share in (0, 0.5, 1, t)
+        WarpMap.between(View(first.pose.towards(last.pose, share), FOV), size, rendered, size)
+        for share in (0, 0.5, 1, t)
     ]
 
     def parabola(a, m, b):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference.search import search
 from worlds import World
 
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.reference.search import search
 
-from .late_pictures import asked, square_before_a_wall, warped
+from .rendered_pictures import asked, square_before_a_wall, warped
 
 # A bilinear look off by the sampler's 1/256 px in a ramp of 1/60 a pixel, and a half float stored.
 RAMP = 1 / 60 / 256 + 2.0**-10

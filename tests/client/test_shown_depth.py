@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference.shown_depth import shown_depth
 from worlds import World, read, twin_of
 
 from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu.textures import SCALAR, allocate
-from hmdwarp.reference.shown_depth import shown_depth
 
 CARRYING = [warp.name for warp in warps if warp.carries]
 SIZE = (67, 53)
@@ -24,7 +24,7 @@ def depth_of(gpu, world: World, name: str) -> np.ndarray:
         gpu, Carry(warp), pictures_read(choice.entry.needs(choice.settings)), world.size, world.shown_size
     )
     into = allocate(gpu.gl, world.shown_size, SCALAR)
-    depth.run(world.given(choice.entry), into)
+    depth.run(world.inputs(choice.entry), into)
     gpu.gl.memory_barrier()
     found = read(into)[..., 0]
     for thing in (depth, warp):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hmdwarp.client.choices import parse_warp
 from hmdwarp.client.fills import fills
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage
+from hmdwarp.frames.frame import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.poses import load_trace
@@ -38,12 +38,12 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov
     depth = np.asarray(depth, np.float32)
     size = depth.shape[::-1]
     shown_size = shown_size or size
-    late_colour, late_depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
-    late_colour.write(np.asarray(colour, np.float16).tobytes(), alignment=1)
-    late_depth.write(depth.tobytes(), alignment=1)
+    rendered_colour, rendered_depth = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+    rendered_colour.write(np.asarray(colour, np.float16).tobytes(), alignment=1)
+    rendered_depth.write(depth.tobytes(), alignment=1)
     choice, canvas = parse_warp(spec), Canvas(gpu.gl, shown_size)
     warp = choice.entry(gpu, size, shown_size, choice.settings)
-    warp.run(Given(EyeImage(View(Pose(), fov), late_colour, late_depth), View(shown, fov)), canvas)
+    warp.run(PassInputs(EyeImage(View(Pose(), fov), rendered_colour, rendered_depth), View(shown, fov)), canvas)
     gpu.gl.memory_barrier()
     out = (
         np.frombuffer(canvas.texture.read(alignment=1), np.float16)
@@ -51,7 +51,7 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov
         .astype(np.float64)
     )
     warp.close()
-    for thing in (late_colour, late_depth, canvas):
+    for thing in (rendered_colour, rendered_depth, canvas):
         thing.release()
     return out
 
@@ -219,15 +219,15 @@ def test_it_is_better_than_points_with_interpolation(gpu, trace):
     now = track.start_ns + 3_000_000_000
     server = Server(gpu, load_scene("room"))
     shown = View(track.at(now).pose, fov)
-    late, truth = server.draw(View(track.at(now - 200_000_000).pose, fov), size), server.draw(shown, size)
+    rendered, truth = server.draw(View(track.at(now - 200_000_000).pose, fov), size), server.draw(shown, size)
     wanted = np.frombuffer(truth.colour.read(), np.float16).reshape(size[1], size[0], 4).astype(np.float64)
     pictures = {}
     for name in ("forward", "splat"):
         warp, canvas, filled = warps.get(name)(gpu, size, size), Canvas(gpu.gl, size), Canvas(gpu.gl, size)
-        warp.run(Given(late, shown), canvas)
+        warp.run(PassInputs(rendered, shown), canvas)
         if name == "forward":
             fills.get("interpolate")(gpu, size, size).run(
-                Given(late, shown), ShownPicture(canvas), ShownPicture(filled)
+                PassInputs(rendered, shown), ShownPicture(canvas), ShownPicture(filled)
             )
             canvas = filled
         gpu.gl.memory_barrier()

@@ -6,15 +6,15 @@ import attrs
 import numpy as np
 import pytest
 from holed import Holed
+from reference.stretch import stretch
 
-from hmdwarp.client.choices import parse_fills
 from hmdwarp.client.fills.stretch import LEAST_PARALLAX
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
-from hmdwarp.reference.stretch import stretch
 
 from .filled import filled
-from .late_pictures import square_before_a_wall
+from .rendered_pictures import square_before_a_wall
 
 # Two colours are stored truncated to half floats, 2^-10 each, of colours below 2; the means in between are float32.
 TOLERANCE = 2 * 2 * 2.0**-10
@@ -32,8 +32,8 @@ def test_it_equals_its_twin(gpu, size, empty, depthless):
     wanted = stretch(
         holed.colour,
         holed.inverse_depth,
-        (holed.given.late.view, size),
-        holed.given.shown,
+        (holed.inputs.rendered.view, size),
+        holed.inputs.shown,
         choice.settings,
         LEAST_PARALLAX,
     )
@@ -78,9 +78,10 @@ def test_what_the_late_picture_did_not_look_at_stays_empty(gpu):
 def test_a_head_that_only_turned_hid_nothing(gpu):
     holed = Holed(gpu, 8, (67, 53), empty=0.3)
     turned = View(
-        Pose(holed.given.late.view.pose.position_m, holed.given.shown.pose.orientation_xyzw), holed.given.shown.fov
+        Pose(holed.inputs.rendered.view.pose.position_m, holed.inputs.shown.pose.orientation_xyzw),
+        holed.inputs.shown.fov,
     )
-    holed.given = attrs.evolve(holed.given, shown=turned)
+    holed.inputs = attrs.evolve(holed.inputs, shown=turned)
     got, depth = holed.fill(gpu, "stretch")
     assert np.array_equal(got, holed.colour)
     assert np.array_equal(depth, holed.inverse_depth)
@@ -89,9 +90,9 @@ def test_a_head_that_only_turned_hid_nothing(gpu):
 def test_between_two_ends_of_one_surface_it_goes_from_one_to_the_other(gpu):
     """A crack in a wall, the head moved sideways; at its middle the mean of both sides, to the left more of the left one."""
     holed = Holed(gpu, 1, (60, 20), empty=0)
-    late = holed.given.late.view
-    beside = Pose(late.pose.position_m + late.pose.rotation.apply([0.3, 0, 0]), late.pose.orientation_xyzw)
-    holed.given = attrs.evolve(holed.given, shown=View(beside, late.fov))
+    rendered = holed.inputs.rendered.view
+    beside = Pose(rendered.pose.position_m + rendered.pose.rotation.apply([0.3, 0, 0]), rendered.pose.orientation_xyzw)
+    holed.inputs = attrs.evolve(holed.inputs, shown=View(beside, rendered.fov))
     holed.colour[:, :30], holed.colour[:, 30:], holed.inverse_depth[:] = (1, 0, 0, 1), (0, 0, 1, 1), 0.05
     crack = np.zeros((20, 60), bool)
     crack[:, 27:34] = True

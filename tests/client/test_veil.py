@@ -5,6 +5,8 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from reference.picture import HALF_UNIT
+from reference.veil import lay_over
 from worlds import World, read
 
 from hmdwarp.client.effects import effects
@@ -13,11 +15,9 @@ from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps.iterative import IterativeSettings
 from hmdwarp.errors import InputError
-from hmdwarp.frame import EyeImage, Layer, Needs, Transparent
+from hmdwarp.frames.frame import EyeImage, Layer, Needs, Transparent
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
-from hmdwarp.reference.picture import HALF_UNIT
-from hmdwarp.reference.veil import lay_over
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
@@ -49,14 +49,14 @@ class Veiled:
         picture.colour.texture.write(self.behind.astype(np.float16).tobytes(), alignment=1)
         depth = np.broadcast_to(np.float32(shown_depth), self.behind.shape[:2])
         picture.inverse_depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
-        late = attrs.evolve(
-            world.late, transparent=Transparent(Layer(world.late.colour, world.late.inverse_depth), passing)
+        rendered = attrs.evolve(
+            world.rendered, transparent=Transparent(Layer(world.rendered.colour, world.rendered.inverse_depth), passing)
         )
         made = TransparencyPass(self.gpu, frozenset({"transparency"}), world.size, world.shown_size, None)
         found = []
         for _ in range(2):
             into = Canvas(gl, world.shown_size)
-            made.run(attrs.evolve(world.given(None), late=late), picture, into)
+            made.run(attrs.evolve(world.inputs(None), rendered=rendered), picture, into)
             gl.memory_barrier()
             found.append(read(into.texture))
         assert np.array_equal(*found), "two runs differ"
@@ -130,9 +130,9 @@ def test_the_overlay_lies_over_the_picture_and_fills_holes_where_nothing_passes(
     overlay.write(over.astype(np.float16).tobytes(), alignment=1)
     view = View(Pose(), Fov(-0.5, 0.5, -0.5, 0.5))
     world = World(gpu, 0, (8, 8))
-    given = attrs.evolve(world.given(None), late=EyeImage(view, overlay, overlay, overlay=overlay))
+    inputs = attrs.evolve(world.inputs(None), rendered=EyeImage(view, overlay, overlay, overlay=overlay))
     made = OverlayPass(gpu, frozenset({"overlay"}), (8, 8), size, None)
-    made.run(given, ShownPicture(picture), into)
+    made.run(inputs, ShownPicture(picture), into)
     gl.memory_barrier()
     found = read(into.texture)
     covered = (behind[..., 3] == 1) | (over[..., 3] == 1)
@@ -147,11 +147,11 @@ def shown(gpu, scene: str, needs: Needs, run) -> tuple[np.ndarray, np.ndarray]:
     server, size = Server(gpu, load_scene(scene)), (120, 150)
     view = View(server.scene.viewpoint, Fov(-0.7, 0.7, -0.7, 0.7), Pose((-0.03, 0, 0)))
     whole = read(server.draw(view, size).colour)
-    late = server.draw_frame([view], 0, size, needs=needs).eyes[0]
+    rendered = server.draw_frame([view], 0, size, needs=needs).eyes[0]
     canvas, into = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
-    canvas.texture.write(late.colour.read())
-    given = attrs.evolve(World(gpu, 0, size).given(None), late=late, shown=view)
-    run(size, given, ShownPicture(canvas, late.inverse_depth), into)
+    canvas.texture.write(rendered.colour.read())
+    inputs = attrs.evolve(World(gpu, 0, size).inputs(None), rendered=rendered, shown=view)
+    run(size, inputs, ShownPicture(canvas, rendered.inverse_depth), into)
     gpu.gl.memory_barrier()
     out = read(into.texture)
     server.close()
@@ -163,9 +163,9 @@ def shown(gpu, scene: str, needs: Needs, run) -> tuple[np.ndarray, np.ndarray]:
     [("greenhouse", Needs(transparency=True), TransparencyPass), ("cockpit", Needs(overlay=True), OverlayPass)],
 )
 def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs, made_by):
-    def run(size, given, picture, into):
+    def run(size, inputs, picture, into):
         made = made_by(gpu, frozenset({"transparency", "overlay"}), size, size, None)
-        made.run(given, picture, into)
+        made.run(inputs, picture, into)
         made.close()
 
     found, whole = shown(gpu, scene, needs, run)

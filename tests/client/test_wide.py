@@ -8,23 +8,23 @@ import attrs
 import numpy as np
 import pytest
 from holed import Holed
+from reference.memory import fill_from
 from scipy.spatial.transform import Rotation
 from worlds import read
 
 from client.test_multi import HALF_FLOAT, WALL, scene_of, square
-from hmdwarp.client.choices import parse_fills
-from hmdwarp.client.given import Given
+from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.picture import ShownPicture
+from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.weight import EyeSizes, eye_bytes
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.options import RunOptions
-from hmdwarp.reference.memory import fill_from
+from hmdwarp.pipeline.options import RunOptions
+from hmdwarp.pipeline.sizes import eye_sizes
 from hmdwarp.server import Server
-from hmdwarp.sizes import eye_sizes
 
 SIZE = (120, 96)
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
@@ -75,8 +75,8 @@ def test_its_bytes_count():
     headset, options = load_headset("rift-dk1"), RunOptions(trace="", size=(480, 600))
     sizes = eye_sizes(options.guard, headset, options.size)
     wide, high = sizes.wide
-    assert eye_bytes(Needs(wide=True), sizes)["late.wide"] == 12 * wide * high
-    assert "late.wide" not in eye_bytes(Needs(), EyeSizes((8, 8), (8, 8), wide=sizes.wide))
+    assert eye_bytes(Needs(wide=True), sizes)["rendered.wide"] == 12 * wide * high
+    assert "rendered.wide" not in eye_bytes(Needs(), EyeSizes((8, 8), (8, 8), wide=sizes.wide))
 
 
 def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):
@@ -90,7 +90,7 @@ def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):
     fill = choice.entry(gpu, SIZE, SIZE, choice.settings)
     empty, into = (ShownPicture(Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)) for _ in range(2))
     empty.colour.clear()
-    fill.run(Given(frame.eyes[0], shown), empty, into)
+    fill.run(PassInputs(frame.eyes[0], shown), empty, into)
     gpu.gl.memory_barrier()
     out = read(into.colour.texture)
     within = out[..., 3] > 0
@@ -109,7 +109,7 @@ def test_the_fill_equals_its_twin(gpu, seed):
     holed = Holed(gpu, seed, (67, 53), empty=0.6)
     got, depth = holed.fill(gpu, "wide")
     told = {"newest": False, "cell": COARSER, "sampler_pixels": holed.world.sampler_pixels}
-    wanted = fill_from(holed.colour, holed.inverse_depth, holed.given.shown, (holed.wide,), **told)
+    wanted = fill_from(holed.colour, holed.inverse_depth, holed.inputs.shown, (holed.wide,), **told)
     sure = ~wanted.picture.undecided
     assert sure.mean() > 0.8
     assert (np.abs(got - wanted.picture.colour).max(axis=-1) <= wanted.picture.tolerance + 1e-6)[sure].all()
@@ -128,7 +128,7 @@ def test_fill_without_depth_asked_for(gpu):
         picture, into = holed.picture(gpu), holed.picture(gpu)
         if not depth:
             picture, into = (attrs.evolve(one, inverse_depth=None) for one in (picture, into))
-        fill.run(holed.given, picture, into)
+        fill.run(holed.inputs, picture, into)
         gpu.gl.memory_barrier()
         outs.append(read(into.colour.texture))
         fill.close()

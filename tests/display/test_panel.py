@@ -236,10 +236,10 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     from hmdwarp.client.plan import needs_of
     from hmdwarp.geometry import Fov, Pose, View
     from hmdwarp.gpu.textures import download
-    from hmdwarp.loop import Requested
-    from hmdwarp.options import PipelineOptions
-    from hmdwarp.pipeline import Course, build_pipeline
-    from hmdwarp.plans import plans_for
+    from hmdwarp.pipeline.build import Timing, build_pipeline
+    from hmdwarp.pipeline.loop import PoseRequest
+    from hmdwarp.pipeline.options import PipelineOptions
+    from hmdwarp.pipeline.planning import plans_for
     from hmdwarp.poses import Origin, PoseSample
     from hmdwarp.scenes import load_scene
 
@@ -259,11 +259,11 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     )
     scene = load_scene(options.scene)
     plans = plans_for(options, None, scene)
-    requested = Requested(Turning(), None, options.size, 1.0, needs_of(plans))
+    requested = PoseRequest(Turning(), None, options.size, 1.0, needs_of(plans))
 
     def shown(between) -> list[np.ndarray]:
         out = []
-        with build_pipeline(gpu, options, scene, OneEye(), plans, requested, Course(100.0, 20_000_000)) as made:
+        with build_pipeline(gpu, options, scene, OneEye(), plans, requested, Timing(100.0, 20_000_000)) as made:
             for k in range(4):
                 made.loop.draw(k * 10_000_000)
                 between()
@@ -564,7 +564,7 @@ def test_the_package_leaves_glfw_alone(gpu, screen, monkeypatch):
 def test_the_doctor_tells_of_it(monkeypatch):
     import importlib.metadata
 
-    from hmdwarp import doctor
+    from hmdwarp.doctor import checks as doctor
 
     there = doctor.panel()
     assert there.state is doctor.State.OK and there.facts["version"] in there.detail

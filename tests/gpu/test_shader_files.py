@@ -12,21 +12,21 @@ from client_scene import ClientScene
 from worlds import every_choice
 
 from hmdwarp.client.carry import Carry, ShownDepth
-from hmdwarp.client.choices import every_fill, parse_fills, parse_warp
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
+from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display.present import Presenter
 from hmdwarp.errors import MachineError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.bandwidth import Copier
 from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu.memory_bandwidth import Copier
 from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.live.holes import HoleCounter
 from hmdwarp.resources import folder
+from hmdwarp.run.live.holes import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
 from hmdwarp.server.draw import MIRRORS

@@ -145,7 +145,7 @@ def a_million_metres_from_the_origin(gpu, name):
     """
     step, far = np.array([2.0**-10, 0, -(2.0**-9)]), np.array([2.0**20, -(2.0**20), 2.0**20])
     here = Setting(gpu, stepped_depth(), Pose(step))
-    there = Setting(gpu, stepped_depth(), Pose(far + step), late=Pose(far))
+    there = Setting(gpu, stepped_depth(), Pose(far + step), rendered=Pose(far))
     for near, distant in zip(here.pictures(name), there.pictures(name), strict=True):
         both = near.decided & distant.decided
         assert (np.abs(near.colour - distant.colour)[both] <= (0 if near.maker == "shader" else 1e-9)).all()
@@ -216,7 +216,7 @@ def zero_baseline(gpu, name):
 
 
 def _through_fov(gpu, name, fov: Fov, pose: Pose, depth: np.ndarray = SLANTED) -> None:
-    list(Setting(gpu, depth, View(pose, fov), late=View(Pose(), fov)).pictures(name))
+    list(Setting(gpu, depth, View(pose, fov), rendered=View(Pose(), fov)).pictures(name))
 
 
 @hard_case()
@@ -294,7 +294,7 @@ def unnormalised_quaternion(gpu, name):
 
 
 def _entry(name: str):
-    from hmdwarp.client.choices import parse_warp
+    from hmdwarp.client.variants import parse_warp
 
     return parse_warp(name).entry
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import attrs
 import numpy as np
+from reference.picture import GPU_SAMPLER_PIXELS
 from worlds import World
 
-from hmdwarp.client.choices import parse_warp
+from hmdwarp.client.variants import parse_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.reference.picture import GPU_SAMPLER_PIXELS
 
 SQUARE = Fov.from_tangents([-1, 1, -1, 1])
 SIZE = (33, 27)
@@ -24,12 +24,12 @@ def reads_depth(name: str) -> bool:
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
     """Whether what it shows comes from the late picture: `environment` has pictures of its own. With settings or without."""
-    return "late.colour" in parse_warp(name).entry.reads
+    return "rendered.colour" in parse_warp(name).entry.reads
 
 
 def brings_more_pictures(name: str) -> bool:
     """Whether it shows other pictures than the late one too, which are noise here."""
-    return bool({"late.layers", "late.others"} & set(parse_warp(name).entry.reads))
+    return bool({"rendered.layers", "rendered.others"} & set(parse_warp(name).entry.reads))
 
 
 @attrs.frozen(eq=False)
@@ -56,7 +56,7 @@ class Setting(World):
         inverse_depth: np.ndarray,
         shown: Pose | View,
         colour: np.ndarray | None = None,
-        late: Pose | View | None = None,
+        rendered: Pose | View | None = None,
         shown_size: tuple[int, int] | None = None,
         client: np.ndarray | None = None,
     ) -> None:
@@ -64,8 +64,8 @@ class Setting(World):
         self.size = inverse_depth.shape[::-1]
         self.shown_size = shown_size or self.size
         self.layers, self.others, self.other_images, self.cube = (), (), (), None
-        self.late_view = late if isinstance(late, View) else View(late or Pose(), SQUARE)
-        self.shown_view = shown if isinstance(shown, View) else View(shown, self.late_view.fov)
+        self.rendered_view = rendered if isinstance(rendered, View) else View(rendered or Pose(), SQUARE)
+        self.shown_view = shown if isinstance(shown, View) else View(shown, self.rendered_view.fov)
         covered = np.isfinite(inverse_depth) & (inverse_depth >= 0)
         drawn = self.rng.uniform(0.1, 1, (*inverse_depth.shape, 3)) if colour is None else colour
         rgba = np.concatenate([drawn * covered[..., None], covered[..., None]], axis=2)
@@ -88,7 +88,7 @@ class Setting(World):
         out = np.full(self.shown_size[::-1], -1.0)
         usable = np.isfinite(self.inverse_depth) & (self.inverse_depth >= 0)
         y, x = np.nonzero(usable)
-        forward = WarpMap.between(self.late_view, self.size, self.shown_view, self.shown_size)
+        forward = WarpMap.between(self.rendered_view, self.size, self.shown_view, self.shown_size)
         for within in np.ndindex(per_pixel, per_pixel):
             places = np.stack([x, y], axis=-1) + (np.array(within) + 0.5) / per_pixel
             pixels, depth, w = forward.apply(places, self.inverse_depth[usable])

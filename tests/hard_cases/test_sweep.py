@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from properties import ONE_FIXTURE_FOR_ALL
 
 import hmdwarp.gpu.shaders
-from hmdwarp.client.choices import every_warp
+from hmdwarp.client.variants import every_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.shaders import Compute
 from hmdwarp.resources import folder
@@ -29,14 +29,14 @@ def random_maps(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.nd
     for k in range(count):
         side = int(2 ** rng.uniform(0, 13))
         half = np.deg2rad(10 ** rng.uniform(np.log10(0.5), np.log10(85), 4))
-        late = View(
+        rendered = View(
             Pose(rng.normal(size=3) * 10 ** rng.uniform(-3, 6), rng.normal(size=4)),
             Fov(-half[0], half[1], -half[2], half[3]),
         )
         turn = np.append(rng.normal(size=3) * 10 ** rng.uniform(-10, 0.5), 1)
         step = rng.normal(size=3) * 10 ** rng.uniform(-10, 2) * (rng.uniform() > 0.1)
-        shown = View(late.pose @ Pose(step, turn), late.fov)
-        warp = WarpMap.between(late, (side, side), shown, (side, side))
+        shown = View(rendered.pose @ Pose(step, turn), rendered.fov)
+        warp = WarpMap.between(rendered, (side, side), shown, (side, side))
         H[k], e[k], sides[k] = warp.H, warp.e, side
     return H, e, sides
 
@@ -130,9 +130,9 @@ def random_world(
     left, right, down, up = np.deg2rad(sides)
     fov = Fov(-left, right, -down, up)
     sign = rng.choice([-1, 1], 6)
-    late = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
-    shown = View(late.pose @ Pose(sign[:3] * step, (*(sign[3:] * turn * rng.uniform(0, 1, 3)), 1)), fov)
-    return Setting(gpu, depth, shown, late=late)
+    rendered = View(Pose(rng.normal(size=3), rng.normal(size=4)), fov)
+    shown = View(rendered.pose @ Pose(sign[:3] * step, (*(sign[3:] * turn * rng.uniform(0, 1, 3)), 1)), fov)
+    return Setting(gpu, depth, shown, rendered=rendered)
 
 
 # Defaults and variants; of the other words mesh:cut=vertex still has a pixel in one of 200 such worlds that its twin does not mark as

@@ -116,9 +116,9 @@ class AgainstAModel(RuleBasedStateMachine):
             else:
                 self.frames[n].fate = "late" if self.last is not None and n < self.last else "superseded"
         self.last = got
-        assert (self.link.passage.number if self.link.passage else None) == got
+        assert (self.link.transit.number if self.link.transit else None) == got
         if got is not None:
-            assert self.link.passage.ready_ns == self.frames[got].ready_ns
+            assert self.link.transit.ready_ns == self.frames[got].ready_ns
 
     @invariant()
     def the_tally_adds_up(self):
@@ -207,7 +207,7 @@ def test_a_constant_delay_shows_frames_in_the_order_of_sending_and_drops_none_la
         seen.append(link.newest(now))
     shown = [frame for frame in seen if frame is not None]
     assert shown == sorted(shown)
-    assert link.tally.late == 0
+    assert link.tally.rendered == 0
 
 
 def test_no_latency_shows_the_frame_just_sent():
@@ -245,7 +245,7 @@ def test_a_frame_that_is_overtaken_never_comes_to_the_screen():
     # 0 arrives at 100, 1 at 30, 2 at 50.
     assert [link.newest(t) for t in (30, 50, 99, 100, 200)] == [1, 2, 2, 2, 2]
     assert discarded == [1, 0]
-    assert (link.tally.shown, link.tally.late) == (2, 1)
+    assert (link.tally.shown, link.tally.rendered) == (2, 1)
 
 
 def test_where_a_decoder_needs_them_frames_wait_for_those_before_them():
@@ -255,7 +255,7 @@ def test_where_a_decoder_needs_them_frames_wait_for_those_before_them():
         link.send(number, number * 20)
     assert [link.newest(t) for t in (30, 99, 100)] == [None, None, 2]
     assert received == [0, 1, 2]
-    assert link.passage.hold_ns == 50
+    assert link.transit.hold_ns == 50
 
 
 def test_a_lost_frame_is_waited_for_until_it_would_have_come():
@@ -281,8 +281,8 @@ def test_bytes_take_their_time_and_frames_queue():
     for name in "abc":  # a goes at 0, b waits 1 ms, c would wait 2
         link.send(name, 0, 1000)
     assert [link.newest(t) for t in (5_999_999, 6_000_000, 6_999_999, 7_000_000, 10**9)] == [None, "a", "a", "b", "b"]
-    passage = link.passage
-    assert (passage.queue_ns, passage.transfer_ns, passage.delay_ns, passage.ready_ns) == (
+    transit = link.transit
+    assert (transit.queue_ns, transit.transfer_ns, transit.delay_ns, transit.ready_ns) == (
         1_000_000,
         1_000_000,
         5_000_000,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, Passage, ResponseTime, medians
+from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, ResponseTime, TransitStats, medians
 from hmdwarp.link.delays.constant import ConstantDelay
 from hmdwarp.link.delays.normal import NormalJitter
 from hmdwarp.link.delays.uniform import UniformJitter
@@ -106,7 +106,7 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
         for number in range(200):
             link.send(number, number * 11 * MS, size)
             if link.newest(number * 11 * MS) is not None:
-                out[link.passage.number] = link.passage.delay_ns
+                out[link.transit.number] = link.transit.delay_ns
         return out
 
     options = LinkOptions.parse(jitter="normal:30", loss="p=0.05,r=0.3")
@@ -119,15 +119,15 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
 
 
 def test_a_response_time_is_the_sum_of_its_parts():
-    passage = Passage(3, 100, 5000, queue_ns=2 * MS, transfer_ns=3 * MS, delay_ns=40 * MS, hold_ns=5 * MS)
-    time = ResponseTime.of(passage, render_ms=6, encode_ms=4, decode_ms=2, warp_ms=1.5)
+    transit = TransitStats(3, 100, 5000, queue_ns=2 * MS, transfer_ns=3 * MS, delay_ns=40 * MS, hold_ns=5 * MS)
+    time = ResponseTime.of(transit, render_ms=6, encode_ms=4, decode_ms=2, warp_ms=1.5)
     assert time.parts() == {
         "render_ms": 6, "encode_ms": 4, "queue_ms": 7, "transfer_ms": 3, "round_trip_ms": 40, "decode_ms": 2, "warp_ms": 1.5,
     }  # fmt: skip
     assert time.total_ms == 63.5
     # All that the link adds is in it.
     assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx(
-        (passage.ready_ns - passage.sent_ns) / 1e6
+        (transit.ready_ns - transit.sent_ns) / 1e6
     )
 
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from coded_frames import moving
 
-from hmdwarp.codec import Decoder, Encoder, Packet, Picture, Undecodable
 from hmdwarp.link import LinkOptions
+from hmdwarp.link.codec import Decoder, Encoder, Packet, Picture, Undecodable
 
 pytest.importorskip("av")
 SIZE, RATE_HZ, LATENCY_NS = (64, 64), 60, 50_000_000
 
 
 @attrs.define(eq=False)
-class Parcel:
+class EncodedFrame:
     """A frame on its way, and what came of it."""
 
     packet: Packet
@@ -33,16 +33,16 @@ class Stream:
     shown: list[int | None] = attrs.field(factory=list)
     keys: list[int] = attrs.field(factory=list)
 
-    def receive(self, parcel: Parcel) -> bool:
+    def receive(self, encoded: EncodedFrame) -> bool:
         try:
-            parcel.picture = self.decoder.decode(parcel.packet)
+            encoded.picture = self.decoder.decode(encoded.packet)
         except Undecodable:
             return False
         return True
 
     def run(self, count: int):
         link = self.options.link(
-            LATENCY_NS, wasted=lambda parcel: self.wasted.append(parcel.packet.number), receive=self.receive
+            LATENCY_NS, wasted=lambda encoded: self.wasted.append(encoded.packet.number), receive=self.receive
         )
         drawn = moving(SIZE, count)
         for k, frame in enumerate(drawn):
@@ -51,29 +51,29 @@ class Stream:
                 self.encoder.request_key()
             packet = self.encoder.encode(*frame)
             self.keys += [k] if packet.key else []
-            link.send(Parcel(packet), now_ns, packet.size_bytes, packet.key)
-            parcel = link.newest(now_ns)
-            self.shown.append(parcel.packet.number if parcel is not None else None)
-            if parcel is not None:
-                self.looks_like_its_original(parcel, drawn)
+            link.send(EncodedFrame(packet), now_ns, packet.size_bytes, packet.key)
+            encoded = link.newest(now_ns)
+            self.shown.append(encoded.packet.number if encoded is not None else None)
+            if encoded is not None:
+                self.looks_like_its_original(encoded, drawn)
         return link
 
-    def looks_like_its_original(self, parcel: Parcel, drawn) -> None:
-        colour, inverse = drawn[parcel.packet.number]
+    def looks_like_its_original(self, encoded: EncodedFrame, drawn) -> None:
+        colour, inverse = drawn[encoded.packet.number]
         covered = inverse >= 0
-        assert ((parcel.picture.inverse_depth >= 0) == covered).all()
+        assert ((encoded.picture.inverse_depth >= 0) == covered).all()
         assert (
-            np.mean((parcel.picture.colour.astype(float) - colour)[covered] ** 2) < 255**2 / 10**2.8
+            np.mean((encoded.picture.colour.astype(float) - colour)[covered] ** 2) < 255**2 / 10**2.8
         )  # 28 dB: broken chains lie far below
 
 
 def test_a_network_that_loses_nothing_shows_every_frame_as_long_after_as_it_takes():
     stream = Stream(LinkOptions())
     link = stream.run(20)
-    late = -(-LATENCY_NS * RATE_HZ // 10**9)
-    assert stream.shown == [None] * late + list(range(20 - late))
+    rendered = -(-LATENCY_NS * RATE_HZ // 10**9)
+    assert stream.shown == [None] * rendered + list(range(20 - rendered))
     assert stream.keys == [0]
-    assert link.tally.as_dict()["shown"] == 20 - late
+    assert link.tally.as_dict()["shown"] == 20 - rendered
 
 
 def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
@@ -99,7 +99,7 @@ def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
 def test_with_jitter_the_decoder_still_gets_frames_in_order():
     stream = Stream(LinkOptions.parse(jitter="uniform:40"))
     link = stream.run(90)
-    assert link.tally.late == link.tally.undecodable == link.tally.lost == 0
+    assert link.tally.rendered == link.tally.undecodable == link.tally.lost == 0
     assert stream.keys == [0]
     assert link.tally.superseded > 0
 

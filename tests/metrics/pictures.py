@@ -37,5 +37,11 @@ def job(seed: int, size=(40, 30)) -> QualityJob:
     covered = rng.random((size[1], size[0])) > 0.2
     inverse_depth = rng.random((size[1], size[0])).astype(np.float32)
     return QualityJob(
-        now, previous, covered, inverse_depth, turned(0.2, position_m=(0.05, 0, 0)), size, late=noise(seed + 4000, size)
+        now,
+        previous,
+        covered,
+        inverse_depth,
+        turned(0.2, position_m=(0.05, 0, 0)),
+        size,
+        rendered=noise(seed + 4000, size),
     )

@@ -12,12 +12,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import hmdwarp.live.run as driver
+import hmdwarp.run.live.run as driver
 from hmdwarp.display import Tick
-from hmdwarp.live import LiveOptions
-from hmdwarp.live.log import LiveResult
-from hmdwarp.loop import Refresh
+from hmdwarp.pipeline.loop import Refresh
 from hmdwarp.report.schema import validate_summary
+from hmdwarp.run.live import LiveOptions
+from hmdwarp.run.live.log import LiveResult
 
 SMALL = (96, 120)
 LONG_S = 90.0  # against hanging; a machine under load is slow

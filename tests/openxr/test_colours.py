@@ -9,7 +9,7 @@ import numpy as np
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu.textures import upload
-from hmdwarp.loop import Refresh
+from hmdwarp.pipeline.loop import Refresh
 
 from .live_runs import Here, quick
 from .monado import ON_SCREEN, REMOTE

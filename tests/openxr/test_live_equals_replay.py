@@ -16,10 +16,10 @@ from replays import small
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Eyes, Fov, Pose, View
 from hmdwarp.gpu.textures import download
-from hmdwarp.loop import Loop
+from hmdwarp.pipeline.loop import Loop
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.quaternions import angle_between
-from hmdwarp.rig import Rig, build_rig
+from hmdwarp.run.rig import Rig, build_rig
 
 from .live_runs import SMALL, Here, quick
 

@@ -11,8 +11,8 @@ import pytest
 
 from hmdwarp.display import Lost
 from hmdwarp.geometry import Pose
-from hmdwarp.live.recording import RecordOptions, record
 from hmdwarp.poses import load_trace
+from hmdwarp.run.live.recording import RecordOptions, record
 
 from .remote_head import RemoteHead
 

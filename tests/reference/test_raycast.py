@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.reference.raycast import cast_quads, cast_spheres, cast_triangles, nearest
+from reference.raycast import cast_quads, cast_spheres, cast_triangles, nearest
 
 seeds = st.integers(0, 2**32 - 1)
 EYE = np.array([0.1, 0.2, 0.3])

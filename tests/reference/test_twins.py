@@ -12,12 +12,12 @@ from strategies import METRES, neighbouring_views
 
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.headsets import load_headset
-from hmdwarp.reference import gather, scatter
-from hmdwarp.reference._rays import pixel_error_bound, project, world_directions
-from hmdwarp.reference.interpolate import interpolate
-from hmdwarp.reference.lens import radial
-from hmdwarp.reference.picture import Asked, near_edge, sample_covered
-from hmdwarp.reference.raycast import cast_quads, cast_spheres, cast_triangles, nearest
+from reference import gather, scatter
+from reference._rays import pixel_error_bound, project, world_directions
+from reference.interpolate import interpolate
+from reference.lens import radial
+from reference.picture import Asked, near_edge, sample_covered
+from reference.raycast import cast_quads, cast_spheres, cast_triangles, nearest
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 STRAIGHT = View(Pose(), FOV)
@@ -203,7 +203,7 @@ def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
 @given(st.floats(0.1, 2), st.tuples(*[st.floats(-0.2, 0.2)] * 3), st.tuples(*[st.floats(-0.2, 0.2)] * 3))
 def test_planar_meets_a_real_plane(r, step, turn):
     """A checked wall at 1/r metres, ray-cast from both eyes: the warped late picture is the other one, where it was seen."""
-    late, shown = STRAIGHT, View(Pose(step, (*turn, 1)), FOV)
+    rendered, shown = STRAIGHT, View(Pose(step, (*turn, 1)), FOV)
     assume(1 - r * -step[2] > 0.2)
     size = (16, 16)
     wall = np.array([[[0, 0, -1 / r], [50 / r, 0, 0], [0, 50 / r, 0]]])
@@ -216,12 +216,14 @@ def test_planar_meets_a_real_plane(r, step, turn):
         )
         return colour.reshape(16, 16, 4), hits.inverse_depth.reshape(16, 16)
 
-    colour, depth = picture(late)
-    got = gather.planar(Asked(colour, depth, late, shown, size))
+    colour, depth = picture(rendered)
+    got = gather.planar(Asked(colour, depth, rendered, shown, size))
     truth, _ = picture(shown)
     inner = (got.colour[..., 3] == 1) & (truth[..., 3] == 1)
     # A look within half a pixel of the border meets the clamped edge, where the picture is not linear.
-    place = project(world_directions(shown, size), shown.pose.position_m, _depth_from(shown, wall, size), late, size)[0]
+    place = project(
+        world_directions(shown, size), shown.pose.position_m, _depth_from(shown, wall, size), rendered, size
+    )[0]
     inner &= ((place > 0.5) & (place < 15.5)).all(axis=-1)
     assert np.abs(got.colour - truth)[inner].max(initial=0) <= 1e-9
 

@@ -59,7 +59,7 @@ def a_scene(shift: int = 0, size=(320, 200)) -> np.ndarray:
 def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
     frames = []
     for i in range(count):
-        truth, late, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
+        truth, rendered, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
         error = np.abs(warped.astype(int) - truth).max(axis=-1).astype(np.uint8)
         values = {
             "psnr_db": 20.1 + i,
@@ -69,5 +69,5 @@ def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
             "border_share": 0.02,
             "flicker": None,
         }
-        frames.append(WorstFrame(3.2 * i + 1, i % 2, tuple(comparison_panels(late, warped, truth, error)), values))
+        frames.append(WorstFrame(3.2 * i + 1, i % 2, tuple(comparison_panels(rendered, warped, truth, error)), values))
     return frames

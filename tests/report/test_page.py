@@ -134,15 +134,16 @@ def test_pictures_are_whole_and_have_their_size():
 
 
 def test_worst_frames_come_from_what_the_pool_kept():
-    truth, shown, late = a_scene(0), a_scene(2), a_scene(9)
+    truth, shown, rendered = a_scene(0), a_scene(2), a_scene(9)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
     with QualityPool(0, 20.0, worst=1) as pool:
-        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), late=late))
+        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), rendered=rendered))
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
     assert [name for name, _ in frame.panels] == ["late frame", "warped", "truth", "error (FLIP)"]
     assert all(
-        np.array_equal(picture, given) for (_, picture), given in zip(frame.panels, (late, shown, truth), strict=False)
+        np.array_equal(picture, given)
+        for (_, picture), given in zip(frame.panels, (rendered, shown, truth), strict=False)
     )
     assert "0.50 s, right eye" in render(worst=[frame])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, cube_size, face_views
 from hmdwarp.scenes import load_scene

@@ -6,13 +6,13 @@ import attrs
 import moderngl
 import numpy as np
 import pytest
+from reference._rays import world_directions
+from reference.raycast import Hits, cast_quads, cast_spheres, cast_triangles, nearest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, allocate
-from hmdwarp.reference._rays import world_directions
-from hmdwarp.reference.raycast import Hits, cast_quads, cast_spheres, cast_triangles, nearest
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 from hmdwarp.scenes.library.planes import BACKGROUND, QUADS
 from hmdwarp.scenes.library.spheres import BALLS, FLOOR

@@ -6,14 +6,14 @@ import attrs
 import numpy as np
 import pytest
 from mirrored import BACK, BALLS, CHROME, FLOOR, PLAIN_SHAPES, VIEW, WALL, mirrored_scene, moved
+from reference._rays import world_directions
+from reference.raycast import Hits, cast_quads, cast_spheres
+from reference.reflection import MirrorPictures, with_reflection
 from worlds import read
 
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry.mirror import image_behind_ball
-from hmdwarp.reference._rays import world_directions
-from hmdwarp.reference.raycast import Hits, cast_quads, cast_spheres
-from hmdwarp.reference.reflection import MirrorPictures, with_reflection
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.parts import parts

@@ -5,14 +5,14 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from reference._rays import world_directions
+from reference.raycast import cast_triangles
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import SceneError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, allocate
-from hmdwarp.reference._rays import world_directions
-from hmdwarp.reference.raycast import cast_triangles
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
 from hmdwarp.scenes.motions import Spinning, Track
 from hmdwarp.server import Server

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from reference._rays import world_directions
 
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.reference._rays import world_directions
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 from hmdwarp.server import Server
 

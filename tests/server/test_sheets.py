@@ -5,17 +5,17 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from reference._rays import world_directions
+from reference.picture import HALF_UNIT
+from reference.sheets import Sheet, look_through
 from scipy.spatial.transform import Rotation
 from worlds import read
 
 from hmdwarp.errors import SceneError
-from hmdwarp.frame import Needs
+from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.reference._rays import world_directions
-from hmdwarp.reference.picture import HALF_UNIT
-from hmdwarp.reference.sheets import Sheet, look_through
 from hmdwarp.scenes import Body, Material, Mesh, Scene, Texture, load_scene
 from hmdwarp.scenes.library._shapes import Quad
 from hmdwarp.server import Server

@@ -12,7 +12,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.projection import boxes_of, clip_from_eye, eye_from_scene, visible
-from hmdwarp.server.sight import KEPT, Sights, draws_of
+from hmdwarp.server.sight import KEPT, Visibility, draws_of
 from hmdwarp.server.upload import Chunks
 
 angles = st.floats(0.05, 1.4)
@@ -46,13 +46,13 @@ boxes = st.lists(
 def test_what_a_view_sees_is_drawn(boxes, position, turn, fov):
     chunks, view = chunks_of(*zip(*boxes, strict=True)), View(Pose(position, turn), fov)
     exact = visible(chunks.boxes, clip_from_eye(fov) @ eye_from_scene(view, np.zeros(3)))
-    found = drawn(Sights(chunks).near(view.pose.unit_quaternion, view.pose.position_m, fov))
+    found = drawn(Visibility(chunks).near(view.pose.unit_quaternion, view.pose.position_m, fov))
     assert set(exact.nonzero()[0].tolist()) <= found
 
 
 @given(boxes, near, turns, fovs)
 def test_a_quaternion_and_its_negative_are_one_turn(boxes, position, turn, fov):
-    sights, eye = Sights(chunks_of(*zip(*boxes, strict=True))), np.array(position)
+    sights, eye = Visibility(chunks_of(*zip(*boxes, strict=True))), np.array(position)
     there = Pose(position, turn).unit_quaternion
     if abs(there[3]) > 1e-6:  # at a half turn the two may lie in two cells, which may hold a little more each
         assert sights.near(there, eye, fov) is sights.near(tuple(-q for q in there), eye, fov)
@@ -62,7 +62,7 @@ def test_the_order_does_not_depend_on_what_was_drawn_before():
     rng = np.random.default_rng(4)
     chunks, fov = chunks_of(rng.uniform(-9, 9, (200, 3)), rng.uniform(0.1, 1, (200, 3))), Fov.symmetric(1.6, 1.5)
     views = [(Pose((0, 0, 0), rng.normal(size=4)).unit_quaternion, rng.uniform(-3, 3, 3)) for _ in range(3 * KEPT)]
-    kept = Sights(chunks)
+    kept = Visibility(chunks)
     there = [kept.near(turn, eye, fov) for turn, eye in views]
     back = [kept.near(turn, eye, fov) for turn, eye in reversed(views)]
     assert there == back[::-1]

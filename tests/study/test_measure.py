@@ -8,11 +8,11 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
-from hmdwarp.options import RunOptions
+from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
-from hmdwarp.replay import figures, replay
-from hmdwarp.rig import build_rig
+from hmdwarp.run.replay import figures, replay
+from hmdwarp.run.rig import build_rig
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
 from hmdwarp.study.steps import Show, steps_of

@@ -31,7 +31,7 @@ def measure(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Replay each trial's head trace and measure its pictures against no latency at all; go on where it was left."""
-    from ...options import parse_size
+    from ...pipeline.options import parse_size
     from ...study.design.read import load_design
     from ...study.measure import MeasureOptions, measure_study
     from ...study.store import Store, store_folder

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ...scenes.effects import SceneEffect
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.textures import Canvas
     from ..carry import Carry
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
@@ -62,9 +62,15 @@ class EffectPass(ABC):
     carries: ClassVar[bool] = False
 
     def __init__(
-        self, gpu: Gpu, parts: frozenset[str], late_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools
+        self, gpu: Gpu, parts: frozenset[str], rendered_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools
     ) -> None:
-        self.gpu, self.parts, self.late_size, self.shown_size, self.tools = gpu, parts, late_size, shown_size, tools
+        self.gpu, self.parts, self.rendered_size, self.shown_size, self.tools = (
+            gpu,
+            parts,
+            rendered_size,
+            shown_size,
+            tools,
+        )
         self.prepare()
 
     @abstractmethod
@@ -81,7 +87,7 @@ class EffectPass(ABC):
         return cls.reads
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """What one eye's picture must at least read and write in memory."""
         return 16 * shown_pixels
 
@@ -89,10 +95,10 @@ class EffectPass(ABC):
 class LatePass(EffectPass):
     """Changes the late pictures before the warp."""
 
-    writes: ClassVar[tuple[str, ...]] = ("late.colour", "late.inverse_depth")
+    writes: ClassVar[tuple[str, ...]] = ("rendered.colour", "rendered.inverse_depth")
 
     @abstractmethod
-    def run(self, given: Given) -> Given:
+    def run(self, inputs: PassInputs) -> PassInputs:
         """The same with other late pictures, its own textures; what it was given stays as it is."""
 
 
@@ -102,5 +108,5 @@ class ShownPass(EffectPass):
     writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
 
     @abstractmethod
-    def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         """Write the whole shown picture with the effect into `into`."""

@@ -18,10 +18,10 @@ from ._base import LatePass
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from ...frame import EyeImage
+    from ...frames.frame import EyeImage
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
-    from ..given import Given
+    from ..inputs import PassInputs
 
 # What deforms swings: limbs and cloth come and go about once in SWING_S. How far a swing has gone after a latency L is best told from its
 # speed for sin(w L) / w seconds; the parabola L (1 - 2 L / SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms,
@@ -85,25 +85,25 @@ class MotionPass(LatePass):
 
     name = "motion"
     order = 10
-    reads = ("late.colour", "late.inverse_depth", "late.ids", "late.velocity")
+    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.ids", "rendered.velocity")
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
         return (
             *cls.reads[:2],
-            *(("late.ids",) if RIGID in parts else ()),
-            *(("late.velocity",) if SOFT in parts else ()),
+            *(("rendered.ids",) if RIGID in parts else ()),
+            *(("rendered.velocity",) if SOFT in parts else ()),
         )
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """Colour and depth read and written once, ids or velocities read; what moves is little beside that."""
-        return late_pixels * (2 * (8 + 4) + 2)
+        return rendered_pixels * (2 * (8 + 4) + 2)
 
     def prepare(self) -> None:
-        _check(self.gpu, self.late_size)
+        _check(self.gpu, self.rendered_size)
         defines = {"RIGID": int(RIGID in self.parts), "SOFT": int(SOFT in self.parts)}
-        shaders, gl, (wide, high) = self.gpu.shaders, self.gpu.gl, self.late_size
+        shaders, gl, (wide, high) = self.gpu.shaders, self.gpu.gl, self.rendered_size
         self._split = shaders.compute("effects/motion_split.comp", IMAGES=1, **defines)
         self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
         self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
@@ -120,19 +120,19 @@ class MotionPass(LatePass):
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
         self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
         self._array = gl.vertex_array(self._draw.program, [], index_buffer=self._corners, index_element_size=2)
-        self._depth = gl.depth_renderbuffer(self.late_size)
+        self._depth = gl.depth_renderbuffer(self.rendered_size)
         self._moved = [self._allocated() for _ in range(self.tools.images)]
 
     def _allocated(self) -> _Moved:
-        colour, inverse_depth = (allocate(self.gpu.gl, self.late_size, kind) for kind in (COLOUR, SCALAR))
+        colour, inverse_depth = (allocate(self.gpu.gl, self.rendered_size, kind) for kind in (COLOUR, SCALAR))
         return _Moved(colour, inverse_depth, self.gpu.gl.framebuffer([colour, inverse_depth], self._depth))
 
-    def run(self, given: Given) -> Given:
+    def run(self, inputs: PassInputs) -> PassInputs:
         into = iter(self._moved)
-        late, *others = (
-            self._image(image, given.shown_ns - image.drawn_ns, into) for image in (given.late, *given.others)
+        rendered, *others = (
+            self._image(image, inputs.shown_ns - image.drawn_ns, into) for image in (inputs.rendered, *inputs.others)
         )
-        return attrs.evolve(given, late=late, others=tuple(others))
+        return attrs.evolve(inputs, rendered=rendered, others=tuple(others))
 
     def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
         """The image as it is `age_ns` later; itself where nothing has moved by then. ids and velocities are used up: they no longer fit."""
@@ -147,9 +147,9 @@ class MotionPass(LatePass):
         into = next(free)
         named = self._named(image, maps, age_ns)
         self._bind(image, maps, into)
-        self._run(self._split, named | SPLIT_UNITS, self.late_size)
+        self._run(self._split, named | SPLIT_UNITS, self.rendered_size)
         self._run(self._order, named, (1, 1))
-        self._run(self._list, named, self.late_size)
+        self._run(self._list, named, self.rendered_size)
         self._draw_moving(named, into)
         return attrs.evolve(
             image, colour=into.colour, inverse_depth=into.inverse_depth, ids=None, bodies=(), velocity=None
@@ -158,14 +158,14 @@ class MotionPass(LatePass):
     def _named(self, image: EyeImage, maps: Sequence[WarpMap], age_ns: int) -> dict[str, Any]:
         """Uniforms by name, for whichever program has them."""
         return {
-            "late_size": self.late_size,
-            "steepest": steepest(image.view, self.late_size, STEEPEST_DEG),
-            "late_colour": 0,
-            "late_inverse_depth": 1,
-            "late_ids": 2,
-            "late_velocity": 3,
+            "rendered_size": self.rendered_size,
+            "steepest": steepest(image.view, self.rendered_size, STEEPEST_DEG),
+            "rendered_colour": 0,
+            "rendered_inverse_depth": 1,
+            "rendered_ids": 2,
+            "rendered_velocity": 3,
             "body_count": len(maps),
-            "pixel_from_eye": image.view.fov.pixel_from_tangent(self.late_size) @ np.diag([1.0, 1.0, -1.0]),
+            "pixel_from_eye": image.view.fov.pixel_from_tangent(self.rendered_size) @ np.diag([1.0, 1.0, -1.0]),
             "seconds": swing_seconds(age_ns),
             "reach_m": REACH_M,
             "nearest": 1 / NEAREST_M,

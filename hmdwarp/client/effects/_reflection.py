@@ -16,9 +16,9 @@ from ._base import ShownPass
 from ._closing import Closing
 
 if TYPE_CHECKING:
-    from ...frame import EyeImage
+    from ...frames.frame import EyeImage
     from ...gpu.shaders import Compute
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
@@ -34,9 +34,9 @@ class _DeepIterative(Iterative):
     def gather(self, path: str, **defines: object) -> Compute:
         return super().gather(path, TELLS_DEPTH=1, **defines)
 
-    def run_gather(self, program: Compute, given: Given, into: Canvas, **uniforms: object) -> None:
+    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
         self.shown_inverse_depth.bind_to_image(2, read=False, write=True)
-        super().run_gather(program, given, into, shown_inverse_depth=2, **uniforms)
+        super().run_gather(program, inputs, into, shown_inverse_depth=2, **uniforms)
 
     def close(self) -> None:
         super().close()
@@ -52,7 +52,7 @@ class Reflections(ShownPass):
 
     name = "reflections"
     order = 10
-    reads = ("shown.colour", "late.reflection")
+    reads = ("shown.colour", "rendered.reflection")
     carries = True
 
     def prepare(self) -> None:
@@ -60,31 +60,31 @@ class Reflections(ShownPass):
         self._glossy = GLOSSY in self.parts
         self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if self._glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
-        self._warp = (_DeepIterative if self._glossy else Iterative)(gpu, self.late_size, shown)
+        self._warp = (_DeepIterative if self._glossy else Iterative)(gpu, self.rendered_size, shown)
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
-        self._plain = [allocate(gpu.gl, self.late_size, COLOUR) for _ in range(self.tools.pictures - 1)]
+        self._plain = [allocate(gpu.gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1)]
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """The layer's depth once, its colour and the surface for each shown pixel, read, warped, and read again; the picture both ways."""
-        return 4 * late_pixels + 8 * shown_pixels * (2 * 3 + 2)
+        return 4 * rendered_pixels + 8 * shown_pixels * (2 * 3 + 2)
 
-    def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
-        reflection = given.late.reflection
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
+        reflection = inputs.rendered.reflection
         if reflection is None:
             raise PlanError(
                 "reflections are compensated, but this frame has no layer of them; frames from a scene have it"
             )
-        seen = attrs.evolve(given.at_once(), late=as_image(given.late, reflection.seen), others=())
+        seen = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, reflection.seen), others=())
         self._warp.run(seen, self._seen)
         self._barrier()
         self._closing.run(self._seen.texture)
         free = iter(self._plain)
-        self.tools.carry.along(given, lambda image: self._surface_of(image, free), self._surface)
+        self.tools.carry.along(inputs, lambda image: self._surface_of(image, free), self._surface)
         self._barrier()
         self._closing.run(self._surface.texture)
-        self._draw(given, picture, into)
+        self._draw(inputs, picture, into)
 
     def _surface_of(self, image: EyeImage, free) -> moderngl.Texture:
         if image.reflection is not None:
@@ -92,12 +92,12 @@ class Reflections(ShownPass):
         into = next(free)
         image.colour.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)
-        self._nothing.uniforms.set(late_colour=0, surface=1, late_size=image.size)
+        self._nothing.uniforms.set(rendered_colour=0, surface=1, rendered_size=image.size)
         self._nothing.run(*image.size)
         self._barrier()
         return into
 
-    def _draw(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
+    def _draw(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         read = {"picture": picture.colour.texture, "surface": self._surface.texture}
         if self._glossy:
             read["seen_inverse_depth"] = self._warp.shown_inverse_depth
@@ -106,8 +106,8 @@ class Reflections(ShownPass):
         into.bind_for_writing()
         self._seen.texture.use(0)
         units = {name: unit for unit, name in enumerate(read, start=1)}
-        mirrors = mirrors_in_eye(given.late.reflection.mirrors, given.middle) | tangents_of_pixels(
-            given.middle, self.shown_size
+        mirrors = mirrors_in_eye(inputs.rendered.reflection.mirrors, inputs.middle) | tangents_of_pixels(
+            inputs.middle, self.shown_size
         )
         pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
         self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ...scenes.effects import SceneEffect
 from . import effects
 from ._base import Effect, ShownPass
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
@@ -20,14 +20,14 @@ class OverlayPass(ShownPass):
 
     name = "composite the overlay"
     order = 90
-    reads = ("shown.colour", "late.overlay")
+    reads = ("shown.colour", "rendered.overlay")
 
     def prepare(self) -> None:
         self._program = self.gpu.shaders.compute("effects/overlay.comp")
 
-    def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         picture.colour.texture.bind_to_image(0, read=True, write=False)
-        given.late.overlay.bind_to_image(1, read=True, write=False)
+        inputs.rendered.overlay.bind_to_image(1, read=True, write=False)
         into.bind_for_writing(2)
         self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
         self._program.run(*into.size)
@@ -36,7 +36,7 @@ class OverlayPass(ShownPass):
         """It owns nothing."""
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """Two pictures in, one out."""
         return 3 * 8 * shown_pixels
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ...scenes.effects import SceneEffect
 from ..carry import as_image
 from ..warps._gather import GatherWarp
@@ -17,7 +17,7 @@ from ._base import Effect, ShownPass
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 # The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncated, both make things farther away). What
@@ -33,22 +33,24 @@ class _Veil(GatherWarp):
 
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
-        self._seeds = Seeds(self.gpu, self.late_size, self.shown_size)
+        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
-    def run(self, given: Given, into: Canvas, picture: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, into: Canvas, picture: ShownPicture) -> None:
         """given.late: as the frame brought it; picture: what the veil is laid over."""
-        layer, settings, (wide, high) = given.late.transparent, self.settings, self.late_size
-        given = attrs.evolve(given.at_once(), late=as_image(given.late, layer.veil))
-        surface: dict[str, object] = {"late_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+        layer, settings, (wide, high) = inputs.rendered.transparent, self.settings, self.rendered_size
+        inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
+        surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": settings.tolerance, "depth_floor": settings.floor}
-        given.late.inverse_depth.bind_to_image(1, read=True, write=False)
-        self._seeds.find(given, surface)
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        self._seeds.find(inputs, surface)
         picture.colour.texture.bind_to_image(2, read=True, write=False)
         picture.inverse_depth.bind_to_image(3, read=True, write=False)
-        self.bind_colour(attrs.evolve(given, late=attrs.evolve(given.late, colour=layer.passing)), 1, self._maps(given))
-        behind = {"late_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
+        self.bind_colour(
+            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)), 1, self._maps(inputs)
+        )
+        behind = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
         self.run_gather(
-            self._program, given, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **behind
+            self._program, inputs, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **behind
         )
 
     def close(self) -> None:
@@ -65,21 +67,21 @@ class TransparencyPass(ShownPass):
 
     name = "lay the veil over"
     order = 70
-    reads = ("shown.colour", "shown.inverse_depth", "late.transparent")
+    reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
-        self._veil = _Veil(self.gpu, self.late_size, self.shown_size)
+        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size)
 
-    def run(self, given: Given, picture: ShownPicture, into: Canvas) -> None:
-        self._veil.run(given, into, picture)
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
+        self._veil.run(inputs, into, picture)
 
     def close(self) -> None:
         self._veil.close()
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """The veil, what passes it and the picture in, one picture out, three depths: late, for the seeds and for the look, and shown."""
-        return shown_pixels * (4 * 8 + 2 * 4) + 4 * late_pixels
+        return shown_pixels * (4 * 8 + 2 * 4) + 4 * rendered_pixels
 
 
 effects.register(

@@ -5,13 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ..geometry import ClientGeometry
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
@@ -36,12 +36,12 @@ class Fill(ABC):
     def __init__(
         self,
         gpu: Gpu,
-        late_size: tuple[int, int],
+        rendered_size: tuple[int, int],
         shown_size: tuple[int, int],
         settings: Any = None,
         geometry: ClientGeometry | None = None,
     ) -> None:
-        self.gpu, self.late_size, self.shown_size, self.geometry = gpu, late_size, shown_size, geometry
+        self.gpu, self.rendered_size, self.shown_size, self.geometry = gpu, rendered_size, shown_size, geometry
         self.settings = self.Settings() if settings is None else settings
         self.prepare()
 
@@ -50,7 +50,7 @@ class Fill(ABC):
         """Compile the programs and allocate the buffers; run() does neither."""
 
     @abstractmethod
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0. Inverse depth is None on both or neither
         side; into's is written by a fill that writes shown.inverse_depth alone, for others it is that of `picture`."""
 

@@ -79,10 +79,10 @@ def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
     )
 
 
-def most_useful(kept: Sequence[Keyframe], shown: View, late: View, most: int) -> list[Keyframe]:
+def most_useful(kept: Sequence[Keyframe], shown: View, rendered: View, most: int) -> list[Keyframe]:
     """Up to `most` that together see most of what the late view does not show, the newest first; what lies inside it counts a little."""
     towards = directions(shown)
-    worth = np.where(sees(late, towards), INSIDE, 1.0)
+    worth = np.where(sees(rendered, towards), INSIDE, 1.0)
     seen = {one.slot: sees(one.view, towards) * np.exp(-distance_m(shown, one.view) / REACH_M / 3) for one in kept}
     chosen: list[Keyframe] = []
     while len(chosen) < most:

@@ -12,7 +12,7 @@ from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate
 from ..warps._composite import DEPTH_FLOOR
 
 if TYPE_CHECKING:
-    from ...frame import EyeImage
+    from ...frames.frame import EyeImage
     from ...gpu.context import Gpu
 
 BYTES_PER_PIXEL = 13  # of a kept picture
@@ -65,16 +65,21 @@ class Keeper:
         self._no_ids.write(bytes(2), alignment=1)
         self._no_velocity.write(bytes(8))
 
-    def keep(self, late: EyeImage, slot: Slot) -> None:
+    def keep(self, rendered: EyeImage, slot: Slot) -> None:
         """Copy what stands still."""
-        self._bind_late(late)
+        self._bind_rendered(rendered)
         self._bind_slot(slot, read=False)
-        ids = late.ids if late.ids is not None else self._no_ids
-        velocity = late.velocity if late.velocity is not None else self._no_velocity
+        ids = rendered.ids if rendered.ids is not None else self._no_ids
+        velocity = rendered.velocity if rendered.velocity is not None else self._no_velocity
         ids.use(_IDS)
         velocity.bind_to_image(_SECOND, read=True, write=False)
-        units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH}
-        self._run(self._keep, self._size, ids=_IDS, velocity=_SECOND, late_size=self._size, **units)
+        units = {
+            "rendered_colour": _COLOUR,
+            "rendered_depth": _DEPTH,
+            "kept_colour": _KEPT_COLOUR,
+            "kept_depth": _KEPT_DEPTH,
+        }
+        self._run(self._keep, self._size, ids=_IDS, velocity=_SECOND, rendered_size=self._size, **units)
         self.seed(slot.inverse_depth, slot.seeds)
 
     def seed(self, inverse_depth: moderngl.Texture, seeds: moderngl.Texture) -> None:
@@ -83,26 +88,26 @@ class Keeper:
         seeds.bind_to_image(_FIRST, read=False, write=True)
         self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
 
-    def look_at(self, late: EyeImage) -> None:
+    def look_at(self, rendered: EyeImage) -> None:
         """The picture that forget() goes by."""
-        self._bind_late(late)
-        units = {"late_colour": _COLOUR, "late_depth": _DEPTH}
+        self._bind_rendered(rendered)
+        units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH}
         self._bind_bounds(read=False)
-        self._run(self._bounds, self._depths.size, late_size=self._size, **units, **self._bound_units())
+        self._run(self._bounds, self._depths.size, rendered_size=self._size, **units, **self._bound_units())
 
-    def forget(self, slot: Slot, kept: View, late: View) -> None:
+    def forget(self, slot: Slot, kept: View, rendered: View) -> None:
         """What the picture of look_at(), seen from `late`, disproves of that seen from `kept`."""
-        there = WarpMap.between(kept, self._size, late, self._size)
+        there = WarpMap.between(kept, self._size, rendered, self._size)
         self._bind_slot(slot, read=True)
         self._bind_bounds(read=True)
         units = {"kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH, **self._bound_units()}
         limits = {"depth_tolerance": TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": COLOUR_MARGIN}
-        self._run(self._forget, self._size, H=there.H, e=there.e, late_size=self._size, **units, **limits)
+        self._run(self._forget, self._size, H=there.H, e=there.e, rendered_size=self._size, **units, **limits)
         self.seed(slot.inverse_depth, slot.seeds)
 
-    def _bind_late(self, late: EyeImage) -> None:
-        late.colour.bind_to_image(_COLOUR, read=True, write=False)
-        late.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+    def _bind_rendered(self, rendered: EyeImage) -> None:
+        rendered.colour.bind_to_image(_COLOUR, read=True, write=False)
+        rendered.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
 
     def _bind_slot(self, slot: Slot, *, read: bool) -> None:
         slot.colour.bind_to_image(_KEPT_COLOUR, read=read, write=True)

@@ -77,7 +77,7 @@ class HoleFiller:
         depth.bind_to_image(_DEPTH, read=True, write=False)
         self._seeds.bind_to_storage_buffer(0)
         self._seed.uniforms.set(
-            H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self._cells
+            H=forward.H, e=forward.e, rendered_inverse_depth=_DEPTH, rendered_size=size, shown_size=self._cells
         )
         self._dispatch(self._seed, size)
         self._meet(found, shown, newest)
@@ -93,10 +93,10 @@ class HoleFiller:
         self._best.bind_to_image(_BEST, read=True, write=True)
         self._pieces.bind_to_storage_buffer(1)
         units = {"shown_colour": _SHOWN, "filled_colour": _FILLED, "filled_depth": _FILLED_DEPTH, "best": _BEST}
-        units |= {"late_colour": _LATE, "late_depth": _DEPTH}
+        units |= {"rendered_colour": _LATE, "rendered_depth": _DEPTH}
         sizes = {
-            "late_size": size,
-            "late_pixel": (1 / size[0], 1 / size[1]),
+            "rendered_size": size,
+            "rendered_pixel": (1 / size[0], 1 / size[1]),
             "shown_size": self._size,
             "cells": self._cells,
         }

@@ -11,7 +11,7 @@ from . import fills
 from ._base import Fill
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 _HEADER_BYTES = 32  # three counts of work groups and one spare, then the mean
@@ -32,7 +32,7 @@ class Constant(Fill):
         self._columns = self.shown_size[0] * -(-self.shown_size[1] // self._sum.rows)
         self._sums = self.gpu.gl.buffer(reserve=_HEADER_BYTES + 16 * self._columns)
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         picture.colour.texture.bind_to_image(1, read=True, write=False)
         into.colour.bind_for_writing()
         self._sums.write(np.array([*self._groups, 0, 0], np.uint32).tobytes())

@@ -8,7 +8,7 @@ from . import fills
 from ._base import Fill
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 MINIMUM_COUNT = (
@@ -27,7 +27,7 @@ class Interpolate(Fill):
     def prepare(self) -> None:
         self._program = self.gpu.shaders.compute("fills/interpolate.comp")
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         picture.colour.texture.bind_to_image(1, read=True, write=False)
         into.colour.bind_for_writing()
         self._program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size, minimum_count=MINIMUM_COUNT)

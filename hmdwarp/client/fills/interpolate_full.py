@@ -15,7 +15,7 @@ from ._holes import HolePieces
 from .interpolate import MINIMUM_COUNT
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 MOST_REACH = 1024
@@ -51,7 +51,7 @@ class InterpolateFull(Fill):
         self._lists = [gl.buffer(reserve=4 * self._pieces.count) for _ in range(2)]
         self._listed, self._stamp = gl.buffer(bytes(4 * self._pieces.count)), 0
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._pieces.find(picture, into, self._other)
         self._steps.write(self._untouched)
         self._pieces.list.bind_to_storage_buffer(0)

@@ -17,7 +17,7 @@ from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
     from ...geometry import View
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 MOST_FRAMES = 64
@@ -57,53 +57,55 @@ class Memory(Fill):
 
     name = "memory"
     summary = "what was seen before behind and beside things, warped in; forgets what moved"
-    reads = ("shown.colour", "late.colour", "late.inverse_depth")
+    reads = ("shown.colour", "rendered.colour", "rendered.inverse_depth")
     writes = ("shown.colour", "shown.inverse_depth")
     source = "this project's; keyframes as in Mark et al. 1997, Post-Rendering 3D Warping, chosen by what they cover"
     Settings = MemorySettings
 
     def prepare(self) -> None:
-        wide, high = self.late_size
+        wide, high = self.rendered_size
         each = BYTES_PER_PIXEL * wide * high
         count = min(self.settings.frames, math.floor(self.settings.mb * 1e6 / each))
         if count < 1:
             wanted = f"one late picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
-        self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.late_size)
-        self._slots = [Slot.of(self.gpu, self.late_size) for _ in range(count)]
-        self._seeds = seeds_for(self.gpu, self.late_size)
+        self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.rendered_size)
+        self._slots = [Slot.of(self.gpu, self.rendered_size) for _ in range(count)]
+        self._seeds = seeds_for(self.gpu, self.rendered_size)
         self._kept: list[Keyframe] = []
         self._last: dict[int, tuple[View, int]] = {}
         self._turn = 0
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
-        late, shown = given.late, given.middle
-        before = self._last.get(given.eye)
-        if before is None or before[0] is not late.view or before[1] != late.drawn_ns:
-            self._last[given.eye] = late.view, late.drawn_ns
-            self._learn(given)
-        self._keeper.seed(late.inverse_depth, self._seeds)
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        rendered, shown = inputs.rendered, inputs.middle
+        before = self._last.get(inputs.eye)
+        if before is None or before[0] is not rendered.view or before[1] != rendered.drawn_ns:
+            self._last[inputs.eye] = rendered.view, rendered.drawn_ns
+            self._learn(inputs)
+        self._keeper.seed(rendered.inverse_depth, self._seeds)
         self._holes.start(picture, into)
-        self._holes.add(Picture(late.colour, late.inverse_depth, late.view), shown, seeds=self._seeds, newest=True)
-        others = [one for one in self._kept if one.view is not late.view]
-        for one in most_useful(others, shown, late.view, self.settings.use):
+        self._holes.add(
+            Picture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
+        )
+        others = [one for one in self._kept if one.view is not rendered.view]
+        for one in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[one.slot]
             self._holes.add(Picture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
 
-    def _learn(self, given: Given) -> None:
+    def _learn(self, inputs: PassInputs) -> None:
         """From a late picture that is new: forget what it disproves, keep it if it shows enough that is new."""
-        late = given.as_drawn  # in which what moves is still told apart
-        self._drop_old(late.drawn_ns)
-        concerned = overlapping(late.view, self._kept)
+        rendered = inputs.as_drawn  # in which what moves is still told apart
+        self._drop_old(rendered.drawn_ns)
+        concerned = overlapping(rendered.view, self._kept)
         if concerned:
             self._turn += 1
             one = concerned[self._turn % len(concerned)]
-            self._keeper.look_at(late)
-            self._keeper.forget(self._slots[one.slot], one.view, late.view)
-        if is_new(late.view, self._kept):
-            slot = self._free_slot(late.view)
-            self._keeper.keep(late, self._slots[slot])
-            self._kept.append(Keyframe(slot, late.view, late.drawn_ns))
+            self._keeper.look_at(rendered)
+            self._keeper.forget(self._slots[one.slot], one.view, rendered.view)
+        if is_new(rendered.view, self._kept):
+            slot = self._free_slot(rendered.view)
+            self._keeper.keep(rendered, self._slots[slot])
+            self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
 
     def _drop_old(self, now_ns: int) -> None:
         """A picture from later than now is of another run: time has gone back."""

@@ -10,7 +10,7 @@ from . import fills
 from ._base import Fill
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
@@ -48,8 +48,8 @@ class Model(Fill):
         self._model = self.geometry.model(self.settings.share, lit=True)
         self._model.reserve(self.shown_size)
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
-        self._model.draw_holes(given.middle, picture, into, given.shown_ns)
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        self._model.draw_holes(inputs.middle, picture, into, inputs.shown_ns)
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

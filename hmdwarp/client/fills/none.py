@@ -8,7 +8,7 @@ from . import fills
 from ._base import Fill
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
@@ -24,5 +24,5 @@ class NoFill(Fill):
     def prepare(self) -> None:
         """Nothing to prepare."""
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         raise AssertionError("the plan leaves this fill out")

@@ -15,7 +15,7 @@ from ._holes import HolePieces
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
@@ -94,7 +94,7 @@ class Pyramid(Fill):
         """One colour and one inverse depth each way."""
         return 24 * shown_pixels
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._pieces.find(picture, into)
         self._pull_all(picture)
         for below, above in reversed(list(zip(self._levels, self._levels[1:], strict=False))):

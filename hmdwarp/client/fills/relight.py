@@ -16,7 +16,7 @@ from ._base import Fill
 from .model import share_of_triangles
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
 
 BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
 LIGHT = (4, "f4")  # rgba32f, PARTS texels a block
@@ -96,10 +96,10 @@ class Relight(Fill):
         self._holes = gl.buffer(reserve=16 + 4 * wide * high)
         self._find, self._list, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in _PASSES)
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
-        view = given.middle
-        self._lit.draw_holes(view, picture, into, given.shown_ns)
-        self._base.draw(view, self._albedo, given.shown_ns)
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        view = inputs.middle
+        self._lit.draw_holes(view, picture, into, inputs.shown_ns)
+        self._base.draw(view, self._albedo, inputs.shown_ns)
         self._barrier()
         self._bind(picture, into)
         left, right, down, up = view.fov.tangents

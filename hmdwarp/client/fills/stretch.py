@@ -13,7 +13,7 @@ from ._base import Fill
 from ._holes import HolePieces
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 LEAST_PARALLAX = 0.25  # pixels at 1 m; with less no hole is a pixel wide unless a thing is nearer than 25 cm
@@ -58,10 +58,10 @@ class Stretch(Fill):
         """One colour and one inverse depth each way."""
         return 24 * shown_pixels
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         stamp = self._pieces.find(picture, into)
-        forward = WarpMap.between(given.late.view, self.late_size, given.middle, self.shown_size)
-        back = WarpMap.between(given.middle, self.shown_size, given.late.view, self.late_size)
+        forward = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
+        back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
         picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
         into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
@@ -76,7 +76,7 @@ class Stretch(Fill):
             "e": forward.e,
         }
         told |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
-        views = {"back_H": back.H, "back_e": back.e, "late_size": self.late_size}
+        views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
         self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **told)
         self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **told)
         self._pieces.run(self._draw)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ...geometry.wide import COARSER
 from ..warps._composite import Picture
 from . import fills
@@ -12,7 +12,7 @@ from ._base import Fill
 from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
@@ -22,17 +22,17 @@ class Wide(Fill):
 
     name = "wide"
     summary = "a second view of 150 x 140 degrees at a quarter of the resolution, drawn and sent with every frame"
-    reads = ("shown.colour", "late.wide")
+    reads = ("shown.colour", "rendered.wide")
     writes = ("shown.colour", "shown.inverse_depth")
     source = "this project's; the gather of Bowles et al. 2012"
 
     def prepare(self) -> None:
         self._holes = HoleFiller(self.gpu, self.shown_size, cell=COARSER)
 
-    def run(self, given: Given, picture: ShownPicture, into: ShownPicture) -> None:
-        wide = given.late.wide
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        wide = inputs.rendered.wide
         self._holes.start(picture, into)
-        self._holes.add(Picture(wide.colour, wide.inverse_depth, wide.view), given.middle)
+        self._holes.add(Picture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
 
     def close(self) -> None:
         self._holes.close()

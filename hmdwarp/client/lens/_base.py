@@ -30,9 +30,9 @@ def panel_defines(gpu: Gpu) -> dict[str, object]:
 
 def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
     """Bind what a program for the panel looks into by image loads, if it does."""
-    if program.uniforms.declares("late_texels"):
+    if program.uniforms.declares("rendered_texels"):
         picture.bind_to_image(TEXELS_UNIT, read=True, write=False)
-        program.uniforms.set(late_texels=TEXELS_UNIT)
+        program.uniforms.set(rendered_texels=TEXELS_UNIT)
 
 
 class LensPass(ABC):

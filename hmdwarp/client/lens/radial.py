@@ -33,9 +33,9 @@ class Radial(LensPass):
         bind_texels(self._program, shown.texture)
         into.bind_for_writing()
         size = shown.size
-        sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
+        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
         self._program.uniforms.set(
-            late_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.look_uniforms(fov, eye)
+            rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.look_uniforms(fov, eye)
         )
         self._program.run(*self.panel_size)
 

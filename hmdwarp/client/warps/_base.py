@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import attrs
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
     from ..lens import LensPass
 
 # What one pixel weighs: rgba16f colour, r32f inverse depth, 32-bit key.
@@ -57,16 +57,20 @@ class Warp(ABC):
     def __init__(
         self,
         gpu: Gpu,
-        late_size: tuple[int, int],
+        rendered_size: tuple[int, int],
         shown_size: tuple[int, int],
         settings: Any = None,
         output: Output | None = None,
     ) -> None:
-        self.gpu, self.late_size, self.shown_size = gpu, late_size, shown_size
+        self.gpu, self.rendered_size, self.shown_size = gpu, rendered_size, shown_size
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
-        late_pixel = (1 / late_size[0], 1 / late_size[1])
-        self._size_uniforms = {"late_size": tuple(late_size), "late_pixel": late_pixel, "shown_size": tuple(shown_size)}
+        rendered_pixel = (1 / rendered_size[0], 1 / rendered_size[1])
+        self._size_uniforms = {
+            "rendered_size": tuple(rendered_size),
+            "rendered_pixel": rendered_pixel,
+            "shown_size": tuple(shown_size),
+        }
         self.prepare()
 
     @abstractmethod
@@ -74,7 +78,7 @@ class Warp(ABC):
         """Compile the programs and allocate the buffers; run() does neither."""
 
     @abstractmethod
-    def run(self, given: Given, into: Canvas) -> None:
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Write the shown view's colour and coverage into `into` (rgba16f, shown_size)."""
 
     def close(self) -> None:  # noqa: B027 (most warps own no buffers)
@@ -86,7 +90,7 @@ class Warp(ABC):
         return Needs()
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """What one eye's picture must at least read and write in memory, each byte once: the bound the bench holds its time against.
 
         By default that of a gather: for each shown pixel one of colour and one of each depth it reads, and the result.

@@ -17,7 +17,7 @@ from ._scatter import check_room
 if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 # Neighbouring texels are one surface if their inverse depths differ by less than tolerance * (theirs + floor): see backward.py.
 DEPTH_TOLERANCE = 0.03
@@ -64,29 +64,29 @@ class CompositeWarp(Warp):
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
 
     @abstractmethod
-    def pictures(self, given: Given) -> list[Picture]:
+    def pictures(self, inputs: PassInputs) -> list[Picture]:
         """What is put together, in the order of preference between equals."""
 
-    def told(self, given: Given) -> dict[str, object]:
+    def told(self, inputs: PassInputs) -> dict[str, object]:
         """What the warp's own shader wants to know besides."""
         return {}
 
-    def run(self, given: Given, into: Canvas) -> None:
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
         into.bind_for_writing(_RESULT)
         self._best.bind_to_image(_BEST, read=True, write=True)
         self._seeds.bind_to_storage_buffer(0)
         self._pieces.bind_to_storage_buffer(1)
-        told = self.told(given)
-        for index, picture in enumerate(self.pictures(given)):
-            self._scatter(picture, given.shown)
-            self._gather(picture, given.shown, told, is_first=index == 0)
+        told = self.told(inputs)
+        for index, picture in enumerate(self.pictures(inputs)):
+            self._scatter(picture, inputs.shown)
+            self._gather(picture, inputs.shown, told, is_first=index == 0)
 
     def _scatter(self, picture: Picture, shown: View) -> None:
         size = picture.colour.size
         forward = WarpMap.between(picture.view, size, shown, self.shown_size)
         picture.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         self._seed.uniforms.set(
-            H=forward.H, e=forward.e, late_inverse_depth=_DEPTH, late_size=size, shown_size=self.shown_size
+            H=forward.H, e=forward.e, rendered_inverse_depth=_DEPTH, rendered_size=size, shown_size=self.shown_size
         )
         self._empty.uniforms.set(quads=self._quads)
         self._dispatch(self._empty, (self._quads, 1))
@@ -99,8 +99,8 @@ class CompositeWarp(Warp):
         picture.colour.filter = (chosen, chosen)
         picture.colour.use(_COLOUR)
         limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
-        sizes = {"late_size": size, "late_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
-        units = {"late_colour": _COLOUR, "late_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
+        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
+        units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
         told = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **told}
         if is_first:
             self._first.uniforms.set(**told)
@@ -123,11 +123,11 @@ class CompositeWarp(Warp):
         self._best.release()
 
     @classmethod
-    def bytes_of(cls, pictures: int, late_pixels: int, shown_pixels: int) -> int:
+    def bytes_of(cls, pictures: int, rendered_pixels: int, shown_pixels: int) -> int:
         """For each picture: its depth read, the guesses emptied, raised (read, written) and read; depth and what is best so far read and
         written once more; of all pictures one colour read and one written for each shown pixel."""
         best = cls.best[0] * DEPTH_BYTES
-        each = late_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
+        each = rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
         return pictures * each + shown_pixels * 2 * COLOUR_BYTES
 
 

@@ -12,10 +12,10 @@ from ..lens import bind_texels
 from ._base import Warp
 
 if TYPE_CHECKING:
-    from ...frame import EyeImage
+    from ...frames.frame import EyeImage
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 
 class GatherWarp(Warp):
@@ -44,39 +44,39 @@ class GatherWarp(Warp):
             path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines
         )
 
-    def map_between(self, shown: View, late: View) -> WarpMap:
+    def map_between(self, shown: View, rendered: View) -> WarpMap:
         """From shown to rendered pixels."""
-        return WarpMap.between(shown, self.shown_size, late, self.late_size)
+        return WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
 
     def run_gather(
-        self, program: Compute, given: Given, into: Canvas, *, colour_unit: int = 0, **uniforms: object
+        self, program: Compute, inputs: PassInputs, into: Canvas, *, colour_unit: int = 0, **uniforms: object
     ) -> None:
         """Bind the late colour and the result, set the map and the sizes, and run for every pixel of the output."""
-        maps = self._maps(given)
-        self.bind_colour(given, colour_unit, maps)
+        maps = self._maps(inputs)
+        self.bind_colour(inputs, colour_unit, maps)
         into.bind_for_writing()
         self.set_sizes(program)
-        program.uniforms.set(late_colour=colour_unit, written=0, **self._coefficients(maps), **uniforms)
+        program.uniforms.set(rendered_colour=colour_unit, written=0, **self._coefficients(maps), **uniforms)
         if self.output.lens is not None:
-            bind_texels(program, self.picture(given))
-            program.uniforms.set(panel_size=into.size, **self.output.lens.look_uniforms(given.shown.fov, given.eye))
+            bind_texels(program, self.picture(inputs))
+            program.uniforms.set(panel_size=into.size, **self.output.lens.look_uniforms(inputs.shown.fov, inputs.eye))
         program.run(*into.size)
 
-    def picture(self, given: Given) -> moderngl.Texture:
+    def picture(self, inputs: PassInputs) -> moderngl.Texture:
         """What the shader looks into."""
-        return given.late.colour
+        return inputs.rendered.colour
 
-    def bind_colour(self, given: Given, unit: int, maps: list[WarpMap]) -> None:
+    def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
         """Bind it, for the sampler."""
         exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
-        bind_late_colour(given.late, unit, whole_pixels=exact)
+        bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
-    def _maps(self, given: Given) -> list[WarpMap]:
+    def _maps(self, inputs: PassInputs) -> list[WarpMap]:
         if not self.output.scanout:
-            return [self.map_between(given.shown, given.late.view)]
-        first, last = given.shown, given.shown_last if given.shown_last is not None else given.shown
+            return [self.map_between(inputs.shown, inputs.rendered.view)]
+        first, last = inputs.shown, inputs.shown_last if inputs.shown_last is not None else inputs.shown
         middle = View(first.pose.towards(last.pose, 0.5), first.fov)
-        return [self.map_between(view, given.late.view) for view in (first, middle, last)]
+        return [self.map_between(view, inputs.rendered.view) for view in (first, middle, last)]
 
     def _coefficients(self, maps: list[WarpMap]) -> dict[str, np.ndarray]:
         """H and e, or with scan-out the parabola through three instants of it: t = 0 at the first row, 1 past the last.
@@ -95,12 +95,12 @@ class GatherWarp(Warp):
         return named
 
 
-def bind_late_colour(late: EyeImage, unit: int, *, whole_pixels: bool) -> None:
+def bind_rendered_colour(rendered: EyeImage, unit: int, *, whole_pixels: bool) -> None:
     """Bind the late colour for bilinear looks; for nearest ones where every look falls on a pixel centre.
 
     Bilinear hardware computes the centre's coordinate with an error of up to 1e-4 pixels (llvmpipe) or 1/512 (GPUs), enough to
     change the last bit of a dark pixel beside a bright one; so an unmoved head is given nearest looks and is bit-exact.
     """
     chosen = moderngl.NEAREST if whole_pixels else moderngl.LINEAR
-    late.colour.filter = (chosen, chosen)
-    late.colour.use(unit)
+    rendered.colour.filter = (chosen, chosen)
+    rendered.colour.use(unit)

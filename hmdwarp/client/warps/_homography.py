@@ -8,16 +8,16 @@ from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 
 class HomographyWarp(GatherWarp):
     """A gather through a 3x3 matrix that does not depend on depth."""
 
-    reads = ("late.colour",)
+    reads = ("rendered.colour",)
 
     def prepare(self) -> None:
         self._program = self.gather("warps/rotation.comp")
 
-    def run(self, given: Given, into: Canvas) -> None:
-        self.run_gather(self._program, given, into)
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.run_gather(self._program, inputs, into)

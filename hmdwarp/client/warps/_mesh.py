@@ -12,13 +12,13 @@ from ...geometry import View, WarpMap
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, Canvas, allocate
 from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
-from ._gather import bind_late_colour
+from ._gather import bind_rendered_colour
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...gpu.shaders import Compute
-    from ..given import Given
+    from ..inputs import PassInputs
 
 VERTEX_BLOCKS, BINDINGS = 2, 10  # what the drawing reads in its vertex shaders, and all that is bound
 MOST_SIDE = 2**14 - 2  # cells are named by 14 bits a side, and there is one more than pixels
@@ -35,12 +35,12 @@ class MeshWarp(Warp):
     """
 
     kind = "scatter"
-    reads = ("late.colour", "late.inverse_depth")
+    reads = ("rendered.colour", "rendered.inverse_depth")
     adaptive: ClassVar[bool]
 
     def prepare(self) -> None:
         _check_machine(self.name, self.gpu.gl.info)
-        _check_side(self.name, self.late_size)
+        _check_side(self.name, self.rendered_size)
         self._compile()
         self._allocate()
 
@@ -74,9 +74,9 @@ class MeshWarp(Warp):
         )
 
     def _allocate(self) -> None:
-        gl, (wide, high) = self.gpu.gl, self.late_size
+        gl, (wide, high) = self.gpu.gl, self.rendered_size
         cells = (wide + 1) * (high + 1)
-        self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.late_size)
+        self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.rendered_size)
         groups = self._groups[0] * self._groups[1]
         self._calls = -(-cells // QUADS), 1 if self.adaptive else -(-4 * cells // QUADS)
         chunks = -(-cells // CHUNK)
@@ -91,7 +91,7 @@ class MeshWarp(Warp):
         ]
         if self.adaptive:
             sizes += [32 * cells, 4 * chunks, 8 * chunks]
-        _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.late_size)
+        _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.rendered_size)
         self._buffers = [gl.buffer(reserve=size) for size in sizes]  # bound as they are numbered in the shaders
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
         self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
@@ -106,30 +106,30 @@ class MeshWarp(Warp):
         self._framebuffer = gl.framebuffer([self._colour], self._depth)
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """Each drawn pixel's depth to make cells and again to draw them, its colour once; the shown colour and depth cleared and written,
         the depth read for its test."""
-        return late_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
+        return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
-    def run(self, given: Given, into: Canvas) -> None:
-        late, shown = given.late, given.shown
-        forward = WarpMap.between(late.view, self.late_size, shown, self.shown_size)
-        late.inverse_depth.bind_to_image(0, read=True, write=False)
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        rendered, shown = inputs.rendered, inputs.shown
+        forward = WarpMap.between(rendered.view, self.rendered_size, shown, self.shown_size)
+        rendered.inverse_depth.bind_to_image(0, read=True, write=False)
         for binding, buffer in enumerate(self._buffers):
             buffer.bind_to_storage_buffer(binding)
-        self._make_cells(forward, late.view)
-        bind_late_colour(late, 0, whole_pixels=forward.moves_whole_pixels())
-        self._draw(forward, shown, late.view)
+        self._make_cells(forward, rendered.view)
+        bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
+        self._draw(forward, shown, rendered.view)
         into.copy_from(self._framebuffer)
 
-    def _make_cells(self, forward: WarpMap, late: View) -> None:
+    def _make_cells(self, forward: WarpMap, rendered: View) -> None:
         named = {
             "H": forward.H,
             "e": forward.e,
-            "late_size": self.late_size,
+            "rendered_size": self.rendered_size,
             "shown_size": self.shown_size,
-            "late_inverse_depth": 0,
-            "steepest": self._steepest(late),
+            "rendered_inverse_depth": 0,
+            "steepest": self._steepest(rendered),
             "reach": reach(forward, self.shown_size),
             "group_count": self._groups[0] * self._groups[1],
             "draws": self._calls,
@@ -155,20 +155,20 @@ class MeshWarp(Warp):
         dispatch()
         self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
-    def _draw(self, forward: WarpMap, shown: View, late: View) -> None:
+    def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
         gl = self.gpu.gl
-        back = WarpMap.between(shown, self.shown_size, late, self.late_size)
+        back = WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
         named = {
             "H": forward.H,
             "e": forward.e,
-            "late_size": self.late_size,
+            "rendered_size": self.rendered_size,
             "shown_size": self.shown_size,
-            "late_pixel": (1 / self.late_size[0], 1 / self.late_size[1]),
-            "late_inverse_depth": 0,
-            "late_colour": 0,
-            "steepest": self._steepest(late),
-            "late_from_shown": back.H,
-            "late_parallax": back.e,
+            "rendered_pixel": (1 / self.rendered_size[0], 1 / self.rendered_size[1]),
+            "rendered_inverse_depth": 0,
+            "rendered_colour": 0,
+            "steepest": self._steepest(rendered),
+            "rendered_from_shown": back.H,
+            "rendered_parallax": back.e,
             "overlap": overlap(self.merging.get("tolerance", 0.0)),
         }
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
@@ -181,21 +181,21 @@ class MeshWarp(Warp):
                 array.render_indirect(calls, moderngl.TRIANGLES, count=count)
             gl.depth_func = "<"
 
-    def _steepest(self, late: View) -> tuple[float, float]:
-        return steepest(late, self.late_size, self.settings.steepest_deg)
+    def _steepest(self, rendered: View) -> tuple[float, float]:
+        return steepest(rendered, self.rendered_size, self.settings.steepest_deg)
 
     def close(self) -> None:
         for thing in (*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth):
             thing.release()
 
 
-def steepest(late: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
+def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
     """By what part of itself the inverse depth of a plane seen `angle_deg` from facing changes from one pixel to the next, on each axis.
 
     A plane's inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture it grows by tan(angle) of
     itself for each 1 of tangent.
     """
-    left, right, down, up = late.fov.tangents
+    left, right, down, up = rendered.fov.tangents
     slope = float(np.tan(np.deg2rad(angle_deg)))
     return slope * (right - left) / size[0], slope * (up - down) / size[1]
 

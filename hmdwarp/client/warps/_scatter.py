@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 LATE_COLOUR, LATE_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
-_UNITS = {"late_colour": LATE_COLOUR, "late_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
+_UNITS = {"rendered_colour": LATE_COLOUR, "rendered_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
 LONGEST_SIDE = 2**14  # an order has 15 bits for a row and 15 for a column, one of each to spare
 
 
@@ -27,20 +27,20 @@ class ScatterWarp(Warp):
     """A warp in which drawn pixels move by their own depth."""
 
     kind = "scatter"
-    reads = ("late.colour", "late.inverse_depth")
+    reads = ("rendered.colour", "rendered.inverse_depth")
 
-    def forward_map(self, given: Given) -> WarpMap:
+    def forward_map(self, inputs: PassInputs) -> WarpMap:
         """From rendered to shown pixels."""
-        return WarpMap.between(given.late.view, self.late_size, given.shown, self.shown_size)
+        return WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.shown, self.shown_size)
 
     @cached_property
     def _constants(self) -> dict[str, object]:
         return {**self._size_uniforms, **_UNITS}
 
-    def bind(self, given: Given, into: Canvas) -> None:
+    def bind(self, inputs: PassInputs, into: Canvas) -> None:
         """The late picture and the result, as images for compute shaders."""
-        given.late.colour.bind_to_image(LATE_COLOUR, read=True, write=False)
-        given.late.inverse_depth.bind_to_image(LATE_DEPTH, read=True, write=False)
+        inputs.rendered.colour.bind_to_image(LATE_COLOUR, read=True, write=False)
+        inputs.rendered.inverse_depth.bind_to_image(LATE_DEPTH, read=True, write=False)
         into.bind_for_writing(SHOWN_COLOUR)
 
     def set(self, program: Compute, **more: object) -> None:
@@ -67,8 +67,8 @@ class OrderedScatter(ScatterWarp):
     """
 
     def prepare(self) -> None:
-        if max(self.late_size) > LONGEST_SIDE:
-            wide, high = self.late_size
+        if max(self.rendered_size) > LONGEST_SIDE:
+            wide, high = self.rendered_size
             raise InputError(
                 f"a late picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
             )
@@ -81,22 +81,22 @@ class OrderedScatter(ScatterWarp):
         return {}
 
     @abstractmethod
-    def order(self, given: Given) -> dict[str, object]:
+    def order(self, inputs: PassInputs) -> dict[str, object]:
         """The uniforms that the order needs."""
 
-    def run(self, given: Given, into: Canvas) -> None:
-        forward, order = self.forward_map(given), self.order(given)
-        self.bind(given, into)
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        forward, order = self.forward_map(inputs), self.order(inputs)
+        self.bind(inputs, into)
         self._keys.bind_to_storage_buffer(0)
-        for program, size in ((self._scatter, self.late_size), (self._resolve, self.shown_size)):
+        for program, size in ((self._scatter, self.rendered_size), (self._resolve, self.shown_size)):
             self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
             self.set(program, H=forward.H, e=forward.e, **order)
             program.run(*size)
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """Each drawn pixel's depth; the shown keys raised (read, written), read and emptied; a colour read and one written for each."""
-        return late_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+        return rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def close(self) -> None:
         self._keys.release()

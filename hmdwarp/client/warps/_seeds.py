@@ -12,7 +12,7 @@ from ...geometry import WarpMap
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
-    from ..given import Given
+    from ..inputs import PassInputs
 
 BLOCK = 4  # pixels on each axis, late and shown; as in shaders/lib/seeds.glsl
 BLOCK_BYTES, CELL_BYTES = 16, 4
@@ -22,20 +22,20 @@ MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
 class Seeds:
     """Finds, for each cell of 4x4 shown pixels, at which late inverse depth its rays meet what is in front there. Owns its buffers."""
 
-    def __init__(self, gpu: Gpu, late_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
-        self._gpu, self._late_size, self._shown_size = gpu, late_size, shown_size
-        self._index_bits = tuple((n - 1).bit_length() for n in late_size)
-        self._blocks, self.cells = (tuple(-(-n // BLOCK) for n in size) for size in (late_size, shown_size))
+    def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
+        self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
+        self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
+        self._blocks, self.cells = (tuple(-(-n // BLOCK) for n in size) for size in (rendered_size, shown_size))
         self._check_size()
         self._passes = tuple(gpu.shaders.compute("warps/iterative_seed.comp", PASS=k) for k in range(3))
         self._seeds = gpu.gl.buffer(reserve=CELL_BYTES * self.cells[0] * self.cells[1])
         self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
 
-    def find(self, given: Given, surface: dict[str, object]) -> None:
+    def find(self, inputs: PassInputs, surface: dict[str, object]) -> None:
         """Leaves the guesses bound for the gather. surface: the uniforms of lib/late_surface.glsl; the late depth is bound."""
-        shown = given.middle
-        forward = WarpMap.between(given.late.view, self._late_size, shown, self._shown_size)
-        back = WarpMap.between(shown, self._shown_size, given.late.view, self._late_size)
+        shown = inputs.middle
+        forward = WarpMap.between(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
+        back = WarpMap.between(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
         self._seeds.bind_to_storage_buffer(0)
         self._nearest.bind_to_storage_buffer(1)
         both = tuple(max(pair) for pair in zip(self._blocks, self.cells, strict=True))
@@ -50,7 +50,7 @@ class Seeds:
         program.run(*grid)
 
     def _check_size(self) -> None:
-        wide, high = self._late_size
+        wide, high = self._rendered_size
         most = min(self._gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
         if sum(self._index_bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
             raise InputError(

@@ -12,7 +12,7 @@ from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 # Inverse depth is linear across a plane, so between the looked-up point and a texel of its footprint it changes by at most
 # one pixel's worth of slope. 3 % covers planes seen at up to 80 degrees at 10 pixels a degree (tan 80 x 0.1 deg = 1 %, on
@@ -35,7 +35,7 @@ class Backward(GatherWarp):
 
     name = "backward"
     summary = "the client draws its own depth now and fetches the colour from the late picture"
-    reads = ("late.colour", "late.inverse_depth", "client.inverse_depth")
+    reads = ("rendered.colour", "rendered.inverse_depth", "client.inverse_depth")
     exact_when = "always, up to one bilinear resample, where the late picture saw the surface"
     gets_wrong = "needs the scene's geometry; shading that depends on the view stays late"
     source = "McMillan and Bishop 1995 (the map); Williams 1978 (the depth test)"
@@ -45,12 +45,12 @@ class Backward(GatherWarp):
     def prepare(self) -> None:
         self._program = self.gather("warps/backward.comp")
 
-    def run(self, given: Given, into: Canvas) -> None:
-        if given.client_inverse_depth is None:
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        if inputs.client_inverse_depth is None:
             raise PlanError(
                 "warp 'backward' needs the client's own depth, so a scene; for frames without one use 'forward'"
             )
-        given.late.inverse_depth.bind_to_image(1, read=True, write=False)
-        given.client_inverse_depth.bind_to_image(2, read=True, write=False)
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        inputs.client_inverse_depth.bind_to_image(2, read=True, write=False)
         limits = {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
-        self.run_gather(self._program, given, into, late_inverse_depth=1, client_inverse_depth=2, **limits)
+        self.run_gather(self._program, inputs, into, rendered_inverse_depth=1, client_inverse_depth=2, **limits)

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ...errors import PlanError
-from ...frame import Needs
+from ...frames.frame import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
 from . import warps
@@ -16,7 +16,7 @@ from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 _EYE_FROM_HOMOGENEOUS = np.diag([1.0, 1.0, -1.0])  # the tangent point (x, y, 1) lies at (x, y, -1)
 
@@ -27,7 +27,7 @@ class Environment(GatherWarp):
 
     name = "environment"
     summary = "turns freely within a cube map drawn around the eye, ignores how the eye moved"
-    reads = ("late.cube",)
+    reads = ("rendered.cube",)
     exact_when = "the eye only turns, by any angle, up to one bilinear resample"
     gets_wrong = "near things under translation, as rotation; six faces are drawn and sent instead of one picture"
     source = "Chen 1995, QuickTime VR; Greene 1986, Environment Mapping (the cube)"
@@ -41,36 +41,36 @@ class Environment(GatherWarp):
     def needs(cls, settings: Any) -> Needs:
         return Needs(cube=True)
 
-    def map_between(self, shown: View, late: View) -> WarpMap:
+    def map_between(self, shown: View, rendered: View) -> WarpMap:
         """From shown pixels to directions in the axes of the late eye."""
-        turn = late.pose.rotation.inv() * shown.pose.rotation
+        turn = rendered.pose.rotation.inv() * shown.pose.rotation
         tangent_from_pixel = np.linalg.inv(shown.fov.pixel_from_tangent(self.shown_size))
         return WarpMap(turn.as_matrix() @ _EYE_FROM_HOMOGENEOUS @ tangent_from_pixel, np.zeros(3))
 
-    def picture(self, given: Given) -> moderngl.Texture:
-        return given.late.cube
+    def picture(self, inputs: PassInputs) -> moderngl.Texture:
+        return inputs.rendered.cube
 
-    def bind_colour(self, given: Given, unit: int, maps: list[WarpMap]) -> None:
-        cube = given.late.cube
-        chosen = moderngl.NEAREST if self._looks_along_a_face(given) else moderngl.LINEAR
+    def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
+        cube = inputs.rendered.cube
+        chosen = moderngl.NEAREST if self._looks_along_a_face(inputs) else moderngl.LINEAR
         cube.filter = (chosen, chosen)
         cube.use(unit)
 
-    def _looks_along_a_face(self, given: Given) -> bool:
+    def _looks_along_a_face(self, inputs: PassInputs) -> bool:
         """Whether each shown pixel is a pixel of one face of the cube, so that it can be copied without a bilinear look."""
-        shown, side = given.shown, given.late.cube.size[0] // 3
+        shown, side = inputs.shown, inputs.rendered.cube.size[0] // 3
         if self.output.lens is not None or self.output.scanout or np.abs(shown.fov.tangents).max() > 1 + 1e-9:
             return False
-        here = View(Pose(shown.pose.position_m, given.late.view.pose.orientation_xyzw), shown.fov)
+        here = View(Pose(shown.pose.position_m, inputs.rendered.view.pose.orientation_xyzw), shown.fov)
         faces = face_views(here, side)
         return any(WarpMap.between(shown, self.shown_size, face, (side, side)).moves_whole_pixels() for face in faces)
 
-    def run(self, given: Given, into: Canvas) -> None:
-        cube = given.late.cube
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        cube = inputs.rendered.cube
         if cube is None:
             raise PlanError(
                 "warp 'environment' needs a cube map around the eye, which this frame has not; frames from a scene have it"
             )
         side = cube.size[0] // 3
         pixel = (1 / cube.size[0], 1 / cube.size[1])
-        self.run_gather(self._program, given, into, face_size=float(side), late_pixel=pixel)
+        self.run_gather(self._program, inputs, into, face_size=float(side), rendered_pixel=pixel)

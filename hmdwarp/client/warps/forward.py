@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...geometry import WarpMap
     from ...gpu.context import Gpu
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
@@ -47,25 +47,25 @@ class Forward(ScatterWarp):
     Settings = ForwardSettings
 
     def prepare(self) -> None:
-        if self.late_size[0] * self.late_size[1] > MOST_PIXELS:
+        if self.rendered_size[0] * self.rendered_size[1] > MOST_PIXELS:
             raise InputError(
-                f"a late picture of {self.late_size[0]}x{self.late_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
+                f"a late picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
             )
         self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """portable and auto: each drawn pixel's depth twice and colour once; the shown keys cleared, raised (read, written) and read;
         the result cleared and written. atomic64: the depth once; keys of two words raised, read and emptied; a colour read and one
         written for each shown pixel."""
         if settings.path == "atomic64":
-            return late_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
+            return rendered_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
         drawn = 2 * DEPTH_BYTES + COLOUR_BYTES
-        return late_pixels * drawn + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+        return rendered_pixels * drawn + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
-    def run(self, given: Given, into: Canvas) -> None:
-        self.bind(given, into)
-        self._path.run(self.forward_map(given), into)
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.bind(inputs, into)
+        self._path.run(self.forward_map(inputs), into)
 
     def close(self) -> None:
         self._path.close()
@@ -97,7 +97,7 @@ class _Portable:
         self._keys.bind_to_storage_buffer(0)
         self._ties.bind_to_storage_buffer(1)
         into.clear()
-        groups = self._nearest.groups(*self._warp.late_size)
+        groups = self._nearest.groups(*self._warp.rendered_size)
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
@@ -125,7 +125,7 @@ class _OnePass:
 
     def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
-        for program, size in ((self._nearest, self._warp.late_size), (self._resolve, self._warp.shown_size)):
+        for program, size in ((self._nearest, self._warp.rendered_size), (self._resolve, self._warp.shown_size)):
             self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
             self._warp.set(program, H=forward.H, e=forward.e)
             program.run(*size)

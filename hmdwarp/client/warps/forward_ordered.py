@@ -13,7 +13,7 @@ from . import warps
 from ._scatter import OrderedScatter
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
 
 # Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows of the largest picture then turn
 # by at most 2^14 / 2^20 rad against the true lines, a pixel in 64, and the distance still fits into an integer.
@@ -46,13 +46,13 @@ class ForwardOrdered(OrderedScatter):
     def defines(self) -> dict[str, object]:
         return {"RINGS": 1} if self.settings.sheets == "rings" else {}
 
-    def order(self, given: Given) -> dict[str, object]:
-        backward = WarpMap.between(given.shown, self.shown_size, given.late.view, self.late_size)
-        pixel, sense = epipole_pixel(backward.e, self.late_size)
+    def order(self, inputs: PassInputs) -> dict[str, object]:
+        backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
+        pixel, sense = epipole_pixel(backward.e, self.rendered_size)
         return {
             "epipole": tuple(pixel),
             "sense": sense,
-            "start": _start(pixel, sense, self.late_size, self.settings.sheets == "rings"),
+            "start": _start(pixel, sense, self.rendered_size, self.settings.sheets == "rings"),
         }
 
 

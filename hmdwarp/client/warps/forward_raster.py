@@ -8,7 +8,7 @@ from . import warps
 from ._scatter import OrderedScatter
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
 
 
 @warps.register
@@ -21,5 +21,5 @@ class ForwardRaster(OrderedScatter):
     gets_wrong = "shows hidden things through what hides them, wherever they come later in the picture; cracks and holes as 'forward'"
     source = "what McMillan 1995 (UNC TR95-005) and the 2014 thesis set out from: pixels moved in raster order"
 
-    def order(self, given: Given) -> dict[str, object]:
+    def order(self, inputs: PassInputs) -> dict[str, object]:
         return {}

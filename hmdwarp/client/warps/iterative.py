@@ -14,7 +14,7 @@ from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 MOST_STEPS = 64
 
@@ -54,7 +54,7 @@ class Iterative(GatherWarp):
     summary = (
         "each pixel guesses its depth, looks where that was drawn, and takes the depth found there for its next guess"
     )
-    reads = ("late.colour", "late.inverse_depth")
+    reads = ("rendered.colour", "rendered.inverse_depth")
     exact_when = "the late picture saw the surface and the guesses converge, up to one bilinear resample"
     gets_wrong = "may miss the front one of several surfaces on a ray, or end in a hole there; silhouettes end half way between late pixels"
     source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
@@ -67,24 +67,24 @@ class Iterative(GatherWarp):
         seeded = chosen.seed == "forward"
         looks = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **looks, **({"SEEDED": 1} if seeded else {}))
-        self._seeds = Seeds(self.gpu, self.late_size, self.shown_size) if seeded else None
+        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """Per shown pixel one of colour and of depth, and the result; with the forward seed the late depth once more."""
-        splat = late_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
+        splat = rendered_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat
 
-    def run(self, given: Given, into: Canvas) -> None:
-        given.late.inverse_depth.bind_to_image(1, read=True, write=False)
-        wide, high = self.late_size
-        surface: dict[str, object] = {"late_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        wide, high = self.rendered_size
+        surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
         cells = {}
         if self._seeds is not None:
-            self._seeds.find(given, surface)
+            self._seeds.find(inputs, surface)
             cells["cells"] = self._seeds.cells
-        self.run_gather(self._program, given, into, most_pixels=self.settings.converged, **surface, **cells)
+        self.run_gather(self._program, inputs, into, most_pixels=self.settings.converged, **surface, **cells)
 
     def close(self) -> None:
         if self._seeds is not None:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...errors import PlanError
-from ...frame import Needs
+from ...frames.frame import Needs
 from . import warps
 from ._composite import CompositeWarp, Picture
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
 
 MOST_LAYERS = 4
 
@@ -34,7 +34,7 @@ class Layered(CompositeWarp):
 
     name = "layered"
     summary = "warps two to four depth layers of the server together: real content behind edges"
-    reads = ("late.colour", "late.inverse_depth", "late.layers")
+    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.layers")
     exact_when = "always, up to one bilinear resample, where a layer holds the surface"
     gets_wrong = "what no layer holds or the late field of view did not; the server draws the scene once more per layer"
     source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
@@ -45,17 +45,19 @@ class Layered(CompositeWarp):
         return Needs(layers=settings.layers - 1)
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
-        return cls.bytes_of(settings.layers, late_pixels, shown_pixels)
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
+        return cls.bytes_of(settings.layers, rendered_pixels, shown_pixels)
 
-    def told(self, given: Given) -> dict[str, object]:
-        given.late.inverse_depth.bind_to_image(3, read=True, write=False)
+    def told(self, inputs: PassInputs) -> dict[str, object]:
+        inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         return {"front_inverse_depth": 3}
 
-    def pictures(self, given: Given) -> list[Picture]:
-        late, behind = given.late, self.settings.layers - 1
-        if len(late.layers) < behind:
+    def pictures(self, inputs: PassInputs) -> list[Picture]:
+        rendered, behind = inputs.rendered, self.settings.layers - 1
+        if len(rendered.layers) < behind:
             raise PlanError(
-                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(late.layers)}"
+                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(rendered.layers)}"
             )
-        return [Picture(each.colour, each.inverse_depth, late.view) for each in (late, *late.layers[:behind])]
+        return [
+            Picture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *rendered.layers[:behind])
+        ]

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import attrs
 import numpy as np
 
-from ...frame import Needs
+from ...frames.frame import Needs
 from ...geometry import WarpMap
 from . import warps
 from ._composite import CompositeWarp, Picture
 
 if TYPE_CHECKING:
-    from ..given import Given
+    from ..inputs import PassInputs
 
 MOST_FRAMES = 8
 
@@ -41,7 +41,7 @@ class Multi(CompositeWarp):
 
     name = "multi"
     summary = "fills what the newest frame did not see from the other eye's and from past frames"
-    reads = ("late.colour", "late.inverse_depth", "late.others")
+    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.others")
     exact_when = "always, up to one bilinear resample, where one of the frames saw the surface and the scene is static"
     gets_wrong = "what no frame saw; things that moved, where the newest frame cannot contradict the older ones"
     source = "Mark et al. 1997, Post-Rendering 3D Warping; Mark 1999 (thesis); Bowles et al. 2012 (the gather)"
@@ -54,26 +54,33 @@ class Multi(CompositeWarp):
         return Needs(past=settings.frames, past_spacing_ns=spacing_ns, other_eye=settings.eye == "other")
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
-        return cls.bytes_of(1 + settings.frames + (settings.eye == "other"), late_pixels, shown_pixels)
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
+        return cls.bytes_of(1 + settings.frames + (settings.eye == "other"), rendered_pixels, shown_pixels)
 
-    def pictures(self, given: Given) -> list[Picture]:
+    def pictures(self, inputs: PassInputs) -> list[Picture]:
         """The newest alone for an eye that has not moved and sees no more than it did: there is nothing to add."""
-        late = given.late
-        back = self._newest(given)
-        others = () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, late.size) else given.others
-        return [Picture(one.colour, one.inverse_depth, one.view) for one in (late, *others)]
+        rendered = inputs.rendered
+        back = self._newest(inputs)
+        others = (
+            () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, rendered.size) else inputs.others
+        )
+        return [Picture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
 
-    def told(self, given: Given) -> dict[str, object]:
-        given.late.inverse_depth.bind_to_image(3, read=True, write=False)
-        newest = self._newest(given)
-        return {"newest_inverse_depth": 3, "newest_size": given.late.size, "newest_H": newest.H, "newest_e": newest.e}
+    def told(self, inputs: PassInputs) -> dict[str, object]:
+        inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
+        newest = self._newest(inputs)
+        return {
+            "newest_inverse_depth": 3,
+            "newest_size": inputs.rendered.size,
+            "newest_H": newest.H,
+            "newest_e": newest.e,
+        }
 
-    def _newest(self, given: Given) -> WarpMap:
-        return WarpMap.between(given.shown, self.shown_size, given.late.view, given.late.size)
+    def _newest(self, inputs: PassInputs) -> WarpMap:
+        return WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, inputs.rendered.size)
 
 
-def _lies_within(back: WarpMap, shown_size: tuple[int, int], late_size: tuple[int, int]) -> bool:
+def _lies_within(back: WarpMap, shown_size: tuple[int, int], rendered_size: tuple[int, int]) -> bool:
     """For a map that only shifts by whole pixels."""
     low = np.round(back.H[:2, 2])
-    return bool((low >= 0).all() and (low + shown_size <= late_size).all())
+    return bool((low >= 0).all() and (low + shown_size <= rendered_size).all())

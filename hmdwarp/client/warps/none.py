@@ -17,5 +17,5 @@ class NoWarp(HomographyWarp):
     gets_wrong = "everything that moves relative to the head"
     source = "the baseline of every comparison"
 
-    def map_between(self, shown: View, late: View) -> WarpMap:
-        return super().map_between(View(late.pose, shown.fov), late)
+    def map_between(self, shown: View, rendered: View) -> WarpMap:
+        return super().map_between(View(rendered.pose, shown.fov), rendered)

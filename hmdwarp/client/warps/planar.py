@@ -11,7 +11,7 @@ from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 
 @warps.register
@@ -20,7 +20,7 @@ class Planar(GatherWarp):
 
     name = "planar"
     summary = "turns and shifts the picture as one plane at its median depth"
-    reads = ("late.colour", "late.inverse_depth")
+    reads = ("rendered.colour", "rendered.inverse_depth")
     exact_when = "the eye only turns, or everything lies on one plane facing the eye"
     gets_wrong = "parallax: nearer things move too little, farther ones too much"
     source = (
@@ -32,14 +32,14 @@ class Planar(GatherWarp):
         self._gather = self.gather("warps/planar.comp")
         self._plane = self.gpu.gl.buffer(reserve=16)
 
-    def run(self, given: Given, into: Canvas) -> None:
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
         self._plane.bind_to_storage_buffer(0)
-        given.late.inverse_depth.use(1)
+        inputs.rendered.inverse_depth.use(1)
         self.set_sizes(self._median)
-        self._median.uniforms.set(late_inverse_depth=1)
+        self._median.uniforms.set(rendered_inverse_depth=1)
         self._median.run(1)
         self.gpu.gl.memory_barrier(moderngl.SHADER_STORAGE_BARRIER_BIT)
-        self.run_gather(self._gather, given, into)
+        self.run_gather(self._gather, inputs, into)
 
     def close(self) -> None:
         self._plane.release()

@@ -17,5 +17,7 @@ class Rotation(HomographyWarp):
     gets_wrong = "near things under translation: they stay glued to the far background"
     source = "van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware"
 
-    def map_between(self, shown: View, late: View) -> WarpMap:
-        return super().map_between(View(Pose(late.pose.position_m, shown.pose.orientation_xyzw), shown.fov), late)
+    def map_between(self, shown: View, rendered: View) -> WarpMap:
+        return super().map_between(
+            View(Pose(rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov), rendered
+        )

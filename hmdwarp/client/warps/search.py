@@ -14,7 +14,7 @@ from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
 BOUND_BYTES = 8
@@ -45,7 +45,7 @@ class Search(GatherWarp):
 
     name = "search"
     summary = "follows each pixel's ray through the late picture to the first surface it meets"
-    reads = ("late.colour", "late.inverse_depth")
+    reads = ("rendered.colour", "rendered.inverse_depth")
     exact_when = (
         "the late picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
     )
@@ -57,7 +57,7 @@ class Search(GatherWarp):
     def prepare(self) -> None:
         self._program = self.gather("warps/search.comp")
         self._build = tuple(self.gpu.shaders.compute("warps/search_pyramid.comp", FROM_DEPTH=k) for k in (1, 0))
-        self._sizes = [self.late_size]
+        self._sizes = [self.rendered_size]
         for _ in range(LEVELS):
             self._sizes.append(tuple(-(-n // FACTOR) for n in self._sizes[-1]))
         counts = [w * h for w, h in self._sizes[1:]]
@@ -65,21 +65,21 @@ class Search(GatherWarp):
         self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """The late depth once for the pyramid; per shown pixel one of colour and of depth, and the result."""
-        return late_pixels * DEPTH_BYTES + shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES)
+        return rendered_pixels * DEPTH_BYTES + shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES)
 
-    def run(self, given: Given, into: Canvas) -> None:
-        given.late.inverse_depth.bind_to_image(1, read=True, write=False)
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         self._bounds.bind_to_storage_buffer(0)
         levels = {"level_first": self._first, "level_width": tuple(w for w, _ in self._sizes[1:])}
         self._build_pyramid(levels)
-        wide, high = self.late_size
+        wide, high = self.rendered_size
         chosen = self.settings
-        surface = {"late_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+        surface = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
         self.run_gather(
-            self._program, given, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
+            self._program, inputs, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
         )
 
     def _build_pyramid(self, levels: dict[str, tuple[int, ...]]) -> None:
@@ -88,7 +88,7 @@ class Search(GatherWarp):
             below, blocks = self._sizes[level - 1 : level + 1]
             program.uniforms.set(level=level, blocks=blocks, below=below, **levels)
             if level == 1:
-                program.uniforms.set(late_inverse_depth=1, late_size=self.late_size)
+                program.uniforms.set(rendered_inverse_depth=1, rendered_size=self.rendered_size)
             program.run(*blocks)
             self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 

@@ -15,7 +15,7 @@ from ._scatter import ScatterWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
-    from ..given import Given
+    from ..inputs import PassInputs
 
 
 @attrs.frozen
@@ -50,13 +50,13 @@ class Splat(ScatterWarp):
         self._cover, self._fetch = (self.gpu.shaders.compute("warps/splat.comp", PASS=k) for k in range(2))
         self._keys = self.empty_keys()
 
-    def run(self, given: Given, into: Canvas) -> None:
-        self.bind(given, into)
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.bind(inputs, into)
         self._keys.bind_to_storage_buffer(0)
         s = self.settings
         limits = {"depth_tolerance": s.tolerance, "depth_floor": s.floor, "reach": float(s.reach), "overlap": s.overlap}
-        backward = WarpMap.between(given.shown, self.shown_size, given.late.view, self.late_size)
-        passes = ((self._cover, self.forward_map(given), self.late_size), (self._fetch, backward, self.shown_size))
+        backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
+        passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
             self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
             H, e = _exact(warp_map)
@@ -64,9 +64,9 @@ class Splat(ScatterWarp):
             program.run(*size)
 
     @classmethod
-    def bytes_moved(cls, late_pixels: int, shown_pixels: int, settings: Any) -> int:
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """Each drawn pixel's depth twice and colour once; the shown keys raised (read, written), read and emptied; the result written."""
-        return late_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
+        return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
 
     def close(self) -> None:
         self._keys.release()

@@ -19,7 +19,7 @@ from .views import shown
 from .window import Window
 
 if TYPE_CHECKING:
-    from ...loop import Refresh
+    from ...pipeline.loop import Refresh
 
 TITLE = "hmdwarp"
 TITLE_NS = 250_000_000  # a title that changes more often cannot be read, and costs a round trip to the window manager

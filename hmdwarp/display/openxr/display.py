@@ -20,7 +20,7 @@ from .layer import NEAR_M
 from .tracking import HeadTracker
 
 if TYPE_CHECKING:
-    from ...loop import Refresh
+    from ...pipeline.loop import Refresh
 
 LOST = "tracking lost"
 TITLE_NS = 250_000_000

@@ -73,7 +73,7 @@ class Occluders:
             out *= 1 - strength * np.clip((found - plane) / (3 * plane), 0, 1)
         return out
 
-    def passage(self, points: Array, normals: Array, lamp: Array, steps: int = 20) -> Array:
+    def transit(self, points: Array, normals: Array, lamp: Array, steps: int = 20) -> Array:
         """(n,) share of light from `lamp` (one point, or one per row) that reaches the points past loose things."""
         start = points + normals * np.float32(1.7 * CELL_M)
         way = lamp - start
@@ -108,7 +108,7 @@ class Daylight:
             squared = np.maximum(np.einsum("ij,ij->i", way, way), 0.15)
             unit = way / np.sqrt(squared)[:, None]
             total += (
-                room.passage(points, normals, sample)
+                room.transit(points, normals, sample)
                 * _cosine(normals, unit, two_sided)
                 * np.maximum(-unit[:, 2], 0)
                 / squared
@@ -122,7 +122,7 @@ class Daylight:
         if len(lit):
             towards = self.towards_sun.astype(np.float32)
             distance = (self.opening.z_m - points[lit, 2]) / towards[2]
-            share = room.passage(points[lit], normals[lit], points[lit] + distance[:, None] * towards, steps=40)
+            share = room.transit(points[lit], normals[lit], points[lit] + distance[:, None] * towards, steps=40)
             cosine = _cosine(normals[lit], np.broadcast_to(towards, (len(lit), 3)), two_sided[lit])
             out[lit] = (share * cosine)[:, None] * np.array(self.sun, np.float32)
         return out
@@ -136,5 +136,5 @@ def lamp_light(
     way = lamp - points
     squared = np.maximum(np.einsum("ij,ij->i", way, way), 0.12)
     unit = way / np.sqrt(squared)[:, None]
-    share = room.passage(points, normals, lamp) * _cosine(normals, unit, two_sided) / squared
+    share = room.transit(points, normals, lamp) * _cosine(normals, unit, two_sided) / squared
     return share[:, None] * np.asarray(colour, np.float32)

@@ -124,7 +124,7 @@ def _plain(piece: Piece) -> np.ndarray:
 def _shaded(piece: Piece, around: Occluders) -> np.ndarray:
     points, normals = (array.astype(np.float32) for array in (piece.surface.positions, piece.surface.normals))
     sun = TOWARDS_SUN / np.linalg.norm(TOWARDS_SUN)
-    passes = around.passage(points, normals, points + np.float32(SHADE_M) * sun.astype(np.float32))
+    passes = around.transit(points, normals, points + np.float32(SHADE_M) * sun.astype(np.float32))
     light = daylight(piece.surface, two_sided=piece.double_sided)
     unlit = light * np.array((0.42, 0.47, 0.55))
     return (unlit + (light - unlit) * passes[:, None]) * around.ambient(points, normals)[:, None]

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 
-from ...frame import Needs
+from ...frames.frame import Needs
 
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frame import EyeImage
+    from ...frames.frame import EyeImage
     from ...geometry import View
     from ...gpu.context import Gpu
     from ...scenes import Scene
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @attrs.frozen(eq=False)
-class Easel:
+class DrawContext:
     """What parts draw with: the scene, its textures on the GPU, the plain surfaces' own passes (`colour`), framebuffers, and targets
     that are freed with the frame. acquire(size, kind, depth): kind as in gpu.textures, depth: with an r32f texture beside it."""
 
@@ -55,8 +55,8 @@ class Part(ABC):
     name: ClassVar[str]
     order: ClassVar[int]
 
-    def __init__(self, easel: Easel) -> None:
-        self.easel = easel
+    def __init__(self, context: DrawContext) -> None:
+        self.context = context
 
     @classmethod
     @abstractmethod

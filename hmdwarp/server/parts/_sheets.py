@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...geometry import View
     from ...gpu.shaders import Draw
     from ...scenes import Mesh
-    from ._base import Easel
+    from ._base import DrawContext
 
 Blending = tuple[int, int, int, int]
 # rgb and alpha: factor of what is drawn, factor of what is there. The names that moderngl has not are GL's.
@@ -43,11 +43,11 @@ class Sheets:
     Triangles that pass through each other, or large ones close together, may come in the wrong order where they overlap.
     """
 
-    def __init__(self, easel: Easel, meshes: Sequence[Mesh]) -> None:
-        self._easel, self._meshes = easel, tuple(meshes)
+    def __init__(self, context: DrawContext, meshes: Sequence[Mesh]) -> None:
+        self._easel, self._meshes = context, tuple(meshes)
         self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._positions = [mesh.positions.astype(np.float64) for mesh in meshes]
-        gl = easel.gpu.gl
+        gl = context.gpu.gl
         self._vertices = gl.buffer(_rows(self._meshes).tobytes() or b"\0" * 32, dynamic=True)
         self._indices = gl.buffer(reserve=12 * max(1, sum(len(mesh.triangles) for mesh in meshes)), dynamic=True)
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}

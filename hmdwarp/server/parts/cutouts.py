@@ -8,13 +8,13 @@ import moderngl
 
 from ...scenes import is_cutout
 from . import parts
-from ._base import Drawing, Easel, Part
+from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER_KEEPING_COVERAGE, Sheets
 
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frame import EyeImage, Needs
+    from ...frames.frame import EyeImage, Needs
     from ...geometry import View
     from ...scenes import Scene
 
@@ -30,10 +30,10 @@ class Cutouts(Part):
     name = "cutouts"
     order = 0
 
-    def __init__(self, easel: Easel) -> None:
-        super().__init__(easel)
-        cut = [mesh for mesh in easel.scene.meshes if is_cutout(easel.scene, mesh)]
-        self._sheets = Sheets(easel, cut) if cut else None
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        cut = [mesh for mesh in context.scene.meshes if is_cutout(context.scene, mesh)]
+        self._sheets = Sheets(context, cut) if cut else None
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -45,9 +45,9 @@ class Cutouts(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if self._sheets is not None:
-            program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+            program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
             program.uniforms.set(covers=1.0)
-            framebuffer = self.easel.framebuffers.over(eye.colour)
+            framebuffer = self.context.framebuffers.over(eye.colour)
             self._sheets.draw(
                 program, eye.view, eye.drawn_ns, framebuffer, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True
             )
@@ -56,8 +56,8 @@ class Cutouts(Part):
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
         if self._sheets is not None:
-            program = self.easel.gpu.shaders.draw("server/pane.vert", "server/cutout.frag")
-            self._sheets.draw(program, view, time_ns, self.easel.framebuffers.over(into), None)
+            program = self.context.gpu.shaders.draw("server/pane.vert", "server/cutout.frag")
+            self._sheets.draw(program, view, time_ns, self.context.framebuffers.over(into), None)
 
     def close(self) -> None:
         if self._sheets is not None:

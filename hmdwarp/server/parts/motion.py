@@ -16,10 +16,10 @@ from ..peel import SAME_SURFACE
 from ..projection import clip_from_eye, visible
 from ..sight import draws_of
 from . import parts
-from ._base import Drawing, Easel, Part
+from ._base import DrawContext, Drawing, Part
 
 if TYPE_CHECKING:
-    from ...frame import EyeImage, Needs
+    from ...frames.frame import EyeImage, Needs
     from ...gpu.shaders import Draw
     from ...scenes import Scene
     from ..moving import Moving
@@ -32,9 +32,9 @@ class Motion(Part):
     name = "motion"
     order = 90
 
-    def __init__(self, easel: Easel) -> None:
-        super().__init__(easel)
-        moving = easel.colour.moving
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        moving = context.colour.moving
         self._bodies = tuple(one for one in moving if isinstance(one, MovingBody))
         self._deforming = tuple(one for one in moving if isinstance(one, DeformingMesh))
         self._of_bodies: _Numbers | None = None
@@ -51,13 +51,13 @@ class Motion(Part):
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if drawing.needs.ids:
             if self._of_bodies is None:
-                self._of_bodies = _Numbers(self.easel, self._bodies)
+                self._of_bodies = _Numbers(self.context, self._bodies)
             ids = self._of_bodies.draw(eye)
-            bodies = tuple(body.motion.state(drawing.time_ns) for body in self.easel.scene.bodies)
+            bodies = tuple(body.motion.state(drawing.time_ns) for body in self.context.scene.bodies)
             eye = attrs.evolve(eye, ids=ids, bodies=bodies)
         if drawing.needs.velocity:
             if self._of_deforming is None:
-                self._of_deforming = _Velocities(self.easel, self._deforming)
+                self._of_deforming = _Velocities(self.context, self._deforming)
             eye = attrs.evolve(eye, velocity=self._of_deforming.draw(eye))
         return eye
 
@@ -70,9 +70,9 @@ class Motion(Part):
 class _Numbers:
     """Draws the numbers of bodies."""
 
-    def __init__(self, easel: Easel, bodies: tuple[MovingBody, ...]) -> None:
-        self._easel, self._bodies = easel, bodies
-        shaders, gl = easel.gpu.shaders, easel.gpu.gl
+    def __init__(self, context: DrawContext, bodies: tuple[MovingBody, ...]) -> None:
+        self._easel, self._bodies = context, bodies
+        shaders, gl = context.gpu.shaders, context.gpu.gl
         self._draw = shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=0)
         self._none = shaders.draw("server/background.vert", "server/moving_none.frag")
         self._vertices = [one.buffers.vertex_array(gl, self._draw.program, colour=False) for one in bodies]
@@ -98,10 +98,10 @@ class _Numbers:
 class _Velocities:
     """Draws how fast deforming meshes move."""
 
-    def __init__(self, easel: Easel, deforming: tuple[DeformingMesh, ...]) -> None:
-        self._easel, self._deforming = easel, deforming
-        gl = easel.gpu.gl
-        self._draw = easel.gpu.shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=1)
+    def __init__(self, context: DrawContext, deforming: tuple[DeformingMesh, ...]) -> None:
+        self._easel, self._deforming = context, deforming
+        gl = context.gpu.gl
+        self._draw = context.gpu.shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=1)
         self._velocities = [gl.buffer(reserve=12 * len(one.mesh.positions), dynamic=True) for one in deforming]
         self._vertices = [
             one.buffers.vertex_array(gl, self._draw.program, (buffer, "3f4", "in_velocity"), colour=False)

@@ -8,13 +8,13 @@ import attrs
 
 from ...gpu.scopes import drawing_into
 from . import parts
-from ._base import Drawing, Easel, Part
+from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER, OVER_KEEPING_COVERAGE, Sheets
 
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frame import EyeImage, Needs
+    from ...frames.frame import EyeImage, Needs
     from ...geometry import View
     from ...scenes import Scene
     from ._sheets import Blending
@@ -27,9 +27,9 @@ class Overlay(Part):
     name = "overlay"
     order = 95
 
-    def __init__(self, easel: Easel) -> None:
-        super().__init__(easel)
-        self._sheets = Sheets(easel, [mesh for mesh in easel.scene.meshes if mesh.material.head_locked])
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._sheets = Sheets(context, [mesh for mesh in context.scene.meshes if mesh.material.head_locked])
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -41,17 +41,17 @@ class Overlay(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if not drawing.needs.overlay:
-            self._draw(eye.view, drawing.time_ns, self.easel.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
+            self._draw(eye.view, drawing.time_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
             return eye
-        into = self.easel.acquire(drawing.size, depth=False).colour
-        framebuffer = self.easel.framebuffers.over(into)
+        into = self.context.acquire(drawing.size, depth=False).colour
+        framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
             framebuffer.clear()
         self._draw(drawing.view, drawing.time_ns, framebuffer, OVER)
         return attrs.evolve(eye, overlay=into)
 
     def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
-        program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+        program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
         program.uniforms.set(covers=float(blending is not OVER))
         self._sheets.draw(program, view, time_ns, framebuffer, blending)
 

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import attrs
 import moderngl
 
-from ...frame import Layer, Reflection
+from ...frames.frame import Layer, Reflection
 from ...gpu.textures import COLOUR
 from ..mirror import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
 from ..targets import Target, TargetPool
 from . import parts
-from ._base import Drawing, Easel, Part
+from ._base import DrawContext, Drawing, Part
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ...frame import EyeImage, Needs
+    from ...frames.frame import EyeImage, Needs
     from ...gpu.shaders import Compute
     from ...scenes import Scene
     from ..mirror import Bounds
@@ -30,11 +30,11 @@ class Reflections(Part):
     name = "reflections"
     order = 10
 
-    def __init__(self, easel: Easel) -> None:
-        super().__init__(easel)
-        shaders = easel.gpu.shaders
-        mirrors = easel.scene.mirrors
-        self._surfaces = [(Ball if mirror.shape.is_curved else MirrorSurface)(easel, mirror) for mirror in mirrors]
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        shaders = context.gpu.shaders
+        mirrors = context.scene.mirrors
+        self._surfaces = [(Ball if mirror.shape.is_curved else MirrorSurface)(context, mirror) for mirror in mirrors]
         self._mirrored: MirroredPasses | None = None
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
@@ -64,7 +64,7 @@ class Reflections(Part):
             self._compose_into(eye, baked, seen, surface)
         if not self.wanted(needs):
             return eye
-        seen, surface = self.easel.acquire(eye.size), self.easel.acquire(eye.size, COLOUR, depth=False)
+        seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(one.mirror.shape for one in layered)
         return attrs.evolve(eye, reflection=Reflection(Layer(seen.colour, seen.inverse_depth), surface.colour, shapes))
@@ -73,7 +73,7 @@ class Reflections(Part):
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
     ) -> None:
         """What the chosen mirrors show, and what they are."""
-        over = self.easel.framebuffers.over
+        over = self.context.framebuffers.over
         over(seen.colour).clear()
         over(seen.inverse_depth).clear(red=-1.0)
         onto = over(surface.colour)
@@ -98,15 +98,15 @@ class Reflections(Part):
         self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: dict, bounds: Bounds, seen: Target
     ) -> None:
         if self._mirrored is None:
-            self._mirrored = MirroredPasses(self.easel)
+            self._mirrored = MirroredPasses(self.context)
         behind = self._own("behind", eye.size)
-        framebuffer = self.easel.framebuffers.over(behind.colour, behind.inverse_depth)
+        framebuffer = self.context.framebuffers.over(behind.colour, behind.inverse_depth)
         self._mirrored.draw_behind(one.mirror.shape, eye.view, framebuffer, bounds, eye.drawn_ns)
         self._store(self._take, behind, number, mirrors, bounds, seen)
 
     def _march_through(self, eye: EyeImage, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
         if self._march is None:
-            self._march = self.easel.gpu.shaders.compute("server/mirror_march.comp")
+            self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
         self._store(self._march, Target(eye.colour, eye.inverse_depth), number, mirrors, bounds, seen)
 
     def _store(
@@ -139,12 +139,12 @@ class Reflections(Part):
         self._barrier()
 
     def _barrier(self) -> None:
-        self.easel.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.context.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def _own(self, use: str, size: tuple[int, int], *, depth: bool = True) -> Target:
         """A target that stays with the part."""
         if (use, size) not in self._scratch:
-            self._pools.append(TargetPool(self.easel.gpu, size, COLOUR, depth=depth))
+            self._pools.append(TargetPool(self.context.gpu, size, COLOUR, depth=depth))
             self._scratch[use, size] = self._pools[-1].acquire()
         return self._scratch[use, size]
 

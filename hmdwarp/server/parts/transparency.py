@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ...frame import Layer, Transparent
+from ...frames.frame import Layer, Transparent
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import SCALAR, allocate
 from ...scenes import is_cutout
 from ..peel import SAME_SURFACE
 from . import parts
-from ._base import Drawing, Easel, Part
+from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
 
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frame import EyeImage, Needs
+    from ...frames.frame import EyeImage, Needs
     from ...gpu.shaders import Draw
     from ...scenes import Scene
 
@@ -34,12 +34,12 @@ class Transparency(Part):
     name = "transparency"
     order = 70
 
-    def __init__(self, easel: Easel) -> None:
-        super().__init__(easel)
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
         self._unhidden: dict[tuple[int, int], moderngl.Texture] = {}
-        scene = easel.scene
+        scene = context.scene
         self._sheets = Sheets(
-            easel, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)]
+            context, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)]
         )
 
     @classmethod
@@ -55,12 +55,12 @@ class Transparency(Part):
             return attrs.evolve(eye, transparent=self._layer(eye))
         eye.inverse_depth.use(1)
         self._sheets.draw(
-            self._colour(1), eye.view, eye.drawn_ns, self.easel.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE
+            self._colour(1), eye.view, eye.drawn_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE
         )
         return eye
 
     def _layer(self, eye: EyeImage) -> Transparent:
-        veil, passing = self.easel.acquire(eye.size), self.easel.acquire(eye.size, depth=False).colour
+        veil, passing = self.context.acquire(eye.size), self.context.acquire(eye.size, depth=False).colour
         self._draw_depth(eye, self._unhidden_of(eye.size), 1)
         self._draw_depth(eye, veil.inverse_depth, 2)
         for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
@@ -73,7 +73,7 @@ class Transparency(Part):
     def _draw(
         self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None
     ) -> None:
-        framebuffer = self.easel.framebuffers.over(into)
+        framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
             framebuffer.clear(*empty)
         eye.inverse_depth.use(1)
@@ -84,7 +84,7 @@ class Transparency(Part):
     def _unhidden_of(self, size: tuple[int, int]) -> moderngl.Texture:
         """The depth of sheets that are not hidden, for the next drawings of the same picture alone."""
         if size not in self._unhidden:
-            self._unhidden[size] = allocate(self.easel.gpu.gl, size, SCALAR)
+            self._unhidden[size] = allocate(self.context.gpu.gl, size, SCALAR)
         return self._unhidden[size]
 
     def _colour(self, tests: int) -> Draw:
@@ -93,7 +93,7 @@ class Transparency(Part):
         return program
 
     def _program(self, tests: int, **defines: int) -> Draw:
-        program = self.easel.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=tests, **defines)
+        program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=tests, **defines)
         program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"unhidden": 2} if tests == 2 else {}))
         return program
 

@@ -10,20 +10,20 @@ from typing import Any
 
 import attrs
 
-from ...client.choice import Rung
+from ...auto.levels import QualityLevel
 from ...client.plan import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
-from ...ladder import ladder_from_file
-from ...live import LiveOptions
-from ...live.given import options_given
-from ...live.options import FLAT
-from ...live.stage import checked_scene, refuse_one_eye
-from ...options import AUTO
-from ...plans import plans_for
+from ...pipeline.options import AUTO
+from ...pipeline.planning import plans_for
+from ...pipeline.sizes import guarded_size
+from ...run.bench_levels import ladder_from_file
+from ...run.live import LiveOptions
+from ...run.live.given import options_given
+from ...run.live.host import checked_scene, refuse_one_eye
+from ...run.live.options import FLAT
 from ...scenes import Scene
 from ...server.draw import MIRRORS
-from ...sizes import guarded_size
 from ...tables import told
 
 # What a value of the file has to be. A number may stand where the command line takes a text that is one.
@@ -130,7 +130,7 @@ def _lens(options: LiveOptions, headset: Headset) -> str:
     return "radial" if headset.lens is not None else "none"
 
 
-def _rungs(options: LiveOptions, headset: Headset) -> tuple[Rung, ...]:
+def _rungs(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
     """What warp auto chooses from."""
     if options.warp != AUTO:
         return ()

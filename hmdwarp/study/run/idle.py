@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from ...live import LiveOptions
+from ...run.live import LiveOptions
 
 
 @attrs.frozen

@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...live.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
+from ...run.live.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
 from ..desk import KINDS as DESKS
 from ..store import PERSON, PILOT, SIMULATED
 

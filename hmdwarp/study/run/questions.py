@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...display import Command, Label
-from ...live.driver import Watch
+from ...run.live.driver import FrameHandler
 from ..asking import Asked, Card, Menu, Reading, Resting, hints_for
 from ..steps import Ask, Pause, Read, Step
 from .room import Room
 from .voices import PARTICIPANT
-from .watch import StepWatch
+from .watch import StepHandler
 
 CONFIRMS = frozenset({"confirm", "agree", "continue"})
 
 
-class Question(StepWatch):
+class Question(StepHandler):
     """value: what was answered, None for "cannot say"; by: by whom; seconds: how long that took. again: whether it was before."""
 
     phase = "asking"
@@ -57,7 +57,7 @@ class Question(StepWatch):
         return {"phase": self.phase, "question": self._asked.question()}
 
 
-class Consent(StepWatch):
+class Consent(StepHandler):
     """refused: whether the end came by "I do not agree"."""
 
     phase = "reading"
@@ -86,7 +86,7 @@ class Consent(StepWatch):
             self.by = by
 
 
-class Break(StepWatch):
+class Break(StepHandler):
     """A break, over when its time is and somebody says so. until_ns: when it may be, where it has begun before; None for from now on."""
 
     phase = "break"
@@ -121,7 +121,7 @@ class Break(StepWatch):
         return {"phase": self.phase, "left_s": self._resting.left_s}
 
 
-class MenuWatch(StepWatch):
+class MenuWatch(StepHandler):
     """The menu, which the experimenter's pause opens too. during: what it came in between. chosen: of asking.CONTINUE, BREAK, AGAIN,
     SKIP, STOP."""
 
@@ -156,7 +156,7 @@ class MenuWatch(StepWatch):
     take = hear
 
 
-class Waiting(StepWatch):
+class Waiting(StepHandler):
     """A plate that stands there until somebody confirms it."""
 
     phase = "waiting"
@@ -179,7 +179,7 @@ class Waiting(StepWatch):
             self.by, self._confirmed = by, True
 
 
-class Standing(Watch):
+class Standing(FrameHandler):
     """A plate that stands there for some refreshes, or some seconds; what is asked for meanwhile waits for the next step, or is nothing."""
 
     pictures = False

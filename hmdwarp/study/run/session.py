@@ -9,11 +9,11 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...live import LiveOptions
-from ...live.driver import Driver
-from ...live.ending import Ending
-from ...live.openings import open_display
-from ...live.watchdog import Watchdog
+from ...run.live import LiveOptions
+from ...run.live.driver import Driver
+from ...run.live.ending import Ending
+from ...run.live.openings import open_display
+from ...run.live.watchdog import Watchdog
 from ...scenes import load_scene
 from ..asking import CONTROLS, hints_for
 from ..design import Design

@@ -9,12 +9,12 @@ from typing import Any
 import attrs
 
 from ...display import Label
-from ...live import LiveOptions
-from ...live.driver import Driver
-from ...live.ending import Ending
-from ...live.log import LiveLog
-from ...live.recorder import Recorder
-from ...live.stage import Stage
+from ...run.live import LiveOptions
+from ...run.live.driver import Driver
+from ...run.live.ending import Ending
+from ...run.live.host import Stage
+from ...run.live.log import LiveLog
+from ...run.live.recorder import Recorder
 from ...scenes import Scene
 from ..steps import Show
 from ..store import Showing

@@ -9,8 +9,8 @@ from contextlib import suppress
 import attrs
 
 from ...display import Closed
-from ...live.driver import Driver
-from ...live.ending import Ending
+from ...run.live.driver import Driver
+from ...run.live.ending import Ending
 from ..asking import AGAIN, BREAK, CONTINUE, SKIP, STOP, Hints
 from ..steps import Ask, Pause, Read, Show, Step
 from ..store import COMPLETE, STOPPED, Showing
@@ -23,7 +23,7 @@ from .showing import Shower
 from .sickness import why_sick
 from .telling import ASKED_BREAK, END, MENU, READY, SICK, told
 from .voices import PAUSE
-from .watch import LOST, StepWatch
+from .watch import LOST, StepHandler
 
 FAREWELL_S = 3.0
 PLATE_REFRESHES = 2  # before a pipeline is built, which takes a while: a double-buffered window shows the second one
@@ -142,7 +142,7 @@ class Sitting:
 
     # --- what comes in between ---
 
-    def _drive(self, watch: StepWatch | Standing) -> None:
+    def _drive(self, watch: StepHandler | Standing) -> None:
         self.driver.run(watch)
         self._refuse_signal()
 
@@ -150,7 +150,7 @@ class Sitting:
         if self.ending.asked is not None:
             raise Broken(f"ended by {signal.Signals(self.ending.asked).name}")
 
-    def _pursue(self, make: Callable[[], StepWatch]):
+    def _pursue(self, make: Callable[[], StepHandler]):
         """Until it came to its end, however often something came in between; each time anew. A question that the menu leaves
         unanswered has come to its end."""
         while True:

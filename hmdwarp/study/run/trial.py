@@ -9,11 +9,11 @@ from ...display import Command, Label
 from ...errors import InputError
 from ..steps import Show
 from .room import Room
-from .watch import LOST, StepWatch
+from .watch import LOST, StepHandler
 
 if TYPE_CHECKING:
-    from ...live.log import LiveLog
-    from ...loop import Refresh
+    from ...pipeline.loop import Refresh
+    from ...run.live.log import LiveLog
 
 LEAD_S = 1.0  # black with the number, at least, before frames get under way: eyes rest, and building a pipeline takes no longer mostly
 SETTLED_S = 0.25  # beyond the longest latency: frames that come late now and then
@@ -26,7 +26,7 @@ def under_way_s(latencies_ms: list[float]) -> float:
     return max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S
 
 
-class Trial(StepWatch):
+class Trial(StepHandler):
     """plate: lies over the black before it, and has since plated_ns. log: of its pictures. under_way: see under_way_s. In the black the
     server draws already, so that at the first picture frames are under way as in the middle of a run; a recorded head begins anew that
     long before it. The time of a trial counts from its first picture on, on the display's clock.

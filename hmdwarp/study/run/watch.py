@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...display import Command
-from ...live.driver import Watch
+from ...run.live.driver import FrameHandler
 from ..steps import Step
 from .room import Room
 from .voices import BREAK, INTENTS, REMARK, STOP
 
 if TYPE_CHECKING:
-    from ...loop import Refresh
+    from ...pipeline.loop import Refresh
 
 LOST = "lost"
 
 
-class StepWatch(Watch):
+class StepHandler(FrameHandler):
     """intent: what ended it before its time, a value of INTENTS or LOST; "" as long as nothing did. by: who asked for that.
 
     during: the step that is told of, where it is another: that which the menu came in between. Subclasses say what else they take, when

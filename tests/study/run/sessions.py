@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import attrs
-from live.offscreen import OffscreenDisplay
+from run.live.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
 from hmdwarp.study.asking import Card, QuestionPlate

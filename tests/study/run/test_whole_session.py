@@ -6,11 +6,11 @@ import re
 
 import numpy as np
 import pytest
-from live.offscreen import PERIOD_NS, RATE_HZ
+from run.live.offscreen import PERIOD_NS, RATE_HZ
 
-from hmdwarp.options import RunOptions
+from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
-from hmdwarp.replay import replay
+from hmdwarp.run.replay import replay
 from hmdwarp.study.asking import Card, QuestionPlate
 from hmdwarp.study.run.actual import NUMBERS, TEXTS
 

@@ -1,0 +1,183 @@
+"""What every registry holds, as plain rows: for `hmdwarp list`, the README's tables and other programs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import attrs
+
+if TYPE_CHECKING:
+    from ..client.fills import Fill
+    from ..client.warps import Warp
+    from ..headsets import Headset
+    from ..poses import PoseTrack
+    from ..study.design import Design
+    from ..study.scales import Scale
+
+
+def entries(kind: str) -> list[dict[str, str]]:
+    """Rows of one kind, each with at least `name` and `summary`.
+
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies.
+    """
+    return _MAKERS[kind]()
+
+
+def _warps() -> list[dict[str, str]]:
+    from ..client.warps import warps
+
+    return [_warp_row(warp) for warp in warps]
+
+
+def _warp_row(warp: type[Warp]) -> dict[str, str]:
+    return {
+        "name": warp.name,
+        "summary": warp.summary,
+        "kind": warp.kind,
+        "reads": ", ".join(warp.reads),
+        "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
+        "fused_with_the_lens": "yes" if warp.fuses else "no",
+        "follows_scanout": "yes" if warp.scans_out else "no",
+        "exact_when": warp.exact_when,
+        "gets_wrong": warp.gets_wrong,
+        "source": warp.source,
+    }
+
+
+def _fills() -> list[dict[str, str]]:
+    from ..client.fills import fills
+
+    return [_fill_row(fill) for fill in fills]
+
+
+def _fill_row(fill: type[Fill]) -> dict[str, str]:
+    return {
+        "name": fill.name,
+        "summary": fill.summary,
+        "reads": ", ".join(fill.reads),
+        "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(fill.Settings)) or "none",
+        "leaves_no_hole": "yes" if fill.complete else "no",
+        "source": fill.source,
+    }
+
+
+def _effects() -> list[dict[str, str]]:
+    from ..client.effects import effects
+
+    return [
+        {"name": e.name, "summary": e.summary, "pass": e.made_by.name, "without": e.without, "source": e.source}
+        for e in effects
+    ]
+
+
+def _lenses() -> list[dict[str, str]]:
+    from ..client.lens import lenses
+
+    return [{"name": x.name, "summary": x.summary, "source": x.source} for x in lenses]
+
+
+def _scenes() -> list[dict[str, str]]:
+    from ..scenes import scenes
+    from ..scenes.effects import effect_names
+
+    return [
+        {"name": s.name, "summary": s.summary, "effects": ", ".join(effect_names(s.effects)) or "none"} for s in scenes
+    ]
+
+
+def _headsets() -> list[dict[str, str]]:
+    from ..headsets import headset_names, load_headset
+
+    return [_headset_row(load_headset(name)) for name in headset_names()]
+
+
+def _headset_row(headset: Headset) -> dict[str, str]:
+    angles = (math.degrees(angle) for angle in attrs.astuple(headset.left_fov))
+    return {
+        "name": headset.name,
+        "summary": headset.summary,
+        "eye_size": "x".join(map(str, headset.eye_size_px)),
+        "refresh_hz": f"{headset.refresh_hz:g}",
+        "left_fov_deg": ", ".join(
+            f"{side} {angle:.1f}" for side, angle in zip(("left", "right", "down", "up"), angles, strict=True)
+        ),
+        "lens": "radial" if headset.lens is not None else "none",
+        "source": headset.source,
+    }
+
+
+def _formats() -> list[dict[str, str]]:
+    from ..poses.formats import FORMATS
+
+    return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in FORMATS]
+
+
+def _recordings() -> list[dict[str, str]]:
+    from ..poses import load_trace
+    from ..resources import recording_names
+
+    return [_recording_row(load_trace(name).track) for name in recording_names()]
+
+
+def _recording_row(track: PoseTrack) -> dict[str, str]:
+    made_by, _, what = track.origin.rpartition("; ")  # as 'hmdwarp trace synth' writes it into the file
+    return {
+        "name": track.name,
+        "summary": what,
+        "seconds": f"{track.duration_ns * 1e-9:.1f}",
+        "rate_hz": f"{track.rate_hz:.0f}",
+        "origin": made_by or track.origin,
+    }
+
+
+def _scales() -> list[dict[str, str]]:
+    from ..study.scales import load_scale, scale_names
+
+    return [_scale_row(load_scale(name)) for name in scale_names()]
+
+
+def _scale_row(scale: Scale) -> dict[str, str]:
+    items = [item.text for item in scale.items]
+    return {
+        "name": scale.name,
+        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, {'low' if scale.low_is_good else 'high'} is good",
+        "kind": scale.kind,
+        "step": f"{scale.step:g}",
+        "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items()),
+        "asks": items[0] if len(items) == 1 else f"{len(items)} items: {', '.join(items)}",
+        "scores": ", ".join(score.name for score in scale.scores) or "the answer itself",
+        "source": scale.source,
+    }
+
+
+def _studies() -> list[dict[str, str]]:
+    from ..study.design.read import load_design, ready_names
+
+    return [_study_row(load_design(name, checked=False)) for name in ready_names()]
+
+
+def _study_row(design: Design) -> dict[str, str]:
+    parts = [f"{part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts]
+    return {
+        "name": design.name,
+        "summary": design.title,
+        "scales": ", ".join(scale.name for scale in design.scales),
+        "conditions": "; ".join(parts),
+        "order": design.order,
+    }
+
+
+_MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
+    "warps": _warps,
+    "fills": _fills,
+    "effects": _effects,
+    "lenses": _lenses,
+    "scenes": _scenes,
+    "headsets": _headsets,
+    "formats": _formats,
+    "recordings": _recordings,
+    "scales": _scales,
+    "studies": _studies,
+}

@@ -1,0 +1,288 @@
+"""What this machine has of what the program needs, what is missing, and how to get it.
+
+Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window for `live`, an encoder for
+`--video`. Drivers and runtimes are asked in processes of their own (see _probes), because they may crash or hang.
+"""
+
+from __future__ import annotations
+
+import enum
+import importlib.metadata
+import json
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+
+import attrs
+
+from ..display.openxr.trouble import APT, lacks, manifest_in_words, trouble
+from ..gpu.context import HOW_TO_GET_GL
+from ..version import __version__
+
+PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
+
+
+class State(enum.StrEnum):
+    """OK: there. MISSING: replay cannot run without it. OPTIONAL: not there, and only some commands want it."""
+
+    OK = "ok"
+    MISSING = "missing"
+    OPTIONAL = "optional"
+
+
+@attrs.frozen
+class Finding:
+    """One line of the examination. remedy: what to do, empty where nothing is to be done. facts: numbers for --json."""
+
+    name: str
+    state: State
+    detail: str
+    remedy: str = ""
+    facts: Mapping[str, object] = attrs.field(factory=dict)
+
+
+def examine() -> list[Finding]:
+    """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
+    headset, desktop = openxr(), window()
+    return [
+        python(),
+        packages(),
+        *opengl(),
+        *headset,
+        desktop,
+        live(headset, desktop),
+        panel(),
+        study(),
+        video(),
+        codecs(),
+    ]
+
+
+def replay_can_run(findings: list[Finding]) -> bool:
+    """Whether nothing that replay needs is missing."""
+    return all(finding.state is not State.MISSING for finding in findings)
+
+
+def ask(question: str, seconds: float = PROBE_SECONDS) -> dict[str, object]:
+    """The last thing the probe `question` (gl, openxr, window) said, with `error` where it crashed, hung or said nothing."""
+    # -P: a numpy.py in the user's folder must not be taken for the real one.
+    command = [sys.executable, "-P", "-m", "hmdwarp.doctor.probes", question]
+    try:
+        done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
+        stdout, stderr, trouble = (
+            done.stdout,
+            done.stderr,
+            f"ended with status {done.returncode}" if done.returncode else "",
+        )
+    except subprocess.TimeoutExpired as expired:
+        stdout, stderr, trouble = expired.stdout or b"", expired.stderr or b"", f"gave no answer within {seconds:g} s"
+    known = _last_object(stdout.decode(errors="replace"))
+    if trouble or not known:
+        said = stderr.decode(errors="replace").strip().splitlines()
+        return {
+            "stage": "start",
+            **known,
+            "error": "died",
+            "message": f"{trouble or 'said nothing'}{f' ({said[-1]})' if said else ''}",
+        }
+    return known
+
+
+def _last_object(text: str) -> dict[str, object]:
+    for line in reversed(text.splitlines()):
+        try:
+            value = json.loads(line)
+        except ValueError:  # the line that a crash cut off, or a driver's own chatter
+            continue
+        if isinstance(value, dict):
+            return value
+    return {}
+
+
+def python() -> Finding:
+    """The interpreter and the machine it runs on."""
+    detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
+    return Finding(
+        "Python", State.OK, detail, facts={"version": platform.python_version(), "cpu_count": os.cpu_count()}
+    )
+
+
+def packages() -> Finding:
+    """The packages that the installed hmdwarp declares, with their versions."""
+    try:
+        declared = importlib.metadata.requires("hmdwarp") or []
+    except importlib.metadata.PackageNotFoundError:
+        return Finding(
+            "packages",
+            State.OPTIONAL,
+            "hmdwarp runs from a folder, not installed: its packages were not checked",
+            "make setup",
+        )
+    found, absent = {}, []
+    for name in sorted(re.match(r"[\w.-]+", line)[0] for line in declared if "extra ==" not in line):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            absent.append(name)
+    if absent:
+        return Finding(
+            "packages", State.MISSING, f"not installed: {', '.join(absent)}", f"pip install {' '.join(absent)}", found
+        )
+    detail = f"hmdwarp {__version__}; " + ", ".join(f"{name} {version}" for name, version in found.items())
+    return Finding("packages", State.OK, detail, facts=found)
+
+
+def opengl() -> list[Finding]:
+    """Whether a context with compute shaders starts, who draws, its limits, and which clock will time the stages."""
+    known = ask("gl")
+    if "error" in known:
+        trouble = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
+        return [Finding("OpenGL", State.MISSING, trouble, HOW_TO_GET_GL.split(";")[0], known)]
+    detail = (
+        f"{known['renderer']}, {known['version']} ({'software, on the processor' if known['software'] else 'hardware'}); "
+        f"pictures up to {known['max_texture_size']} px a side, work groups up to {known['max_work_group_invocations']}, "
+        f"storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, 64-bit atomics {'yes' if known['atomic_int64'] else 'no'}"
+    )
+    timers = (
+        "GPU timer queries"
+        if known["clock"] == "gpu"
+        else "wall clock around finished work: this driver's own timers measure nothing"
+    )
+    return [
+        Finding("OpenGL", State.OK, detail, facts=known),
+        Finding("timers", State.OK, timers, facts={"clock": known["clock"]}),
+    ]
+
+
+def openxr() -> list[Finding]:
+    """The loader and the runtime, up to the headset; optional, as replay wants none of them."""
+    known = ask("openxr")
+    if known["stage"] in ("start", "binding"):
+        trouble = _one_line(known.get("message", known.get("error")))
+        return [Finding("OpenXR loader", State.OPTIONAL, trouble, f"{APT} libgl1, and pip install pyopenxr", known)]
+    loader = Finding(
+        "OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}"
+    )
+    return [loader, _runtime(known)]
+
+
+def _runtime(known: dict[str, object]) -> Finding:
+    parts = (known["runtime"], known["runtime_version"]) if "runtime" in known else ("the runtime", "")
+    name = parts[0] if parts[1] in parts[0] else " ".join(parts)  # Monado's name says it
+    detail, remedy = _runtime_trouble(name, known) if "error" in known else lacks(name, known["extensions"])
+    if detail:
+        return Finding("OpenXR runtime", State.OPTIONAL, detail, remedy, known)
+    return Finding("OpenXR runtime", State.OK, f"{name}, headset '{known['headset']}'", facts=known)
+
+
+def _runtime_trouble(name: str, known: dict[str, object]) -> tuple[str, str]:
+    return trouble(known["stage"], known["error"], known.get("message"), name, manifest_in_words(os.environ))
+
+
+def window() -> Finding:
+    """Whether a desktop window can be opened; optional, as replay wants none."""
+    remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then put xvfb-run -a before the command"
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return Finding(
+            "desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy
+        )
+    known = ask("window")
+    if "error" in known:
+        return Finding("desktop window", State.OPTIONAL, _one_line(known.get("message", known["error"])), remedy, known)
+    size = "{}x{} at {} Hz".format(*known["size"], known["refresh_hz"] or "?") if known["size"] else "no monitor"
+    return Finding("desktop window", State.OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
+
+
+def live(headset: list[Finding], desktop: Finding) -> Finding:
+    """Which display `hmdwarp live` takes unless it is told: the headset (what openxr() found), else the window (what window() found)."""
+    lack = next((finding for finding in headset if finding.state is not State.OK), None)
+    if lack is None:
+        return Finding("live", State.OK, f"takes the headset: {headset[-1].detail}", facts={"source": "openxr"})
+    if desktop.state is State.OK:
+        return Finding(
+            "live", State.OK, f"takes the window, as there is no headset: {lack.detail}", facts={"source": "desktop"}
+        )
+    why = f"shows nothing: no headset ({lack.detail}), no window ({desktop.detail})"
+    return Finding("live", State.OPTIONAL, why, "do what one of the two lines above says", {"source": None})
+
+
+def panel() -> Finding:
+    """The package behind the panel of controls and plots in the desktop window; optional, as every control has a key."""
+    try:
+        version = importlib.metadata.version("imgui-bundle")
+    except importlib.metadata.PackageNotFoundError:
+        return Finding(
+            "panel",
+            State.OPTIONAL,
+            "not installed: the window of hmdwarp live has keys alone",
+            "pip install 'hmdwarp[panel]'",
+        )
+    return Finding("panel", State.OK, f"imgui-bundle {version}", facts={"version": version})
+
+
+STUDY_PACKAGES = {
+    "statsmodels": "study analyse, study power",
+    "pyarrow": "Parquet of study export",
+    "prompt-toolkit": "the experimenter's terminal",
+}
+
+
+def study() -> Finding:
+    """The packages behind parts of `hmdwarp study`; sessions run and are exported without them."""
+    versions: dict[str, str] = {}
+    for name in STUDY_PACKAGES:
+        with suppress(importlib.metadata.PackageNotFoundError):
+            versions[name] = importlib.metadata.version(name)
+    lacking = [f"{name} ({what})" for name, what in STUDY_PACKAGES.items() if name not in versions]
+    if lacking:
+        return Finding(
+            "study", State.OPTIONAL, f"not installed: {', '.join(lacking)}", "pip install 'hmdwarp[study]'", versions
+        )
+    return Finding(
+        "study", State.OK, ", ".join(f"{name} {version}" for name, version in versions.items()), facts=versions
+    )
+
+
+def video() -> Finding:
+    """The H.264 encoder behind `replay --video`."""
+    try:
+        import av
+
+        encoder = av.codec.Codec("h264", "w")
+    except Exception as error:  # av's own errors, and loader errors of its libraries
+        return Finding(
+            "H.264 encoder",
+            State.OPTIONAL,
+            f"none in PyAV ({type(error).__name__})",
+            "pip install --force-reinstall av",
+        )
+    return Finding(
+        "H.264 encoder", State.OK, f"{encoder.name} in PyAV {av.__version__}", facts={"encoder": encoder.name}
+    )
+
+
+def codecs() -> Finding:
+    """What frames may be encoded by on their way (`replay --codec`)."""
+    from ..link.codec import CODECS
+
+    works, missing = [], []
+    for codec in CODECS:
+        if codec.is_none:
+            continue
+        try:
+            codec.check()
+            works.append(f"{codec.name} by {codec.encoder}")
+        except Exception as error:  # MachineError, and loader errors of av's libraries
+            missing.append(f"{codec.name} is missing ({type(error).__name__})")
+    state = State.OPTIONAL if missing else State.OK
+    return Finding(
+        "codecs", state, ", ".join([*works, *missing]), "pip install --force-reinstall av" if missing else ""
+    )
+
+
+def _one_line(text: object) -> str:
+    return " ".join(str(text or "no reason given").split())

@@ -1,0 +1,80 @@
+"""Files for `hmdwarp warp`: an RGB-D frame (.npz) and the pose to show it for (.json)."""
+
+from __future__ import annotations
+
+import io
+import json
+import reprlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import Fov, Pose, View
+
+_VIEW = {"fov": 4, "position_m": 3, "orientation_xyzw": 4}
+_KEYS = ("colour", "depth_m", *_VIEW)
+
+
+def read_frame(path: Path) -> tuple[NDArray, NDArray, View]:
+    """colour, depth_m and the view of a FRAME.npz. Errors: InputError naming the file and what is wrong with it."""
+    content = _content(path)
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as data:
+            arrays = {key: data[key] for key in _KEYS if key in data}
+    except Exception as error:  # zip, zlib and NumPy raise whatever a damaged file makes them trip over
+        why = f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: not a frame in NumPy's .npz form ({why}); write it with numpy.savez") from error
+    _check_keys(path, arrays, _KEYS)
+    return arrays["colour"], arrays["depth_m"], _view(path, arrays)
+
+
+def read_view(path: Path) -> View:
+    """The view of a POSE.json: fov (4), position_m (3), orientation_xyzw (4). Errors: InputError naming the file."""
+    try:
+        data = json.loads(_content(path).decode("utf-8"))
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file ({error})") from error
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
+    except (ValueError, RecursionError) as error:  # a number of thousands of digits, brackets without end
+        raise InputError(f"{path}: not JSON that can be read ({error})") from error
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: found a {type(data).__name__}; wanted an object with {', '.join(_VIEW)}")
+    _check_keys(path, data, tuple(_VIEW))
+    return _view(path, data)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+
+
+def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -> None:
+    missing = [key for key in wanted if key not in found]
+    if missing:
+        raise InputError(f"{path}: no {', '.join(missing)} in it; wanted {', '.join(wanted)}")
+
+
+def _view(path: Path, data: Mapping[str, Any]) -> View:
+    fov, position, orientation = (_numbers(path, key, data[key], count) for key, count in _VIEW.items())
+    try:
+        return View(Pose(position, orientation), Fov(*fov))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _numbers(path: Path, key: str, value: Any, count: int) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        array = np.empty(0)
+    if array.shape != (count,) or array.dtype.kind not in "fiu":
+        angles = ": angles in radians, left, right, down, up" if key == "fov" else ""
+        raise InputError(f"{path}: {key} is {reprlib.repr(value)}; wanted {count} numbers{angles}")
+    return array.astype(np.float64)

@@ -1,0 +1,172 @@
+"""Warp one's own RGB-D frame: one call, one eye, no scene, no headset."""
+
+from __future__ import annotations
+
+import atexit
+import operator
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..client.compensator import Compensator
+from ..client.fills import fills
+from ..client.inputs import PassInputs
+from ..client.plan import PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
+from ..client.warps import warps
+from ..colour import linear_from_srgb
+from ..errors import InputError, PlanError
+from ..frames.frame import EyeImage
+from ..geometry import View, inverse_depth_from_metres
+from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
+from ..scenes.effects import SceneEffect
+
+NO_DEPTH = -1.0
+
+
+@attrs.frozen(eq=False)
+class WarpedImage:
+    """colour (h, w, 3) linear float32, top row first; coverage (h, w) float32, 0 where nothing is known and colour is black;
+    time_ms: stage name to milliseconds; hole_share: share of pixels without coverage after the warp and before the fill."""
+
+    colour: NDArray[np.float32]
+    coverage: NDArray[np.float32]
+    time_ms: dict[str, float]
+    hole_share: float
+
+
+def warp_image(
+    colour: ArrayLike,
+    depth_m: ArrayLike,
+    rendered: View,
+    shown: View,
+    warp: str = "forward",
+    fill: str = "none",
+    size: tuple[int, int] | None = None,
+    gpu: Gpu | None = None,
+) -> WarpedImage:
+    """The picture `shown` should see, from a late picture drawn for `rendered`.
+
+    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres along -z; inf is infinitely far;
+    0, negative or NaN is no depth: a hole, counted and never spread. size: (w, h) of the result, by default the late picture's.
+    gpu: a context of one's own, made in the calling thread; by default one is made at the first call and kept, which threads
+    use one after the other.
+    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a picture with depth;
+    UnknownNameError; MachineError without OpenGL 4.3.
+    """
+    linear, inverse_depth = checked(colour, depth_m)
+    for name, view in (("rendered", rendered), ("shown", shown)):
+        if not isinstance(view, View):
+            raise InputError(f"{name} is a {type(view).__name__}: wanted a hmdwarp.View")
+    plan = _plan(warp, fill)
+    rendered_size = inverse_depth.shape[1::-1]
+    shown_size = rendered_size if size is None else checked_size(size)
+    with _shared_gpu() if gpu is None else gpu.current() as current:
+        return _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+
+
+def _plan(warp: str, fill: str) -> Plan:
+    try:
+        return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False, brings=PICTURE)
+    except PlanError as error:
+        able = [f"warps {', '.join(entry.name for entry in warps if set(entry.reads) <= set(PICTURE))}"]
+        able.append(
+            f"fills {', '.join(entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH})}"
+        )
+        raise PlanError(
+            f"{error}, which a picture does not bring; for a picture with depth there are {'; '.join(able)}"
+        ) from error
+
+
+@attrs.frozen(eq=False)
+class _Late:
+    linear: NDArray[np.float32]
+    inverse_depth: NDArray[np.float32]
+    view: View
+
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.inverse_depth.shape[1::-1]
+
+    def upload(self, gpu: Gpu) -> EyeImage:
+        colour, depth = allocate(gpu.gl, self.size, COLOUR), allocate(gpu.gl, self.size, SCALAR)
+        upload(colour, self.linear)
+        upload(depth, self.inverse_depth)
+        return EyeImage(self.view, colour, depth)
+
+
+def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[int, int]) -> WarpedImage:
+    check_size(gpu.gl, inputs.size)
+    check_size(gpu.gl, shown_size)
+    rendered = inputs.upload(gpu)
+    compensator = Compensator(gpu, plan, None, inputs.size, shown_size)
+    try:
+        gpu.timer.collect()
+        result = compensator.run(PassInputs(rendered, shown))
+        picture = download(result.shown.texture).astype(np.float32)
+        warped = download(result.warped.texture)[..., 3]
+        times = dict(gpu.timer.collect())
+    finally:
+        compensator.close()
+        rendered.colour.release()
+        rendered.inverse_depth.release()
+    return WarpedImage(picture[..., :3].copy(), picture[..., 3].copy(), times, float((warped == 0).mean()))
+
+
+def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """(h, w, 4) linear colour with coverage and (h, w) inverse depth, top row first. Errors: InputError."""
+    colour, depth_m = _array("colour", colour), _array("depth_m", depth_m)
+    if colour.ndim != 3 or colour.shape[2] != 3 or 0 in colour.shape:
+        raise InputError(f"colour has shape {colour.shape}: wanted (h, w, 3)")
+    if colour.dtype != np.uint8 and colour.dtype.kind != "f":
+        raise InputError(f"colour is {colour.dtype}: wanted uint8 (sRGB) or a float type (linear light)")
+    if depth_m.shape != colour.shape[:2] or depth_m.dtype.kind not in "fiu":
+        raise InputError(
+            f"depth_m is {depth_m.dtype} {depth_m.shape}: wanted numbers of shape {colour.shape[:2]}, as colour has"
+        )
+    linear = linear_from_srgb(colour) if colour.dtype == np.uint8 else colour
+    if not np.isfinite(linear).all():
+        y, x = np.argwhere(~np.isfinite(linear).all(axis=2))[0]
+        raise InputError(f"colour at row {y}, column {x} is not a finite number")
+    inverse = inverse_depth_from_metres(depth_m)
+    covered = ~np.isnan(inverse)
+    limit = float(np.finfo(np.float16).max)
+    rgba = np.concatenate([np.clip(linear, -limit, limit) * covered[..., None], covered[..., None]], axis=2)
+    return rgba.astype(np.float32), np.where(covered, inverse, NO_DEPTH).astype(np.float32)
+
+
+def _array(name: str, value: ArrayLike) -> NDArray:
+    try:
+        return np.asarray(value)
+    except ValueError as error:
+        raise InputError(f"{name} is no array: {error}") from error
+
+
+def checked_size(size: object) -> tuple[int, int]:
+    """(w, h) as plain integers. Errors: InputError for anything else; whether the GPU can do it is asked later."""
+    try:
+        width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"size is {size!r}: wanted (width, height) in whole pixels") from error
+    return width, height
+
+
+_shared: Gpu | None = None
+_turn = threading.Lock()
+
+
+@contextmanager
+def _shared_gpu() -> Iterator[Gpu]:
+    """The one context of all callers, in the hands of this thread alone while the block lasts."""
+    global _shared  # noqa: PLW0603 (made late, because importing must not start a GL driver)
+    with _turn:
+        if _shared is None:
+            _shared = Gpu()
+            _shared.step_aside()
+            atexit.register(_shared.close)
+        with _shared.current():
+            yield _shared

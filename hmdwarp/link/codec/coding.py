@@ -1,0 +1,37 @@
+"""Which codec a run uses, and how well."""
+
+from __future__ import annotations
+
+import attrs
+
+from ...errors import InputError
+
+_CRFS = (0, 51)
+
+
+@attrs.frozen
+class Coding:
+    """codec: a name of CODECS. crf: constant quality; or bitrate_mbit: Mbit/s of one eye's colour; neither: the codec's own quality.
+
+    Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that is out of bounds.
+    """
+
+    codec: str = "none"
+    crf: int | None = None
+    bitrate_mbit: float | None = None
+
+    def __attrs_post_init__(self) -> None:
+        if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):
+            told = f"crf {self.crf}" if self.crf is not None else f"bitrate {self.bitrate_mbit:g} Mbit/s"
+            raise InputError(f"{told} without a codec: nothing is encoded; choose one with --codec, or leave it out")
+        check_quality(self.crf, self.bitrate_mbit)
+
+
+def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
+    """Errors: InputError for both at a time, or one that is out of bounds."""
+    if crf is not None and bitrate_mbit is not None:
+        raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: wanted a quality or a rate, not both")
+    if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:
+        raise InputError(f"crf {crf}: wanted {_CRFS[0]} (best) to {_CRFS[1]}")
+    if bitrate_mbit is not None and not 0.01 <= bitrate_mbit <= 1000:
+        raise InputError(f"bitrate {bitrate_mbit:g} Mbit/s: wanted 0.01 to 1000 for one eye")

@@ -1,0 +1,1 @@
+"""The pipeline that every driver runs: options, sizes, the parts put together, and the loop over refreshes."""

@@ -1,0 +1,106 @@
+"""The scene as the client has it: all of its depth, and a reduced model that it can draw where the late picture has nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ..gpu.scopes import drawing_into
+from ..gpu.textures import SCALAR, allocate
+from ..scenes._reduce import reduced, unlit
+from ..server.moving import moving_parts, stands_still
+from ..server.passes import ScenePasses, clear_depth
+from ..server.targets import Framebuffers
+from ..server.upload import SceneBuffers, SceneTextures
+
+if TYPE_CHECKING:
+    from ..client.picture import ShownPicture
+    from ..geometry import View
+    from ..gpu.context import Gpu
+    from ..scenes import Scene
+    from ..server import Server
+
+Size = tuple[int, int]
+
+
+class ClientScene:
+    """Stands where a client.geometry.ClientGeometry is wanted. server: of the same scene; it draws the exact depth.
+
+    cache: where reduced scenes are kept, the user's cache folder if None. What nobody asks for is neither reduced nor uploaded.
+    """
+
+    def __init__(self, server: Server, cache: Path | None = None) -> None:
+        self._server, self._cache = server, cache
+        self._models: dict[tuple[float, bool], DrawnModel] = {}
+
+    def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
+        """As ClientGeometry.draw_depth: of every triangle."""
+        return self._server.draw_depth(view, size, into, time_ns)
+
+    def model(self, share: float, *, lit: bool) -> DrawnModel:
+        """As ClientGeometry.model."""
+        key = (share, lit)
+        if key not in self._models:
+            scene = reduced(self._server.scene, share, self._cache)
+            self._models[key] = DrawnModel(self._server.gpu, scene, lit=lit)
+        return self._models[key]
+
+    def close(self) -> None:
+        """Free the models; the server belongs to whoever made it."""
+        for model in self._models.values():
+            model.close()
+        self._models.clear()
+
+
+class DrawnModel:
+    """A client.geometry.ClientModel of a scene that has nothing but surfaces."""
+
+    def __init__(self, gpu: Gpu, scene: Scene, *, lit: bool) -> None:
+        self._gl = gpu.gl
+        scene = scene if lit else unlit(scene)
+        self._textures = SceneTextures(gpu, scene)
+        self._buffers = SceneBuffers(gpu, list(filter(stands_still, scene.meshes)), self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
+        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving)
+        self._framebuffers = Framebuffers(gpu.gl)
+        self._cover = gpu.shaders.draw("server/background.vert", "fills/model_cover.frag")
+        self._empty = gpu.gl.vertex_array(self._cover.program, [])
+        self._no_depth = allocate(gpu.gl, (1, 1), SCALAR)
+
+    def reserve(self, size: Size) -> None:
+        """As ClientModel.reserve."""
+        self._framebuffers.reserve(size)
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """As ClientModel.draw."""
+        self._passes.draw(view, self._over(into), time_ns)
+
+    def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
+        """As ClientModel.draw_holes: what is covered goes to the very front of the depth buffer, so that only holes are shaded."""
+        framebuffer, gl = self._over(into), self._gl
+        clear_depth(gl, framebuffer)
+        picture.colour.texture.use(0)
+        (picture.inverse_depth if picture.inverse_depth is not None else self._no_depth).use(1)
+        self._cover.uniforms.set(warped=0, warped_inverse_depth=1)
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+            self._empty.render(moderngl.TRIANGLES, vertices=3)
+        gl.polygon_offset = 0.0, 2.0  # surfaces that touch the near plane must not get in front of what is covered
+        self._passes.draw_into(view, framebuffer, None, time_ns)
+        gl.polygon_offset = 0.0, 0.0
+
+    def _over(self, into: ShownPicture) -> moderngl.Framebuffer:
+        depth = (into.inverse_depth,) if into.inverse_depth is not None else ()
+        return self._framebuffers.over(into.colour.texture, *depth)
+
+    def close(self) -> None:
+        """Free what it holds; programs belong to the shader library."""
+        self._passes.close()
+        self._empty.release()
+        for one in self._moving:
+            one.close()
+        self._framebuffers.close()
+        self._buffers.close()
+        self._textures.close()
+        self._no_depth.release()

@@ -1,0 +1,161 @@
+"""The stereo loop: head pose, server, link, newest pose, client. Every driver drives this one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ..client.inputs import PassInputs
+from ..frames.frame import Frame
+from ..link import ResponseTime
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..client.compensator import Compensator, EyeResult
+    from ..client.history import History
+    from ..client.plan import Plan
+    from ..frames.frame import Needs
+    from ..geometry import Eyes
+    from ..gpu.timers import Lap, Stages
+    from ..link import TransitStats
+    from ..poses import PoseSample, PoseSource
+    from ..server import Server
+    from .channel import Channel
+
+
+@attrs.frozen(eq=False)
+class PoseRequest:
+    """Which head poses the server and the display ask for, what the server draws, and how long the display takes to show it."""
+
+    source: PoseSource
+    predicted: Callable[[int], PoseSample] | None
+    size: tuple[int, int]
+    guard: float
+    needs: Needs
+    scanout_ns: int = 0
+
+    def for_server(self, now_ns: int) -> PoseSample:
+        """The pose a frame drawn now is meant for: now's, or the one predicted for when it will be seen."""
+        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns)
+
+    def for_display(self, shown_ns: int) -> PoseSample:
+        """The head when the picture is seen."""
+        return self.source.head_at(shown_ns)
+
+
+@attrs.frozen(eq=False)
+class Refresh:
+    """One picture pair: when and for which head it was made, from which frame, by which plan, what its passes were given, what came out
+    (overwritten at the next).
+
+    What it took is known when the GPU has finished: `stage_ms` and `response` wait for that. On a GPU that must not stand still, they are
+    read a refresh later.
+    """
+
+    shown_ns: int
+    head: PoseSample
+    frame: Frame
+    plan: Plan
+    inputs: tuple[PassInputs, ...]
+    eyes: tuple[EyeResult, ...]
+    transit: TransitStats
+    laps: tuple[Lap, ...]
+
+    @property
+    def age_ns(self) -> int:
+        """How long before it is seen the frame was drawn."""
+        return self.shown_ns - self.frame.drawn_ns
+
+    @property
+    def stage_ms(self) -> tuple[Stages, ...]:
+        """What each pass of each eye took."""
+        return tuple(lap.read() for lap in self.laps)
+
+    @property
+    def response(self) -> ResponseTime:
+        """The response time by its parts."""
+        took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.took_ms.items()}
+        if self.frame.drawing is not None:
+            took["render_ms"] = _total(self.frame.drawing.read())
+        return ResponseTime.of(self.transit, warp_ms=sum(map(_total, self.stage_ms)), **took)
+
+
+class Loop:
+    """One refresh after the other: `draw` what the server sends now, `show` what has arrived by the display instant.
+
+    eyes: which views a head pose gives.
+    """
+
+    def __init__(
+        self,
+        requested: PoseRequest,
+        server: Server,
+        channel: Channel,
+        history: History,
+        compensator: Compensator,
+        eyes: Eyes,
+    ) -> None:
+        self._requested, self._server, self._channel, self.history = requested, server, channel, history
+        self.compensator, self._eyes = compensator, eyes
+        self._last: Refresh | None = None
+
+    def exchange(self, compensator: Compensator) -> None:
+        """Go on with another compensator, for the same frames."""
+        self.compensator, self._last = compensator, None
+
+    def draw(self, now_ns: int) -> None:
+        """The server draws all eyes for the pose it is asked for now, and the frame goes on its way."""
+        asked = self._requested
+        head = asked.for_server(now_ns)
+        timer = self._server.gpu.timer
+        with timer.stage("render"):
+            frame = self._server.draw_frame(self._eyes.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
+        self._channel.send(Frame(frame.eyes, frame.drawn_ns, frame.effects, head, timer.lap()), now_ns)
+
+    def show(self, shown_ns: int) -> Refresh | None:
+        """Warp the newest frame that has arrived to the head at `shown_ns`; None before the first frame has arrived.
+
+        The head is asked for after the frame was chosen and right before the first pass is dispatched: it is as new as can be.
+        """
+        self._tell_what_the_last_took()
+        frame = self._channel.newest(shown_ns)
+        if frame is None:
+            return None
+        head = self._requested.for_display(shown_ns)
+        inputs = self._inputs(frame, head, shown_ns)
+        eyes, laps = [], []
+        for one in inputs:
+            eyes.append(self.compensator.run(one))
+            laps.append(self.compensator.gpu.timer.lap())
+        plan, transit = self.compensator.plan, self._channel.transit
+        self._last = Refresh(shown_ns, head, frame, plan, inputs, tuple(eyes), transit, tuple(laps))
+        return self._last
+
+    def _tell_what_the_last_took(self) -> None:
+        last, self._last = self._last, None
+        if last is not None:
+            self.compensator.record_timings(last.stage_ms)
+
+    def inputs(self, refresh: Refresh, needs: Needs) -> tuple[PassInputs, ...]:
+        """What another plan with these needs is given at the refresh just shown; frames must carry as much, see Requested.needs."""
+        return tuple(attrs.evolve(one, others=self._others(refresh.frame, one.eye, needs)) for one in refresh.inputs)
+
+    def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
+        asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
+        last: tuple = (None,) * len(first)
+        if asked.scanout_ns:
+            last = self._eyes.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
+        return tuple(
+            PassInputs(frame.eyes[eye], first[eye], eye, self._others(frame, eye, needs), last[eye], shown_ns=shown_ns)
+            for eye in range(len(first))
+        )
+
+    def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
+        beside = (frame.eyes[1 - eye],) if needs.other_eye else ()
+        return (*beside, *(past.eyes[eye] for past in self.history.frames[: needs.past]))
+
+
+def _total(stages: Stages) -> float:
+    return sum(milliseconds for _, milliseconds in stages)

@@ -1,0 +1,1 @@
+"""Runs around the loop: replay, live and record, with their logs, summaries and measurements."""

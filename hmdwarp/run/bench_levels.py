@@ -1,0 +1,136 @@
+"""The ladder of a run that chooses its warp by itself: from the figures of a benchmark, or of a short trial on the run's own frames."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ..auto.levels import QualityLevel, ladder
+from ..errors import InputError
+from ..headsets import Headset, load_headset
+from ..pipeline.options import PipelineOptions
+from ..pipeline.planning import build_plan_for
+from ..report.schema import SCHEMA, summary_faults
+
+Row = Mapping[str, Any]
+LensTime = Callable[[PipelineOptions], float]
+
+
+@attrs.frozen
+class Ladder:
+    """The rungs, from cheapest to most accurate. notes: how they were found. machine: where, as in summary.json; None for here."""
+
+    levels: tuple[QualityLevel, ...] = ()
+    notes: tuple[str, ...] = ()
+    machine: Mapping[str, Any] | None = None
+
+    def notes_on(self, renderer: str, cpu_count: int) -> list[str]:
+        """The notes of a run on this machine."""
+        there = None if self.machine is None else (self.machine["gl_renderer"], self.machine["cpu_count"])
+        if there is None or there == (renderer, cpu_count):
+            return list(self.notes)
+        told = f"The benchmark was run on {there[0]} with {there[1]} cores, this is {renderer} with {cpu_count}"
+        return [*self.notes, f"{told}: its times hold here up to a common factor, which the run finds out by itself."]
+
+
+def read_rows(path: Path) -> list[Row]:
+    """The rows of a bench.json. Errors: InputError naming the file and what is wrong with it."""
+    try:
+        bench = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"{path}: {error.strerror or error}; wanted the bench.json that hmdwarp bench wrote"
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: no JSON ({error}); wanted the bench.json that hmdwarp bench wrote") from error
+    if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
+        raise InputError(f"{path}: it has no list of 'rows'; wanted the bench.json that hmdwarp bench wrote")
+    if bench.get("schema") != SCHEMA:
+        raise InputError(
+            f"{path}: its schema is {bench.get('schema')!r}, this program reads {SCHEMA}: run hmdwarp bench again"
+        )
+    for number, row in enumerate(bench["rows"]):
+        faults = summary_faults(row)
+        if faults:
+            raise InputError(f"{path}: row {number}: {'; '.join(faults)}")
+    return bench["rows"]
+
+
+def ladder_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> Ladder:
+    """The ladder of a benchmark for a run.
+
+    Rows of the run's size are taken if there are any; else those of the largest size, their times in proportion to the pixels. Where
+    they were measured with another lens than the run's, that of the run counts, which lens_ms measures here (None: it does not count).
+    What this run cannot have is left out, and told.
+    Errors: InputError for a file that is no benchmark, and if nothing of it can be run.
+    """
+    headset = load_headset(options.headset)
+    build_plan_for(options.with_pair("none", "none"), headset, None)
+    rows, notes, usable = read_rows(path), [], []
+    for warp, fill in sorted({(row["warp"], row["fill"]) for row in rows}):
+        try:
+            build_plan_for(options.with_pair(warp, fill), headset, None)
+            usable += [row for row in rows if (row["warp"], row["fill"]) == (warp, fill)]
+        except InputError as error:
+            notes.append(f"{path.name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
+    if not usable:
+        raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here{'; ' + notes[0] if notes else ''}")
+    return _fitted(usable, options, headset, lens_ms, [*notes, *_other_terms(usable, options, path.name)], path.name)
+
+
+def _fitted(
+    rows: list[Row], options: PipelineOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str
+) -> Ladder:
+    other = {row["lens"] for row in rows} - {options.lens}
+    try:
+        levels, more = _at_size(
+            [_without_lens(row) for row in rows] if other else rows, options.size or headset.eye_size_px, name
+        )
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
+    if other:
+        added = 0.0 if options.lens == "none" or lens_ms is None else lens_ms(options)
+        levels = tuple(attrs.evolve(level, total_ms=level.total_ms + added) for level in levels)
+        counts = f"with {added:.2f} ms" if lens_ms else "which a run times first: these are without it"
+        more.append(
+            f"{name} was measured with lens {', '.join(sorted(other))}: lens {options.lens} counts instead, {counts}."
+        )
+    return Ladder(levels, (*notes, *more), rows[0]["machine"])
+
+
+def _without_lens(row: Row) -> Row:
+    times = row["time_ms"]
+    median = times["total"]["median"]
+    total = {"median": None if median is None else median - (times["lens"]["median"] or 0.0), "p95": None}
+    return {**row, "lens": "none", "time_ms": {**times, "total": total}}
+
+
+def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
+    """What makes the benchmark's errors, or times, differ from this run's beyond what is put right."""
+    told = []
+    for key, mine, unit in (
+        ("guard", options.guard, ""),
+        ("latency_ms", options.latency_ms, " ms"),
+        ("scene", options.scene, ""),
+    ):
+        theirs = sorted({row[key] for row in rows if key in row})
+        if theirs and mine not in theirs:
+            told.append(
+                f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"
+            )
+    return [f"{name} was measured with {'; '.join(told)}."] if told else []
+
+
+def _at_size(rows: list[Row], size: tuple[int, int], name: str) -> tuple[tuple[QualityLevel, ...], list[str]]:
+    same = [row for row in rows if tuple(row["size"]) == size]
+    if same:
+        return ladder(same), []
+    width, height = max((row["size"] for row in rows), key=lambda s: s[0] * s[1])
+    factor = size[0] * size[1] / (width * height)
+    told = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
+    note = f"{told}: its times are taken in proportion to the pixels, {factor:.2g} times."
+    return tuple(level.scaled(factor) for level in ladder(rows)), [note]

@@ -1,0 +1,114 @@
+"""How large a guard band a run wants: `--guard auto`, from how far the head of its trace moves on while a frame is under way."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Fov, Pose
+from ..headsets import Headset, load_headset
+from ..pipeline.build import expected_age_ns
+from ..pipeline.options import AUTO, RunOptions
+from ..poses import PoseSample, PoseTrack, load_trace
+from ..poses.predict import predict
+from ..poses.quaternions import conjugate, rotate
+from .rig import Timetable, timetable
+
+QUANTILE = 0.95
+# A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and reaches farther.
+MOST = 2.0
+NEAR_M = 1.0  # what is nearer than this comes into sight farther in than this module reckons
+MOST_INSTANTS = 2000
+_STEP = 100  # factors are rounded up to a hundredth
+
+Array = NDArray[np.float64]
+
+
+@attrs.frozen
+class Guard:
+    """factor: what to draw. wanted: what the quantile of the refreshes wants, infinite where the head turns out of any plane."""
+
+    factor: float
+    wanted: float
+
+    def __str__(self) -> str:
+        flat = math.isfinite(self.wanted)
+        needed = (
+            f"a picture {self.wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
+        )
+        told = f"Guard auto: to lose nothing at {QUANTILE:.0%} of the refreshes takes {needed}"
+        if self.wanted <= MOST:
+            return f"{told}; {self.factor:g} is drawn."
+        return f"{told}; {MOST:g} is drawn, auto's most. A second wide view (--wide) reaches farther and costs less."
+
+
+def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
+    """The options with a number for guard `auto`, and what to tell about it. Errors: as load_headset, load_trace and timetable."""
+    if options.guard != AUTO:
+        return options, ()
+    headset, track = load_headset(options.headset), load_trace(options.trace, options.trace_options).track
+    times = timetable(track, options, options.rate_hz or headset.refresh_hz)
+    found = guard_for(headset, track, times, options)
+    return attrs.evolve(options, guard=found.factor), (str(found),)
+
+
+def guard_for(headset: Headset, track: PoseTrack, times: Timetable, options: RunOptions) -> Guard:
+    """The factor that holds the middles of all four sides of both eyes' pictures at 95 of 100 refreshes, for scenery from 1 m to infinity.
+
+    The server draws for the pose it is asked for, predicted or not, as in the run; the display shows the pose of the trace. The
+    latency is that of the run, for a link with jitter the typical one.
+    """
+    age_ns = expected_age_ns(options, times.age_ns)
+    stride = -(-times.count // MOST_INSTANTS)
+    shown_ns = np.array(
+        [times.first_ns + round(k * 1e9 / times.rate_hz) for k in range(0, times.count, stride)], dtype=np.int64
+    )
+    shown = track.sample_many(shown_ns)
+    drawn = [_drawn_for(track, t - age_ns, age_ns, options) for t in shown_ns.tolist()]
+    needed = needed_factors(
+        headset,
+        (np.array([one.pose.position_m for one in drawn]), np.array([one.pose.orientation_xyzw for one in drawn])),
+        (shown.position_m, shown.orientation_xyzw),
+    )
+    wanted = float(np.quantile(needed, QUANTILE, method="higher"))
+    factor = min(MOST, math.ceil(max(wanted, 1) * _STEP - 1e-6) / _STEP) if math.isfinite(wanted) else MOST
+    return Guard(factor, wanted)
+
+
+def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) -> PoseSample:
+    if options.predict == "none":
+        return track.at(now_ns)
+    return predict(track, now_ns, now_ns + age_ns, options.predict, round(options.horizon_ms * 1e6))
+
+
+def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
+    """(n,) how many times as large, in tangents, each picture must be drawn: 1 for a head that has not moved, infinite where the middle of
+    a side lies beside or behind the drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4)."""
+    needed = np.ones(len(drawn[0]))
+    for eye, view in enumerate(headset.views(Pose())):
+        fov, head_from_eye = headset.fov(eye), view.pose.position_m
+        for inverse_depth in (0.0, 1 / NEAR_M):
+            needed = np.maximum(needed, _needed(fov, head_from_eye, inverse_depth, drawn, shown))
+    return needed
+
+
+def _needed(
+    fov: Fov, head_from_eye: Array, inverse_depth: float, drawn: tuple[Array, Array], shown: tuple[Array, Array]
+) -> Array:
+    left, right, down, up = fov.tangents
+    middles = np.array([(left, 0, -1), (right, 0, -1), (0, down, -1), (0, up, -1)])
+    eyes = [
+        position + rotate(turned, np.broadcast_to(head_from_eye, position.shape)) for position, turned in (drawn, shown)
+    ]
+    moved = (eyes[1] - eyes[0]) * inverse_depth
+    most = np.ones(len(moved))
+    for middle in middles:
+        towards = rotate(shown[1], np.broadcast_to(middle, moved.shape)) + moved
+        x, y, z = rotate(conjugate(drawn[1]), towards).T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sides = np.stack([x / -z / left, x / -z / right, y / -z / down, y / -z / up])
+        most = np.maximum(most, np.where(z < 0, sides.max(axis=0), np.inf))
+    return most

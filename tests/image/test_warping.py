@@ -1,0 +1,387 @@
+"""warp_image on one's own RGB-D frame: bits where bits can be had, derived pixels where something moves, clear refusals."""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from hmdwarp import Fov, InputError, Pose, View, warp_image
+from hmdwarp.client.plan import PICTURE
+from hmdwarp.client.warps import warps
+from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
+from hmdwarp.errors import PlanError, UnknownNameError
+from hmdwarp.gpu.context import Gpu
+from hmdwarp.image.warping import checked
+
+# Those that need no more than a picture with depth.
+PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
+MOVING = [name for name in PICTURE_WARPS if name != "none"]
+SIZES = [(1, 1), (7, 5), (33, 17), (64, 48), (2, 129)]
+
+
+def halves(rng: np.random.Generator, size: tuple[int, int]) -> np.ndarray:
+    """A linear picture whose values rgba16f holds exactly."""
+    return rng.random((size[1], size[0], 3)).astype(np.float16).astype(np.float32)
+
+
+def view(tangents=(-1.0, 1.0, -0.75, 0.75), position=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0)) -> View:
+    """Tangents left, right, down, up; turn is a rotation vector in degrees."""
+    return View(Pose(position, Rotation.from_rotvec(np.radians(turn)).as_quat()), Fov.from_tangents(tangents))
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("warp", PICTURE_WARPS)
+def test_the_same_view_gives_the_same_bits(warp, size):
+    rng = np.random.default_rng(size[0])
+    colour = halves(rng, size)
+    anywhere = view(position=rng.normal(size=3), turn=rng.normal(scale=60, size=3))
+    out = warp_image(colour, rng.uniform(0.3, 50, size[::-1]), anywhere, anywhere, warp)
+    assert np.array_equal(out.colour, colour)
+    assert (out.coverage == 1).all() and out.hole_share == 0
+    assert out.colour.dtype == np.float32 and out.colour.shape == (size[1], size[0], 3)
+    assert set(out.time_ms) == {"warp"} and out.time_ms["warp"] > 0
+
+
+@pytest.mark.parametrize("warp", PICTURE_WARPS)
+def test_bytes_are_srgb_and_floats_linear(warp):
+    rng = np.random.default_rng(1)
+    picture = rng.integers(0, 256, (9, 11, 3), dtype=np.uint8)
+    depth = rng.uniform(0.5, 5, (9, 11))
+    there = view(position=(0.1, 0, 0))
+    as_bytes = warp_image(picture, depth, view(), there, warp)
+    as_floats = warp_image(linear_from_srgb(picture).astype(np.float64), depth, view(), there, warp)
+    assert np.array_equal(as_bytes.colour, as_floats.colour)
+    assert np.array_equal(srgb8_from_linear(warp_image(picture, depth, view(), view(), warp).colour), picture)
+
+
+@pytest.mark.parametrize("warp", ["forward", "planar"])
+@pytest.mark.parametrize(("right", "up"), [(3, 0), (-2, 0), (0, 2), (0, -3), (4, -1)])
+def test_a_plane_lands_where_it_must(warp, right, up):
+    """A picture 2 wide and 1.5 high at z = -1 in 40x30 pixels: a pixel is 0.05 of depth. The eye moves by whole pixels of the
+    plane 4 m away, so the picture moves by as many the other way, and what comes in from outside is a hole."""
+    rng = np.random.default_rng(2)
+    colour, depth_m = halves(rng, (40, 30)), 4.0
+    there = view(position=(right * 0.05 * depth_m, up * 0.05 * depth_m, 0))
+    out = warp_image(colour, np.full((30, 40), depth_m), view(), there, warp)
+    wanted, covered = np.zeros_like(colour), np.zeros((30, 40))
+    # Row 0 is the top: an eye that went up sees the picture farther down, at larger rows.
+    to_rows, from_rows = slice(max(up, 0), 30 + min(up, 0)), slice(max(-up, 0), 30 - max(up, 0))
+    to_columns, from_columns = slice(max(-right, 0), 40 - max(right, 0)), slice(max(right, 0), 40 + min(right, 0))
+    wanted[to_rows, to_columns], covered[to_rows, to_columns] = colour[from_rows, from_columns], 1
+    assert np.array_equal(out.coverage, covered)
+    # planar looks up between pixels: the place is right to 1e-4 pixel in float32, times at most 1 between two neighbours.
+    assert np.abs(out.colour - wanted).max() <= (0 if warp == "forward" else 2e-3)
+    assert out.hole_share == (covered == 0).mean()
+
+
+@pytest.mark.parametrize("distance", [2.0, 8.0])
+def test_nearer_things_move_more(distance):
+    """Two planes in one picture: the right half at `distance`, the left half at 4 m; the eye goes 0.4 m to the right."""
+    colour, depth = halves(np.random.default_rng(3), (40, 30)), np.full((30, 40), 4.0)
+    depth[:, 20:] = distance
+    out = warp_image(colour, depth, view(), view(position=(0.4, 0, 0)), "forward")
+    near = round(0.4 / distance / 0.05)
+    assert np.array_equal(out.colour[:, 20 : 40 - near], colour[:, 20 + near :])
+    assert np.array_equal(out.colour[:, : 18 - max(near - 2, 0)], colour[:, 2 : 20 - max(near - 2, 0)])
+
+
+def test_of_two_things_that_meet_the_nearer_is_seen():
+    """A pixel at 1 m moves 8 pixels left, one at 4 m 2: they meet at column 10."""
+    colour, depth = np.zeros((30, 40, 3), np.float32), np.zeros((30, 40))
+    for column, distance, value in ((18, 1.0, 0.25), (12, 4.0, 0.75)):
+        colour[:, column], depth[:, column] = value, distance
+    for order in (1, -1):  # whichever way round they come
+        out = warp_image(colour[::order], depth[::order], view(), view(position=(0.4, 0, 0)), "forward")
+        assert (out.colour[:, 10] == 0.25).all() and out.coverage.sum() == 30
+
+
+@pytest.mark.parametrize("warp", ["rotation", "planar", "forward"])
+@pytest.mark.parametrize(("yaw", "pitch"), [(10, 0), (-15, 0), (0, 8), (0, -12), (9, -7)])
+def test_a_turn_moves_a_spot_by_its_tangent(warp, yaw, pitch):
+    """A spot straight ahead, infinitely far. Turned left by yaw it is seen to the right, turned up by pitch it is seen lower."""
+    size = (101, 81)
+    colour = np.zeros((81, 101, 3), np.float32)
+    colour[39:42, 49:52] = 1
+    turn = Rotation.from_euler("YX", [yaw, pitch], degrees=True)
+    there = View(Pose((0, 0, 0), turn.as_quat()), view().fov)
+    out = warp_image(colour, np.full((81, 101), np.inf), view(), there, warp)
+    seen = turn.inv().apply([0, 0, -1])
+    x, y = seen[0] / -seen[2], seen[1] / -seen[2]
+    column, row = (x + 1) / 2 * size[0] - 0.5, (0.75 - y) / 1.5 * size[1] - 0.5
+    weight = out.colour[..., 0]
+    rows, columns = np.indices(weight.shape)
+    found = (weight * columns).sum() / weight.sum(), (weight * rows).sum() / weight.sum()
+    # Nine pixels, each right to half a pixel at worst: their mean is right to half a pixel too.
+    assert found == pytest.approx((column, row), abs=0.5)
+    assert (column > 50) == (yaw > 0) or yaw == 0
+    assert (row > 40) == (pitch > 0) or pitch == 0
+
+
+def test_rotation_ignores_where_the_eye_went():
+    colour = halves(np.random.default_rng(5), (20, 15))
+    out = warp_image(colour, np.full((15, 20), 0.5), view(), view(position=(3, -2, 1)), "rotation")
+    assert np.array_equal(out.colour, colour)
+
+
+@pytest.mark.parametrize("warp", PICTURE_WARPS)
+def test_row_0_is_the_top(warp):
+    """A red top row stays at the top, and the view that looks at the upper half sees it."""
+    colour = np.zeros((12, 16, 3), np.uint8)
+    colour[0] = (255, 0, 0)
+    colour[-1] = (0, 0, 255)
+    depth = np.full((12, 16), 3.0)
+    out = warp_image(colour, depth, view(), view(), warp).colour
+    assert (out[0] == (1, 0, 0)).all() and (out[-1] == (0, 0, 1)).all()
+    if warp != "none":
+        upper = warp_image(colour, depth, view(), view((-1, 1, 0, 0.75)), warp, size=(16, 6)).colour
+        assert (upper[0] == (1, 0, 0)).all() and (upper[1:] == 0).all()
+
+
+@pytest.mark.parametrize("warp", MOVING)
+def test_fields_of_view_may_be_asymmetric(warp):
+    """32x24 pixels, 0.0625 of tangent each; a part of the field of view at whole pixels is a part of the picture, bit for bit."""
+    colour = halves(np.random.default_rng(6), (32, 24))
+    rendered = view((-0.5, 1.5, -1.0, 0.5))
+    shown = view(
+        (-0.25, 1.0, -0.75, 0.125)
+    )  # 4 columns off the left, 8 off the right, 4 rows off the bottom, 6 off the top
+    out = warp_image(colour, np.full((24, 32), 2.0), rendered, shown, warp, size=(20, 14))
+    assert np.array_equal(out.colour, colour[6:20, 4:24])
+    assert (out.coverage == 1).all()
+
+
+@pytest.mark.parametrize("warp", MOVING)
+def test_what_lies_outside_the_late_picture_is_a_hole(warp):
+    """A shown field of view twice as large: a quarter of its pixels are known."""
+    colour = halves(np.random.default_rng(7), (16, 12))
+    out = warp_image(colour, np.full((12, 16), 2.0), view((-1, 1, -1, 1)), view((-2, 2, -2, 2)), warp, size=(32, 24))
+    assert np.array_equal(out.colour[6:18, 8:24], colour)
+    assert out.coverage.sum() == 16 * 12 and out.hole_share == 0.75
+    assert (out.colour[out.coverage == 0] == 0).all()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (5, 9), (31, 7), (128, 96)])
+@pytest.mark.parametrize("warp", PICTURE_WARPS)
+def test_size_is_the_results(warp, size):
+    out = warp_image(
+        halves(np.random.default_rng(8), (13, 11)), np.full((11, 13), 2.0), view(), view(), warp, size=size
+    )
+    assert out.colour.shape == (size[1], size[0], 3) and out.coverage.shape == (size[1], size[0])
+    assert np.isfinite(out.colour).all()
+
+
+NO_DEPTHS = [0.0, -0.0, -1.0, -np.inf, np.nan]
+
+
+@pytest.mark.parametrize("warp", PICTURE_WARPS)
+def test_pixels_without_depth_are_holes_that_are_counted_and_never_spread(warp):
+    rng = np.random.default_rng(9)
+    colour, depth = halves(rng, (20, 16)), np.full((16, 20), 3.0)
+    places = [(2, 3), (2, 4), (8, 0), (15, 19), (7, 10)]
+    for place, nothing in zip(places, NO_DEPTHS, strict=True):
+        depth[place] = nothing
+    holes = ~(depth > 0)
+    out = warp_image(colour, depth, view(), view(), warp)
+    assert np.array_equal(out.coverage == 0, holes)
+    assert np.array_equal(out.colour, np.where(holes[..., None], 0, colour))
+    assert out.hole_share == 5 / 320
+
+
+def test_holes_move_with_the_picture_and_keep_their_size():
+    rng = np.random.default_rng(10)
+    colour, depth = halves(rng, (40, 30)), np.full((30, 40), 4.0)
+    depth[10:13, 20] = np.nan
+    out = warp_image(colour, depth, view(), view(position=(0.4, 0, 0)), "forward")
+    wanted = np.ones((30, 40))
+    wanted[:, 38:] = 0
+    wanted[10:13, 18] = 0
+    assert np.array_equal(out.coverage, wanted)
+    assert np.array_equal(out.colour[:, :18], colour[:, 2:20])
+
+
+@pytest.mark.parametrize("warp", MOVING)
+def test_between_pixels_nothing_of_a_hole_leaks_in(warp):
+    """Beside a hole the picture is white; bilinear look-ups that touch the hole must not darken what they call covered."""
+    depth = np.full((30, 40), 4.0)
+    depth[10:20, 15:25] = 0
+    out = warp_image(np.ones((30, 40, 3)), depth, view(), view(position=(0.07, 0.03, 0), turn=(1, 2, 3)), warp)
+    covered = out.coverage > 0
+    assert 0 < (~covered).sum() < 600
+    # What is partly covered is weighted by its coverage; nowhere may it be darker than that, but for half's 2^-11.
+    assert (out.colour[covered] >= out.coverage[covered][:, None] * (1 - 2**-10)).all()
+
+
+def test_infinity_is_a_distance():
+    """It stays where it is however far the eye goes."""
+    colour = halves(np.random.default_rng(11), (20, 15))
+    out = warp_image(colour, np.full((15, 20), np.inf), view(), view(position=(1000, 1000, -1000)), "forward")
+    assert np.array_equal(out.colour, colour) and (out.coverage == 1).all()
+
+
+def test_a_fill_closes_a_crack_and_is_timed():
+    """The holes before it are still counted; a covered pixel is not touched."""
+    colour, depth = halves(np.random.default_rng(12), (20, 15)), np.full((15, 20), 4.0)
+    depth[7, 9] = 0
+    bare, filled = (warp_image(colour, depth, view(), view(), "forward", fill) for fill in ("none", "interpolate"))
+    assert bare.coverage[7, 9] == 0 and filled.coverage[7, 9] > 0
+    assert filled.hole_share == bare.hole_share == 1 / 300
+    assert set(filled.time_ms) == {"warp", "fill"}
+    neighbours = colour[6:9, 8:11].reshape(9, 3)
+    assert (filled.colour[7, 9] >= neighbours.min(axis=0)).all() and (
+        filled.colour[7, 9] <= neighbours.max(axis=0)
+    ).all()
+    assert np.array_equal(
+        np.delete(filled.colour.reshape(-1, 3), 7 * 20 + 9, axis=0),
+        np.delete(colour.reshape(-1, 3), 7 * 20 + 9, axis=0),
+    )
+
+
+def test_twice_is_the_same():
+    rng = np.random.default_rng(13)
+    colour, depth = rng.random((60, 80, 3)), rng.uniform(0.3, 8, (60, 80))
+    there = view(position=(0.2, -0.1, 0.05), turn=(3, -5, 2))
+    for warp in PICTURE_WARPS:
+        first, again = (warp_image(colour, depth, view(), there, warp, "interpolate") for _ in range(2))
+        assert np.array_equal(first.colour, again.colour) and np.array_equal(first.coverage, again.coverage)
+
+
+@settings(max_examples=40)
+@given(data=st.data())
+def test_whatever_the_depths_the_result_is_finite(data):
+    values = st.sampled_from([0.0, -1.0, np.nan, np.inf, -np.inf, 1e-30, 1e-6, 0.02, 1.0, 1e6, 1e300, 5e-324])
+    depth = np.array(data.draw(st.lists(values, min_size=35, max_size=35))).reshape(5, 7)
+    warp = data.draw(st.sampled_from(PICTURE_WARPS))
+    position = data.draw(st.tuples(*[st.floats(-2, 2)] * 3))
+    out = warp_image(np.full((5, 7, 3), 0.5), depth, view(), view(position=position), warp)
+    assert np.isfinite(out.colour).all() and ((out.coverage >= 0) & (out.coverage <= 1)).all()
+    assert (out.colour[out.coverage == 0] == 0).all()
+
+
+def test_light_beyond_half_is_clipped_not_lost():
+    out = warp_image(np.full((2, 2, 3), 1e9, np.float32), np.ones((2, 2)), view(), view())
+    assert (out.colour == np.finfo(np.float16).max).all()
+
+
+@pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64, np.longdouble])
+@pytest.mark.parametrize("depth_dtype", [np.float32, np.int32, np.uint16, np.longdouble])
+def test_number_types(dtype, depth_dtype):
+    colour = np.full((3, 4, 3), 0.5, dtype)
+    out = warp_image(colour, np.full((3, 4), 2, depth_dtype), view(), view())
+    assert (out.colour == 0.5).all() and (out.coverage == 1).all()
+
+
+def test_lists_and_views_into_arrays_are_arrays_too():
+    colour = np.asfortranarray(np.random.default_rng(14).random((8, 10, 3)).astype(np.float16))[::2, ::-1]
+    out = warp_image(colour, [[2.0] * 10] * 4, view(), view())
+    assert np.array_equal(out.colour, colour)
+
+
+COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ({"colour": np.zeros((4, 6))}, r"colour has shape \(4, 6\)"),
+        ({"colour": np.zeros((4, 6, 4))}, r"\(4, 6, 4\): wanted \(h, w, 3\)"),
+        ({"colour": np.zeros((0, 6, 3)), "depth_m": np.zeros((0, 6))}, r"\(0, 6, 3\)"),
+        ({"colour": np.zeros((4, 6, 3), int)}, "colour is int64: wanted uint8"),
+        ({"colour": np.zeros((4, 6, 3), np.uint16)}, "uint16"),
+        ({"colour": np.zeros((4, 6, 3), bool)}, "bool"),
+        ({"colour": np.zeros((4, 6, 3), complex)}, "complex"),
+        ({"colour": [[1, 2], [3]]}, "colour is no array"),
+        ({"colour": None}, "colour has shape"),
+        ({"colour": np.where(np.indices((4, 6, 3))[1] == 5, np.nan, 0.0)}, "row 0, column 5 is not a finite number"),
+        ({"colour": np.full((4, 6, 3), np.inf)}, "not a finite number"),
+        ({"depth_m": DEPTH.T}, r"depth_m is float64 \(6, 4\): wanted numbers of shape \(4, 6\)"),
+        ({"depth_m": DEPTH[..., None]}, "depth_m"),
+        ({"depth_m": DEPTH > 0}, "depth_m is bool"),
+        ({"depth_m": [["a"] * 6] * 4}, "depth_m is <U1"),
+        ({"rendered": None}, "rendered is a NoneType: wanted a hmdwarp.View"),
+        ({"shown": Pose()}, "shown is a Pose"),
+        ({"size": (0, 4)}, "0x4"),
+        ({"size": (4, -4)}, "4x-4"),
+        ({"size": (4.5, 4)}, "whole pixels"),
+        ({"size": 4}, "whole pixels"),
+        ({"size": (1, 2, 3)}, "whole pixels"),
+        ({"size": (10**6, 4)}, "1000000x4"),
+    ],
+)
+def test_what_does_not_fit_is_refused(arguments, told):
+    given_ = {"colour": COLOUR, "depth_m": DEPTH, "rendered": view(), "shown": view(), **arguments}
+    with pytest.raises(InputError, match=told):
+        warp_image(**given_)
+
+
+def test_names_are_checked():
+    with pytest.raises(UnknownNameError, match="did you mean 'forward'"):
+        warp_image(COLOUR, DEPTH, view(), view(), "foreward")
+    with pytest.raises(UnknownNameError, match="did you mean 'interpolate'"):
+        warp_image(COLOUR, DEPTH, view(), view(), fill="interpolation")
+    with pytest.raises(PlanError, match="backward.*geometry"):
+        warp_image(COLOUR, DEPTH, view(), view(), "backward")
+
+
+def test_what_comes_back_belongs_to_the_caller():
+    colour = halves(np.random.default_rng(15), (9, 7))
+    first = warp_image(colour, np.ones((7, 9)), view(), view())
+    first.colour[:], first.coverage[:] = -1, -1
+    assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour)
+
+
+# --- several contexts and threads ----------------------------------------------------------------------------------------
+
+
+def test_a_replay_before_and_after_changes_nothing(tmp_path):
+    """Each has a context of its own; GL calls that went to the other's gave black pictures."""
+    from replays import run
+
+    colour = halves(np.random.default_rng(16), (9, 7))
+    before = warp_image(colour, np.ones((7, 9)), view(), view())
+    run(tmp_path, seconds=0.05)
+    after = warp_image(colour, np.ones((7, 9)), view(), view())
+    assert np.array_equal(before.colour, colour) and np.array_equal(after.colour, colour)
+
+
+def test_contexts_of_ones_own_in_any_order():
+    colour = halves(np.random.default_rng(17), (9, 7))
+    with Gpu() as first, Gpu() as second:
+        for gpu in (first, second, None, first, None, second):
+            assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view(), gpu=gpu).colour, colour)
+        probe = second.gl.texture((1, 1), 1, dtype="f4")  # the newest one is the one that plain GL calls go to
+        probe.write(np.float32(7).tobytes())
+        assert np.frombuffer(probe.read(), np.float32) == 7
+    assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour)
+
+
+def test_threads_take_turns():
+    colours = [halves(np.random.default_rng(seed), (9, 7)) for seed in range(4)]
+    wrong: list[object] = []
+
+    def work(colour: np.ndarray) -> None:
+        try:
+            for _ in range(10):
+                if not np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour):
+                    wrong.append("another picture")
+        except Exception as error:
+            wrong.append(error)
+
+    threads = [threading.Thread(target=work, args=(colour,)) for colour in colours]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+def test_checked_gives_linear_colour_with_coverage():
+    rgba, inverse = checked(np.full((1, 3, 3), 128, np.uint8), np.array([[2.0, np.inf, 0.0]]))
+    assert rgba[0, 0, 0] == pytest.approx(math.pow((128 / 255 + 0.055) / 1.055, 2.4), rel=1e-6)
+    assert rgba[..., 3].tolist() == [[1, 1, 0]] and inverse.tolist() == [[0.5, 0, -1]]
+    assert (rgba[0, 2] == 0).all()

@@ -1,0 +1,121 @@
+"""Frames on their way through the loop: what the client warps is what has arrived, and every frame is accounted for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from replays import contents, rows_of, run, small
+
+from hmdwarp.colour import picture_from_linear
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.gpu.textures import download
+from hmdwarp.link import LinkOptions
+from hmdwarp.link.codec import Coding
+from hmdwarp.run.rig import build_rig
+
+NETWORKS = {
+    "plain": {},
+    "jitter": {"jitter": "uniform:30"},
+    "normal": {"jitter": "normal:15"},
+    "bursts": {"loss": "p=0.2,r=0.5", "seed": 3},
+    "narrow": {"bandwidth": "3,queue=60"},
+    "all": {"jitter": "uniform:40", "loss": "0.1", "bandwidth": "20", "seed": 1},
+}
+
+
+@pytest.mark.parametrize("codec", ["none", "h264"])
+@pytest.mark.parametrize("network", NETWORKS)
+def test_every_frame_is_accounted_for(tmp_path, network, codec):
+    told = run(
+        tmp_path, network=LinkOptions.parse(**NETWORKS[network]), coding=Coding(codec), latency_ms=60.0, seconds=1.0
+    ).summary
+    frames = told["link"]["frames"]
+    assert frames["drawn"] == frames["dropped"] + frames["sent"]
+    assert frames["sent"] == sum(
+        frames[name] for name in ("lost", "undecodable", "late", "superseded", "shown", "under_way")
+    )
+    assert frames["drawn"] >= 60 and frames["shown"] > 0
+    assert (frames["lost"] > 0) == (network in ("bursts", "all"))
+    assert (told["link"]["response_ms"]["transfer_ms"] > 0) == (network in ("narrow", "all"))
+    parts = {name: value for name, value in told["link"]["response_ms"].items() if name != "total_ms"}
+    assert parts["round_trip_ms"] > 0 and parts["render_ms"] > 0 and parts["warp_ms"] > 0
+    assert told["link"]["response_ms"]["total_ms"] >= max(parts.values())
+
+
+@pytest.mark.parametrize("codec", ["h264", "hevc"])
+def test_the_client_warps_what_has_arrived(codec):
+    """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within the code's own bound."""
+    seen = []
+    with build_rig(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as rig:
+        for instant_ns, shown in rig.timetable.instants():
+            rig.loop.draw(instant_ns)
+            refresh = rig.loop.show(instant_ns) if shown else None
+            if refresh is None:
+                continue
+            eye = refresh.frame.eyes[0]
+            whole = rig.server.draw(eye.view, eye.size)
+            before, after = (picture_from_linear(download(x.colour)).astype(float) for x in (whole, eye))
+            depths = download(whole.inverse_depth), download(eye.inverse_depth)
+            rig.server.pool(eye.size).release(whole.colour)
+            seen.append(-10 * np.log10(np.mean((before - after) ** 2) / 255**2))
+            assert not np.array_equal(before, after)
+            assert np.abs(depths[0] - depths[1]).max() <= 0.01 * depths[0].max()
+            if len(seen) == 4:
+                break
+    assert min(seen) > 28, "crf 20 leaves a picture of planes and checkerboards well above 28 dB"
+
+
+def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
+    told = {
+        name: run(tmp_path / name, coding=Coding(name, crf), latency_ms=50.0, size=(160, 120)).summary
+        for name, crf in (("none", None), ("h264", 18))
+    }
+    assert told["none"]["link"] | {"frames": 0, "response_ms": 0} == {
+        "frames": 0,
+        "response_ms": 0,
+        "mbit_s": 2 * 160 * 120 * 12 * 8 * 60 / 1e6,
+        "frame_bytes": 2 * 160 * 120 * 12,
+        "codec": "none",
+    }
+    coded = told["h264"]["link"]
+    assert coded["mbit_s"] < told["none"]["link"]["mbit_s"] / 5
+    assert coded["encode_ms"] > 0 and coded["decode_ms"] > 0 and 25 < coded["coded_psnr_db"] < 60
+    assert told["h264"]["quality"]["flip"]["mean"] > told["none"]["quality"]["flip"]["mean"]
+
+
+def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
+    options = {
+        "network": LinkOptions.parse(jitter="normal:20", loss="p=0.1,r=0.5", bandwidth="8", seed=7),
+        "coding": Coding("h264"),
+        "latency_ms": 70.0,
+        "images": 3,
+    }
+    both = [contents(run(tmp_path / name, **options).folder) for name in ("a", "b")]
+    pictures = [{name: data for name, data in one.items() if name.endswith(".png")} for one in both]
+    assert pictures[0] == pictures[1] and pictures[0]
+
+
+def test_a_frame_that_never_arrives_leaves_the_last_one_on_the_screen_growing_old(tmp_path):
+    """A network in bursts of seconds: its first frames come through, then none for a while."""
+    network = LinkOptions.parse(loss="p=0.06,r=0.02", seed=2)
+    result = run(tmp_path, network=network, latency_ms=50.0, seconds=2.0)
+    rows = [row for row in rows_of(tmp_path) if row["eye"] == "0"]
+    ages, drawn = ([float(row[name]) for row in rows] for name in ("age_ms", "drawn_ns"))
+    assert max(ages) > 300
+    for earlier, later, frame, next_frame in zip(ages, ages[1:], drawn, drawn[1:], strict=False):
+        assert next_frame >= frame, "never back to an older frame"
+        if next_frame == frame:
+            assert later == pytest.approx(earlier + 1000 / 60, abs=0.01)
+    assert result.summary["link"]["frames"]["lost"] > 10
+
+
+def test_a_network_that_lets_nothing_through_is_refused_in_one_line(tmp_path):
+    with pytest.raises(InputError, match="no frame has arrived in time to be shown .*lost"):
+        run(tmp_path, network=LinkOptions.parse(loss="p=0,r=1,good=1"))
+    assert contents(tmp_path) == {}
+
+
+def test_an_unknown_codec_is_refused_before_anything_starts(tmp_path):
+    with pytest.raises(UnknownNameError, match="h264"):
+        run(tmp_path, coding=Coding("h265"))
+    assert contents(tmp_path) == {}

@@ -1,0 +1,135 @@
+"""Which refreshes a run has: counted right at both ends, no frame early, none lost, none older than it must be."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from replays import run, small
+
+from hmdwarp.errors import InputError
+from hmdwarp.link import Link, LinkOptions
+from hmdwarp.pipeline.build import refreshes_of
+from hmdwarp.poses import PoseTrack
+from hmdwarp.run.rig import timetable
+
+BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
+
+
+def track(seconds: float) -> PoseTrack:
+    time_ns = BEGIN_NS + np.array([0, round(seconds * 5e8), round(seconds * 1e9)])
+    return PoseTrack(time_ns, np.zeros((3, 3)), np.tile([0.0, 0, 0, 1], (3, 1)), name="made")
+
+
+def shown_ages(times, latency_ms: float) -> list[int | None]:
+    """What the loop would show: the age of the newest frame at every shown refresh, in ns, None where none has arrived."""
+    link: Link[int] = LinkOptions().link(times.link_latency_ns(small(latency_ms=latency_ms)))
+    ages = []
+    for now_ns, shown in times.instants():
+        link.send(now_ns, now_ns)
+        if shown:
+            drawn = link.newest(now_ns)
+            ages.append(None if drawn is None else now_ns - drawn)
+    return ages
+
+
+@settings(max_examples=300)
+@given(
+    latency_ms=st.one_of(st.floats(0, 3000), st.integers(0, 300).map(float)),
+    rate_hz=st.one_of(st.sampled_from([24.0, 59.94, 60.0, 72.0, 90.0, 120.0, 144.0, 128.0, 512.0]), st.floats(1, 1000)),
+    seconds=st.one_of(st.none(), st.floats(0.001, 1)),
+    start_s=st.floats(0, 4),
+)
+def test_every_shown_refresh_has_its_frame_at_its_age(latency_ms, rate_hz, seconds, start_s):
+    made = track(4.5)
+    assume(refreshes_of(latency_ms, rate_hz) / rate_hz <= 4.5)
+    times = timetable(made, small(latency_ms=latency_ms, start_s=start_s, seconds=seconds), rate_hz)
+    instants = list(times.instants())
+    shown = [at for at, is_shown in instants if is_shown]
+    period_ns = 1e9 / rate_hz
+
+    # From the start asked for, or from when a frame drawn at the trace's first instant is seen; half a ns is rounding.
+    earliest_s = max(start_s, times.age / rate_hz)
+    assert abs(shown[0] - (made.start_ns + earliest_s * 1e9)) <= 1
+    assert len(shown) == times.count and len(instants) == times.count + times.age
+    # Nothing is drawn before the trace or shown after its end.
+    assert instants[0][0] >= made.start_ns - 1 and shown[-1] <= made.end_ns + 1
+    steps = np.diff([at for at, _ in instants])
+    assert (np.abs(steps - period_ns) <= 1).all()
+
+    ages = shown_ages(times, latency_ms)
+    assert None not in ages
+    # Never early (but for the thousandth of a refresh that counts as none), and no more than one refresh late.
+    assert all(latency_ms * 1e6 - 1e-3 * period_ns - 2 <= age < latency_ms * 1e6 + period_ns + 2 for age in ages)
+    assert max(ages) - min(ages) <= 2
+    assert all(abs(age - times.age_ns) <= 2 for age in ages)
+
+
+@given(rate_hz=st.floats(1, 1000), seconds=st.floats(0.001, 3), length_s=st.floats(1, 3))
+def test_as_many_refreshes_as_fit(rate_hz, seconds, length_s):
+    times = timetable(track(length_s), small(latency_ms=0.0, seconds=seconds), rate_hz)
+    wanted = min(seconds, round(length_s * 1e9) * 1e-9) * rate_hz
+    assert times.count == max(1, math.floor(wanted + 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("latency_ms", "rate_hz", "age"),
+    [(0, 60, 0), (200, 60, 12), (200, 90, 18), (205, 60, 13), (1, 60, 1), (16.67, 60, 1), (16.7, 60, 2), (16.6667, 60, 1), (33.3, 60, 2),
+     (33.4, 60, 3), (11.11, 90, 1), (2500, 72, 180)],
+)  # fmt: skip
+def test_ages_people_would_expect(latency_ms, rate_hz, age):
+    assert refreshes_of(latency_ms, rate_hz) == age
+
+
+@pytest.mark.parametrize(("seconds", "count"), [(1.0, 60), (0.5, 30), (100.0, 108), (None, 108), (0.0001, 1)])
+def test_counts_at_the_end_of_the_trace(seconds, count):
+    """2 s of trace less 200 ms until the first frame arrives: 1.8 s, 108 refreshes of 60 Hz, the last one period before the end."""
+    times = timetable(track(2.0), small(seconds=seconds), 60.0)
+    shown = [at for at, is_shown in times.instants() if is_shown]
+    assert len(shown) == count
+    assert shown[0] == BEGIN_NS + 200_000_000
+    if count == 108:
+        assert abs(shown[-1] + 1e9 / 60 - (BEGIN_NS + 2_000_000_000)) <= 1
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [({"start_s": 2.0}, "start 2 s.*2.000 s long"), ({"start_s": 1e6}, "start"), ({"latency_ms": 2001.0}, "latency 2001 ms is longer"),
+     ({"latency_ms": 1999.0}, "latency 1999 ms is longer"), ({"latency_ms": 1e9}, "latency")],
+)  # fmt: skip
+def test_nothing_to_show_is_refused(options, told):
+    """1999 ms is 120 refreshes after drawing at 60 Hz, 2000 ms: the last of them would be at 2.0167 s."""
+    with pytest.raises(InputError, match=told):
+        timetable(track(2.0) if options.get("latency_ms") != 1999.0 else track(1.9995), small(**options), 60.0)
+
+
+def test_a_single_sample_is_no_motion():
+    one = PoseTrack(np.array([7]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), name="one")
+    with pytest.raises(InputError, match="single sample"):
+        timetable(one, small(), 60.0)
+
+
+@pytest.mark.parametrize(("latency_ms", "age_ms"), [(0.0, 0.0), (10.0, 1000 / 60), (50.0, 50.0), (205.0, 13000 / 60)])
+def test_rows_of_a_run_have_that_age(latency_ms, age_ms, tmp_path):
+    rows = run(tmp_path, latency_ms=latency_ms, seconds=0.2).rows
+    assert len(rows) == 24
+    assert rows[0]["time_s"] == pytest.approx(age_ms * 1e-3, abs=2e-9)
+    assert {row["frame"] for row in rows} == set(range(12))
+    # The instants are whole nanoseconds.
+    assert all(row["age_ms"] == pytest.approx(age_ms, abs=2e-6) for row in rows)
+    assert all(row["drawn_ns"] >= 0 for row in rows)
+
+
+def test_a_whole_trace_is_shown_to_its_end(tmp_path):
+    path = tmp_path / "short.txt"
+    path.write_text(
+        "# timestamp tx ty tz qx qy qz qw\n" + "".join(f"{i / 50} 0 1.6 0 0 0 0 1\n" for i in range(51)),
+        encoding="utf-8",
+    )
+    for seconds in (None, 77.0):
+        rows = run(tmp_path / "out", trace=str(path), seconds=seconds).rows
+        assert [row["frame"] for row in rows[::2]] == list(range(48))  # 0.8 s at 60 Hz
+        assert {row["pose_origin"] for row in rows} <= {"measured", "interpolated"}

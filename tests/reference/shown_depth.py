@@ -1,0 +1,40 @@
+"""Twin of the shown depth: late points put into the world, looked at from the shown eye, carried along by the warp's own twin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import attrs
+import numpy as np
+
+from hmdwarp.geometry import View
+from reference._rays import Array, project, world_directions
+from reference.picture import HALF_UNIT, Asked, LatePicture, ReferencePicture
+
+LARGEST_HALF = 65504.0
+
+
+def shown_depth(asked: Asked, twin: Callable[[Asked], ReferencePicture]) -> ReferencePicture:
+    """The warp's answer on pictures that hold in red what inverse depth in 1/m each pixel has for the shown eye; coverage 0: not known."""
+    own = LatePicture(asked.colour, asked.inverse_depth, asked.rendered)
+    swapped = attrs.evolve(
+        asked,
+        colour=_as_colour(own, asked.shown),
+        layers=tuple(attrs.evolve(layer, colour=_as_colour(layer, asked.shown)) for layer in asked.layers),
+        others=tuple(attrs.evolve(other, colour=_as_colour(other, asked.shown)) for other in asked.others),
+    )
+    found = twin(swapped)
+    stored_once_more = HALF_UNIT * np.abs(found.colour[..., 0])
+    return attrs.evolve(found, tolerance=found.tolerance + 2 * stored_once_more)
+
+
+def _as_colour(picture: LatePicture, shown: View) -> Array:
+    size = picture.inverse_depth.shape[::-1]
+    offset_m = picture.view.pose.position_m - shown.pose.position_m
+    _, depth, w = project(
+        world_directions(picture.view, size), offset_m, np.maximum(picture.inverse_depth, 0), shown, size
+    )
+    known = (picture.inverse_depth >= 0) & (w > 0) & (np.nan_to_num(depth, nan=np.inf) <= LARGEST_HALF)
+    out = np.zeros((*picture.inverse_depth.shape, 4))
+    out[known, 0], out[known, 3] = depth[known], 1
+    return out

@@ -1,0 +1,310 @@
+"""Whole runs that choose their warp: from a benchmark's figures or a trial of their own, within a budget, down and up again."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import time
+from pathlib import Path
+
+import attrs
+import pytest
+from bench_files import AMPLE_MS, PAIRS, a_bench, a_row
+from replays import contents, rows_of, run, small
+
+from hmdwarp.auto.adaptive import AdaptiveCompensator
+from hmdwarp.auto.governor import Governor
+from hmdwarp.auto.levels import QualityLevel
+from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.plan import build_plan
+from hmdwarp.client.variants import every_warp
+from hmdwarp.errors import InputError, PlanError
+from hmdwarp.frames.frame import EyeImage, Layer, Needs
+from hmdwarp.pipeline.planning import build_plan_for
+from hmdwarp.report.schema import validate_summary
+from hmdwarp.run.bench_levels import ladder_from_file, read_rows
+from hmdwarp.run.rig import build_rig
+from hmdwarp.run.trial import FILLS, candidates, lens_ms, tried
+
+CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
+
+
+def auto(path: Path, **options):
+    """Options of a small run that chooses."""
+    return {"warp": "auto", "budget_ms": AMPLE_MS, "bench": path, **options}
+
+
+# --- what is refused -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "options, told",
+    [
+        ({"warp": "auto"}, "--budget MS"),
+        ({"budget_ms": 5.0}, "only warp 'auto' keeps to a budget; warp 'forward'"),
+        ({"bench": "b.json"}, "only warp 'auto' chooses from a benchmark"),
+        ({"warp": "auto", "budget_ms": 0.0}, "wanted a number above 0 ms"),
+        ({"warp": "auto", "budget_ms": 5.0, "fused": True}, "fused with warp 'auto'"),
+    ],
+)
+def test_options_that_make_no_sense(options, told):
+    with pytest.raises(InputError, match=re.escape(told)):
+        small(**options)
+
+
+@pytest.mark.parametrize(
+    "text, told",
+    [
+        (None, "No such file"),
+        ("rows", "no JSON"),
+        pytest.param("[" * 100_000, "no JSON", id="nested"),
+        ("[1]", "no list of 'rows'"),
+        ('{"schema": 1}', "no list of 'rows'"),
+        ('{"schema": 2, "rows": []}', "its schema is 2, this program reads 1"),
+        ('{"schema": 1, "rows": [{"schema": 1}]}', "row 0: 'hmdwarp' is missing"),
+    ],
+)
+def test_files_that_are_no_benchmark(tmp_path, text, told):
+    path = tmp_path / "b.json"
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(f"{path}: ")) as caught:
+        read_rows(path)
+    assert told in str(caught.value)
+
+
+ODD = [None, True, 0, -1, 10**400, 1e308, "", "x", [], [[1]], {}, {"a": []}]
+
+
+@pytest.mark.parametrize("value", ODD, ids=repr)
+def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_path, value):
+    good = a_row("none", "none", 1.0, 0.3, rate_hz=60.0, predict="none")
+    damaged = [{**good, key: value} for key in good]
+    damaged += [
+        {**good, table: {**good[table], name: value}} for table in ("time_ms", "quality") for name in good[table]
+    ]
+    damaged += [
+        {**good, table: {**good[table], name: {**good[table][name], figure: value}}}
+        for table in ("time_ms", "quality") for name in good[table] for figure in good[table][name]
+    ]  # fmt: skip
+    path = tmp_path / "b.json"
+    for row in damaged:
+        a_bench(path, [row, good])
+        for lens in ("none", "radial"):
+            try:
+                found = ladder_from_file(path, small(**auto(path), headset="rift-dk1", lens=lens), lambda options: 0.1)
+            except InputError as error:
+                assert "b.json" in str(error) and "\n" not in str(error)
+            else:
+                assert found.levels and found.notes_on("this one", 2) is not None
+
+
+def test_a_budget_in_which_nothing_fits(tmp_path):
+    with pytest.raises(InputError, match=r"the cheapest, none, takes 1000\.00 ms per eye"):
+        run(tmp_path / "out", **auto(a_bench(tmp_path / "b.json"), budget_ms=1.0))
+    assert not (tmp_path / "out").exists()
+
+
+# --- from a file ---------------------------------------------------------------------------------------------------------
+
+
+def test_rows_of_the_run_s_size_come_first(tmp_path):
+    rows = [a_row("none", "none", 1.0, 0.3), a_row("none", "none", 99.0, 0.3, size=[1920, 1080])]
+    found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    assert [level.total_ms for level in found.levels] == [1.0]
+    assert found.notes == ()
+
+
+def test_another_size_counts_in_proportion(tmp_path):
+    rows = [a_row("none", "none", 8.0, 0.3, size=[192, 160]), a_row("none", "none", 1.0, 0.3, size=[48, 40])]
+    found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    assert [level.total_ms for level in found.levels] == [2.0]
+    assert found.notes == (
+        "b.json was measured at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 times.",
+    )
+
+
+def test_what_this_program_has_not_is_left_out(tmp_path):
+    rows = [
+        a_row("none", "none", 1.0, 0.3),
+        a_row("teleport", "none", 2.0, 0.1),
+        a_row("forward:x=1", "none", 2.0, 0.1),
+    ]
+    found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    assert [level.warp for level in found.levels] == ["none"]
+    assert [note.partition(" is left out")[0] for note in found.notes] == [
+        "b.json: warp 'forward:x=1' with fill 'none'", "b.json: warp 'teleport' with fill 'none'"
+    ]  # fmt: skip
+    with pytest.raises(InputError, match="nothing of its 1 rows can be run here"):
+        ladder_from_file(a_bench(tmp_path / "b.json", rows[1:2]), small(**auto(tmp_path)), lens_ms)
+
+
+def test_the_lens_of_the_run_counts(tmp_path):
+    """Rows with a lens of 2 ms: without it for a run without one, and with what is measured for a run with another."""
+    with_lens = a_row("none", "none", 5.0, 0.3, lens="radial")
+    with_lens["time_ms"]["lens"] = {"median": 2.0, "p95": 2.0}
+    path, plain = a_bench(tmp_path / "b.json", [with_lens]), small(**auto(tmp_path))
+    (level,) = ladder_from_file(path, plain, lambda _: 1e3).levels
+    assert level.total_ms == 3.0
+    path = a_bench(tmp_path / "b.json", [a_row("none", "none", 5.0, 0.3)])
+    lensed = attrs.evolve(plain, lens="radial", headset="rift-dk1")
+    found = ladder_from_file(path, lensed, lambda _: 1e3)
+    assert found.levels[0].total_ms == 1005.0
+    assert found.notes == ("b.json was measured with lens none: lens radial counts instead, with 1000.00 ms.",)
+
+
+def test_the_lens_is_timed_here():
+    assert 0 < lens_ms(small(lens="radial", headset="rift-dk1", warp="auto", budget_ms=1.0)) < AMPLE_MS
+
+
+def test_other_terms_are_told(tmp_path):
+    rows = [a_row("none", "none", 1.0, 0.3, guard=1.5, latency_ms=400.0, scene="room")]
+    (note,) = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms).notes
+    assert (
+        note
+        == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room (this run: planes)."
+    )
+
+
+# --- a run ---------------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
+    """Every byte of the pictures is what the chosen warp alone would show, and the log says which it was."""
+    chosen = run(tmp_path / "auto", images=2, **auto(a_bench(tmp_path / "b.json")))
+    alone = run(tmp_path / "alone", images=2, warp="forward", fill="interpolate")
+    pictures = [
+        {n: d for n, d in contents(tmp_path / name).items() if n.startswith("images/")} for name in ("auto", "alone")
+    ]
+    assert pictures[0] and pictures[0] == pictures[1]
+    assert chosen.summary["quality"] == alone.summary["quality"]
+    validate_summary(chosen.summary)
+    assert (chosen.summary["warp"], chosen.summary["fill"]) == ("auto", "auto")
+    told = chosen.summary["auto"]
+    assert (told["budget_ms"], told["changes"]) == (AMPLE_MS, [])
+    assert [(level["name"], level["refreshes"]) for level in told["ladder"]] == [(CHEAP, 0), (MIDDLE, 0), (BEST, 30)]
+    assert {(row["warp"], row["fill"]) for row in rows_of(tmp_path / "auto")} == {("forward", "interpolate")}
+    assert any(note.startswith("Warp 'auto' began with forward + interpolate") for note in chosen.summary["notes"])
+    assert any(note.startswith("The benchmark was run on somebody's with 1 cores") for note in chosen.summary["notes"])
+
+
+def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch):
+    """The best rung really takes 150 ms for a while, where there are 100; otherwise both take a few at 96x80."""
+    if gpu.timer.clock != "wall":
+        pytest.skip("how long it works is told by the wall clock, of which GPU timers see a part")
+    refresh = itertools.count()
+
+    class Busy(Compensator):
+        """Does all its work over and over while the machine is meant to be busy with something else."""
+
+        now = 0
+
+        def run(self, inputs):
+            Busy.now = next(refresh) if inputs.eye == 0 else Busy.now
+            began, working = time.perf_counter(), True
+            while working:
+                result = super().run(inputs)
+                busy = 20 <= Busy.now < 40 and self.plan.warp.name == "forward"
+                working = busy and time.perf_counter() - began < 0.15
+            return result
+
+    monkeypatch.setattr("hmdwarp.pipeline.build.Compensator", Busy)
+    rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
+    options = auto(a_bench(tmp_path / "b.json", rows), budget_ms=100.0, seconds=3.0, metrics_every=30)
+    summary = run(tmp_path / "out", **options).summary
+    down, up = summary["auto"]["changes"]
+    assert (down["from"], down["to"]) == (BEST, CHEAP) and (up["from"], up["to"]) == (CHEAP, BEST)
+    # The fourth refresh that is far over the budget is the last one of the kind.
+    assert down["frame"] == 23
+    assert "over the budget" in down["reason"] and "expected within 95%" in up["reason"]
+    log = rows_of(tmp_path / "out")
+    ran = [row["warp"] for row in log]
+    for change in (down, up):
+        at = 2 * change["frame"]
+        assert len({*ran[at : at + 2]}) == 1 and len({*ran[at + 2 : at + 4]}) == 1, "both eyes change together"
+        assert ran[at + 1] != ran[at + 2]
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "What was chosen" in page and "over the budget" in page
+
+
+def test_it_would_try_all_that_the_run_can_have(monkeypatch):
+    options = small(warp="auto", budget_ms=AMPLE_MS)
+    every = set(itertools.product(every_warp(), FILLS))
+    assert {(c.warp, c.fill) for c in candidates(options)} == every
+
+    def picky(one, *inputs):
+        if one.warp == "rotation":
+            raise PlanError("not in this run")
+        return build_plan_for(one, *inputs)
+
+    monkeypatch.setattr("hmdwarp.run.trial.build_plan_for", picky)
+    assert {(c.warp, c.fill) for c in candidates(options)} == {pair for pair in every if pair[0] != "rotation"}
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """A trial of three warps: pictures of all would take FLIP half a minute on a busy machine."""
+    monkeypatch.setattr(
+        "hmdwarp.run.trial.candidates",
+        lambda options: [c for c in candidates(options) if c.warp in {w for w, _ in PAIRS}],
+    )
+
+
+def test_a_trial_of_its_own(few):
+    said: list[str] = []
+    found = tried(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3), said.append)
+    assert len(said) == 1 and said[0].startswith("trying 9 combinations")
+    assert found.machine is None and found.notes[0].startswith("Warp 'auto' tried")
+    times, errors = [level.total_ms for level in found.levels], [level.error for level in found.levels]
+    assert times == sorted(times) and errors == sorted(errors, reverse=True) and len(times) > 1
+
+
+def test_a_run_with_a_trial_of_its_own(few, tmp_path):
+    """It begins with the best of what it found, whatever that was."""
+    summary = run(tmp_path, warp="auto", budget_ms=AMPLE_MS, seconds=0.3).summary
+    assert summary["auto"]["ladder"][-1]["refreshes"] == summary["frames"]
+
+
+def test_a_trial_leaves_out_what_is_out_of_reach(few):
+    options = small(warp="auto", budget_ms=1e-6, seconds=0.3)
+    found = tried(options, lambda text: None)
+    assert len({level.warp for level in found.levels}) == 1  # the cheapest stays, to be told in the refusal
+    assert "took more than 2 times the budget" in found.notes[0]
+
+
+# --- the compensator -----------------------------------------------------------------------------------------------------
+
+
+def test_each_rung_gets_what_it_would_get_alone():
+    """What frames carry for a rung that wants layers and a cube is not handed to one that does not."""
+
+    @attrs.define(eq=False)
+    class Noted:
+        plan: object
+        inputs: object = None
+
+        def run(self, inputs):
+            self.inputs = inputs
+
+    @attrs.define(eq=False)
+    class PlanLike:
+        needs: Needs
+
+    levels = (QualityLevel("plain", "none", 1.0, 0.2), QualityLevel("rich", "none", 2.0, 0.1))
+    plain, rich = Noted(PlanLike(Needs())), Noted(PlanLike(Needs(layers=1, cube=True)))
+    inputs = PassInputs(EyeImage(None, None, None, (Layer(None, None), Layer(None, None)), cube="cube"), None)
+    AdaptiveCompensator(Governor(levels, 1.5), dict(zip(levels, (plain, rich), strict=True))).run(inputs)
+    assert (plain.inputs.rendered.layers, plain.inputs.rendered.cube) == ((), None)
+    AdaptiveCompensator(Governor(levels, 2.5), dict(zip(levels, (plain, rich), strict=True))).run(inputs)
+    assert (len(rich.inputs.rendered.layers), rich.inputs.rendered.cube) == (1, "cube")
+
+
+def test_a_rig_compiles_every_rung_at_the_start(tmp_path):
+    levels = ladder_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path)), lens_ms).levels
+    with build_rig(small(**auto(tmp_path)), levels=levels) as rig:
+        compiled = rig.gpu.shaders.compiled
+        for level in levels:
+            one = rig.compensator(build_plan(rig.scene.effects, level.warp, level.fill, "none", client_geometry=True))
+            one.close()
+        assert rig.gpu.shaders.compiled == compiled

@@ -1,0 +1,388 @@
+"""Whole replays: what they write, that every choice in the registries runs, and that each option does what it says."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import re
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import pytest
+from PIL import Image
+from replays import contents, rows_of, run, small
+
+from hmdwarp.client.fills import fills
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.warps import warps
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.poses import Origin, load_trace
+from hmdwarp.poses.formats import FORMATS
+from hmdwarp.report.files import write_text
+from hmdwarp.report.schema import FRAME_COLUMNS, validate_summary
+from hmdwarp.run.rig import build_rig
+from hmdwarp.version import __version__
+
+QUALITY_AT = ("psnr_db", "ssim", "flip", "hole_share", "border_share")
+
+
+@pytest.fixture(scope="module")
+def full(tmp_path_factory):
+    """One second of everything: 60 refreshes, both warps, video, pictures."""
+    out = tmp_path_factory.mktemp("full") / "made" / "here"
+    result = run(
+        out, trace="walk", seconds=1.0, fill="interpolate", lens="radial", headset="rift-dk1", against="none", images=3, video=True,
+        command="hmdwarp replay walk", workers=1,
+    )  # fmt: skip
+    return out, result
+
+
+def test_writes_what_design_says_and_nothing_else(full):
+    out, _ = full
+    pictures = {f"images/frame-{number:06d}-{eye}.png" for number in (0, 20, 40) for eye in ("left", "right")}
+    assert set(contents(out)) == {"summary.json", "frames.csv", "report.html", "replay.mp4"} | pictures
+
+
+def test_summary_keeps_to_the_schema(full):
+    out, result = full
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    validate_summary(summary)
+    assert summary == json.loads(json.dumps(result.summary))
+    asked = {"trace": "walk", "scene": "planes", "effects": [], "latency_ms": 200.0, "warp": "forward", "fill": "interpolate",
+             "lens": "radial", "headset": "rift-dk1", "size": [96, 80], "frames": 60, "hmdwarp": __version__}  # fmt: skip
+    assert {key: summary[key] for key in asked} == asked
+    assert summary["against"]["warp"] == "none"
+    assert set(summary["against"]["quality"]) == set(summary["quality"])
+
+
+def test_a_row_per_frame_and_eye(full):
+    out, _ = full
+    rows = rows_of(out)
+    assert tuple(rows[0]) == FRAME_COLUMNS
+    assert [(int(row["frame"]), int(row["eye"])) for row in rows] == list(itertools.product(range(60), (0, 1)))
+    track = load_trace("walk").track
+    for row in rows:
+        assert int(row["shown_ns"]) - int(row["drawn_ns"]) == pytest.approx(float(row["age_ms"]) * 1e6, abs=0.5)
+        assert float(row["time_s"]) == pytest.approx((int(row["shown_ns"]) - track.start_ns) * 1e-9)
+        assert row["pose_origin"] == Origin(track.at(int(row["shown_ns"])).origin).name.lower()
+        stages = [float(row[f"{stage}_ms"]) for stage in ("warp", "fill", "effects", "lens")]
+        assert float(row["total_ms"]) == pytest.approx(sum(stages))
+        assert stages[0] > 0 and stages[1] > 0 and stages[2] == 0 and stages[3] > 0
+        assert all((row[name] != "") == (int(row["frame"]) % 5 == 0) for name in QUALITY_AT)
+    # Flicker needs the refresh before, which the first one has not.
+    assert {int(row["frame"]) for row in rows if row["flicker"]} == set(range(5, 60, 5))
+
+
+def test_summary_figures_are_those_of_the_rows(full):
+    out, result = full
+    rows = rows_of(out)
+    for name in (*QUALITY_AT, "flicker"):
+        values = [float(row[name]) for row in rows if row[name]]
+        assert result.summary["quality"][name]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
+    assert result.summary["time_ms"]["warp"]["median"] == np.median([float(row["warp_ms"]) for row in rows])
+
+
+def test_speeds_are_the_heads(full):
+    """Against differences of the trace's own rotations by SciPy; walking is slower than 3 m/s."""
+    out, _ = full
+    track = load_trace("walk").track
+    for row in rows_of(out)[::20]:
+        at = int(row["shown_ns"])
+        before, after = track.at(at - 5_000_000).pose, track.at(at + 5_000_000).pose
+        turned = math.degrees((before.rotation.inv() * after.rotation).magnitude()) / 0.01
+        assert float(row["angular_speed_deg_s"]) == pytest.approx(turned, rel=1e-6, abs=1e-6)
+        assert float(row["linear_speed_m_s"]) == pytest.approx(
+            np.linalg.norm(after.position_m - before.position_m) / 0.01
+        )
+        assert 0 < float(row["linear_speed_m_s"]) < 3
+
+
+def test_pictures_can_be_opened_and_differ(full):
+    out, _ = full
+    found = [np.asarray(Image.open(path).convert("RGB")) for path in sorted((out / "images").iterdir())]
+    assert len({picture.shape for picture in found}) == 1
+    assert all(picture.std() > 10 for picture in found)
+    assert not np.array_equal(found[0], found[2])
+
+
+def test_page_stands_alone(full):
+    out, _ = full
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "hmdwarp replay walk" in page and "<svg" in page and "data:image/" in page
+    assert not re.search(r"""(?:src|href)\s*=\s*["']?(?!data:|#)[^"'\s>]+""", page), "the page asks for another file"
+
+
+def test_video_has_every_refresh(full):
+    import av
+
+    out, _ = full
+    with av.open(str(out / "replay.mp4")) as video:
+        stream = video.streams.video[0]
+        frames = [frame.to_ndarray(format="rgb24") for frame in video.decode(stream)]
+        assert (stream.width, stream.height, float(stream.average_rate)) == (192, 80, 60.0)
+    assert len(frames) == 60
+    assert np.std(frames[0]) > 10
+
+
+def test_progress_counts_up_to_all(tmp_path):
+    from hmdwarp.run.replay import replay
+
+    seen = []
+    replay(small(tmp_path), lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (30, 30)
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
+
+
+@pytest.mark.parametrize(
+    ("warp", "fill", "lens"), list(itertools.product(warps.names(), fills.names(), lenses.names()))
+)
+def test_every_combination_runs(warp, fill, lens, tmp_path):
+    result = run(tmp_path, warp=warp, fill=fill, lens=lens, headset="rift-dk1", seconds=0.1)
+    validate_summary(result.summary)
+    assert (result.summary["warp"], result.summary["fill"], result.summary["lens"]) == (warp, fill, lens)
+    assert result.summary["frames"] == 6
+    for row in result.rows:
+        assert row["warp_ms"] > 0
+        assert (row["fill_ms"] > 0) == (fill != "none")
+        assert (row["lens_ms"] > 0) == (lens != "none")
+    assert all(math.isfinite(result.summary["quality"][name]["mean"]) for name in QUALITY_AT)
+
+
+# --- options -------------------------------------------------------------------------------------------------------------
+
+
+def test_start_and_seconds_choose_the_part(tmp_path):
+    rows = run(tmp_path, start_s=3.0, seconds=0.25).rows
+    assert rows[0]["time_s"] == pytest.approx(3.0)
+    assert rows[-1]["time_s"] == pytest.approx(3.0 + 14 / 60)
+
+
+def test_rate_sets_the_refreshes(tmp_path):
+    rows = run(tmp_path, rate_hz=90.0, seconds=0.2).rows[::2]
+    assert len(rows) == 18
+    assert {rows[i + 1]["shown_ns"] - rows[i]["shown_ns"] for i in range(17)} <= {11_111_111, 11_111_112}
+
+
+def test_without_a_rate_and_a_size_the_headset_decides(tmp_path):
+    text = Path("hmdwarp/headsets/flat-90.toml")
+    source = (Path(__file__).resolve().parents[2] / text).read_text(encoding="utf-8")
+    mine = tmp_path / "mine.toml"
+    mine.write_text(
+        re.sub(r"eye_size_px = .*", "eye_size_px = [48, 40]", source).replace('name = "flat-90"', 'name = "mine"'),
+        encoding="utf-8",
+    )
+    result = run(tmp_path / "out", headset=str(mine), size=None, rate_hz=None, seconds=0.1)
+    assert result.summary["headset"] == "mine"
+    assert result.summary["size"] == [48, 40]
+    assert result.summary["rate_hz"] == 90.0
+    assert result.summary["frames"] == 9
+
+
+def test_guard_takes_the_border_away(tmp_path):
+    """A guard of 1.5 adds 22 degrees on each side of 90: more than look-around turns within 200 ms here."""
+    summaries = [run(tmp_path / str(guard), warp="rotation", guard=guard).summary for guard in (1.0, 1.2, 1.5)]
+    shares = [summary["quality"]["border_share"]["mean"] for summary in summaries]
+    assert shares[0] > 2 * shares[1] > 0
+    assert shares[2] == 0
+
+
+def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
+    """At 50 ms, within the horizon, the predicted pose leaves less to warp away: fewer holes at the border."""
+    wanted = {"trace": "reversals", "latency_ms": 50.0, "warp": "rotation", "start_s": 2.0, "seconds": 2.0}
+    plain = run(tmp_path / "a", **wanted).summary
+    ahead = run(tmp_path / "b", predict="constant_velocity", **wanted).summary
+    none_ahead = run(tmp_path / "c", predict="constant_velocity", horizon_ms=0.0, **wanted).summary
+    assert ahead["predict"] == "constant_velocity"
+    assert ahead["quality"]["hole_share"]["mean"] < 0.6 * plain["quality"]["hole_share"]["mean"]
+    # The last sample known is up to one sample older than the head at that instant.
+    assert none_ahead["quality"]["hole_share"]["mean"] >= plain["quality"]["hole_share"]["mean"]
+
+
+def test_against_compares_with_another_warp(tmp_path):
+    result = run(tmp_path / "a", warp="rotation", against="none")
+    alone = run(tmp_path / "b", warp="none")
+    assert result.against is not None
+    assert result.against["quality"] == alone.summary["quality"]
+    assert result.summary["against"]["quality"] == alone.summary["quality"]
+    assert result.against["time_ms"]["warp"]["median"] > 0
+
+
+@pytest.mark.parametrize("against", ["", "rotation"])
+def test_without_a_different_warp_there_is_no_comparison(against, tmp_path):
+    result = run(tmp_path, warp="rotation", against=against, seconds=0.1)
+    assert result.against is None and "against" not in result.summary
+
+
+@pytest.mark.parametrize("every", [1, 3, 7, 100])
+def test_every_nth_refresh_is_measured(every, tmp_path):
+    rows = run(tmp_path, metrics_every=every, seconds=0.3).rows
+    assert [row["frame"] for row in rows if row["psnr_db"] is not None] == [
+        n for n in range(18) if n % every == 0 for _ in (0, 1)
+    ]
+    assert {row["frame"] for row in rows if row["flicker"] is not None} == {n for n in range(1, 18) if n % every == 0}
+
+
+@pytest.mark.parametrize("images", [0, 1, 4, 1000])
+def test_about_as_many_pictures_as_asked_for(images, tmp_path):
+    run(tmp_path, images=images, metrics_every=2)  # 15 measured refreshes
+    kept = {path.stem.split("-")[1] for path in (tmp_path / "images").glob("*.png")}
+    assert len(kept) == {0: 0, 1: 1, 4: 4, 1000: 15}[images]
+
+
+def test_a_second_run_replaces_the_first_and_touches_nothing_else(tmp_path):
+    run(tmp_path, images=4, metrics_every=2, video=True)
+    write_text(tmp_path / "notes.txt", "mine")
+    write_text(tmp_path / "images" / "mine.png", "mine")
+    run(tmp_path, images=1, metrics_every=2)
+    pictures = {"images/frame-000000-left.png", "images/frame-000000-right.png"}
+    mine = {"notes.txt", "images/mine.png"}
+    assert set(contents(tmp_path)) == {"summary.json", "frames.csv", "report.html"} | pictures | mine
+
+
+def test_scene_of_ones_own(tmp_path):
+    import trimesh
+
+    box = trimesh.creation.box((2.0, 2.0, 0.5))
+    box.visual.face_colors = np.random.default_rng(1).integers(30, 255, (len(box.faces), 4)).astype(np.uint8)
+    box.export(tmp_path / "box.glb")
+    result = run(tmp_path / "out", trace="still", scene=str(tmp_path / "box.glb"), seconds=0.1)
+    assert result.summary["scene"] == "box"
+    assert "moved" in " ".join(result.summary["notes"])  # the head of the trace stands elsewhere than before this box
+    picture = seen_centre(tmp_path / "box.glb")
+    assert picture[..., :3].std() > 0.01 and (picture[..., 3] == 1).all()
+
+
+def seen_centre(scene: Path) -> np.ndarray:
+    """The middle of what the left eye is shown in the first refresh."""
+    from replays import seen
+
+    shown = seen(small(trace="still", scene=str(scene), warp="none", seconds=0.05))[0].shown
+    return shown[20:60, 24:72]
+
+
+@pytest.mark.parametrize("name", [f.name for f in FORMATS if f.writes])
+def test_traces_in_other_formats(name, tmp_path):
+    """The same head written in each format is the same replay: same poses, so the same figures."""
+    track = load_trace("look-around").track
+    path = tmp_path / "head.txt"
+    with path.open("w", encoding="utf-8") as stream:
+        FORMATS.get(name).write(track, stream)
+    other = run(tmp_path / "a", trace=str(path))
+    own = run(tmp_path / "b", trace="look-around")
+    assert other.summary["trace"] == "head"
+    for figure, value in own.summary["quality"].items():
+        # EuRoC and TUM may lose the last digits of a pose: 1e-6 of a pixel, which rounding to bytes turns into single grey levels.
+        assert other.summary["quality"][figure]["mean"] == pytest.approx(value["mean"], rel=1e-3), figure
+
+
+def test_trace_options_reach_the_reader(tmp_path):
+    from hmdwarp.poses.options import TraceOptions
+
+    rows = "".join(f"{i} 0 0 {0.001 * i:.4f} 0 0 0 1\n" for i in range(100))
+    path = tmp_path / "head.txt"
+    path.write_text(rows, encoding="utf-8")
+    result = run(
+        tmp_path / "out", trace=str(path), seconds=0.2, trace_options=TraceOptions(format="tum", rate=50.0, scale=0.5)
+    )
+    assert result.rows[0]["linear_speed_m_s"] == pytest.approx(0.001 * 0.5 * 50, rel=1e-6)
+
+
+# --- frames and memory ---------------------------------------------------------------------------------------------------
+
+
+class Made:
+    """Counts what is made on the GPU from here on."""
+
+    KINDS = (
+        "texture",
+        "buffer",
+        "framebuffer",
+        "depth_renderbuffer",
+        "renderbuffer",
+        "vertex_array",
+        "program",
+        "compute_shader",
+        "query",
+    )
+
+    def __init__(self, monkeypatch) -> None:
+        self.count = dict.fromkeys(self.KINDS, 0)
+        for kind in self.KINDS:
+            self._watch(monkeypatch, kind)
+
+    def _watch(self, monkeypatch, kind: str) -> None:
+        make = getattr(moderngl.Context, kind)
+
+        def counted(*args: object, **options: object) -> object:
+            self.count[kind] += 1
+            return make(*args, **options)
+
+        monkeypatch.setattr(moderngl.Context, kind, counted)
+
+
+@pytest.mark.parametrize("warp", ["forward", "backward"])
+def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
+    """At the second one the frame being drawn, the one shown and those under way exist together for the first time."""
+    from hmdwarp.run.replay import replay
+
+    made, after = Made(monkeypatch), {}
+    passes = {"warp": warp, "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "planar"}
+    options = small(tmp_path, **passes, metrics_every=1, seconds=0.2)
+    replay(options, lambda done, total: after.setdefault(done, dict(made.count)))
+    assert after[12] == after[2]
+    assert after[2]["texture"] > after[0]["texture"] > 0  # the counting works
+
+
+def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
+    """60 s against 2 s: as many textures and buffers ever made, as many frames ever held."""
+    from hmdwarp.poses.synth import synthesise
+    from hmdwarp.run.replay import replay
+
+    path = tmp_path / "long.csv"
+    with path.open("w", encoding="utf-8") as stream:
+        FORMATS.get("native").write(synthesise("look-around", seed=5, seconds=61), stream)
+    counts, held = [], []
+    for seconds in (2.0, 60.0):
+        with monkeypatch.context() as patch:
+            made = Made(patch)
+            result = replay(
+                small(tmp_path / "out", trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0, metrics_every=50)
+            )
+            assert result.summary["frames"] == 20 * seconds
+            counts.append(made.count)
+        held.append(most_held(small(trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0)))
+    assert counts[0] == counts[1]
+    assert held == [
+        (5, 12),
+        (5, 12),
+    ]  # 200 ms at 20 Hz: 4 under way, 1 shown; 1 more, being drawn, has textures; 2 eyes
+
+
+def most_held(options) -> tuple[int, int]:
+    """The most frames the link held and the targets the server made."""
+    with build_rig(options) as rig:
+        most = 0
+        for instant_ns, shown in rig.timetable.instants():
+            rig.loop.draw(instant_ns)
+            if shown:
+                rig.loop.show(instant_ns)
+            most = max(most, len(rig.channel.link))
+        return most, rig.server.pool(rig.size).made
+
+
+def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch):
+    from hmdwarp.run.replay import replay
+
+    run(tmp_path, images=1)
+    before = contents(tmp_path)
+
+    def stop(done: int, total: int) -> None:
+        if done == 7:
+            raise HmdwarpError("stopped")
+
+    with pytest.raises(HmdwarpError, match="stopped"):
+        replay(small(tmp_path, images=3, video=True, workers=1), stop)
+    assert contents(tmp_path) == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["frames.csv", "images", "report.html", "summary.json"]
