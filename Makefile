@@ -23,7 +23,7 @@ PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-openxr test-kill bench-quick bench-live docs
+.PHONY: help setup replay test test-openxr test-kill bench-quick bench-live site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -51,6 +51,9 @@ bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same f
 
 bench-live: setup  ## what a refresh of 'live' costs beside OpenGL (OPTIONS=--gc: what garbage collection does to it)
 	@.venv/bin/python tests/bench_live.py $(OPTIONS)
+
+site: setup  ## the documentation as a site, with a reference made from docstrings: out/site/index.html
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/python -m mkdocs build --strict --quiet --config-file docs/site/mkdocs.yml
 
 docs: setup  ## run what the figures and pictures in README.md and docs/ come from, and write them there
 	@.venv/bin/python docs/regenerate.py $(OPTIONS)
