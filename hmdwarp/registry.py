@@ -1,63 +1,112 @@
-"""Names to things: one file in a package is one entry, found by looking, imported when asked for.
+"""Registries: names to things, one file per entry, found by its file name and imported on first use.
 
-The command line, the contract tests, the bench and the README table all read the same registries, so adding a warp,
-fill, scene, lens or trace format is one new file and nothing else.
+The command line, the contract tests, the bench and the README table read the same registries, so a
+new warp, fill, scene, lens or trace format is one new file.
+
+Every entry registers itself the same way, as a class or as an object with a `name`:
+
+    @warps.register
+    class Forward(Warp):
+        name = "forward"
+
+Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
+`[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`.
 """
 
 from __future__ import annotations
 
 import difflib
+import functools
 import importlib
+import importlib.metadata
 import pkgutil
 from collections.abc import Iterator
 from typing import Generic, TypeVar
 
-from .errors import UnknownNameError
+from .errors import InputError, UnknownNameError
 
 T = TypeVar("T")
+E = TypeVar("E")
 
 
 def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
-    """The error for `name`, offering the nearest of `known`."""
+    """Return the error for an unknown `name`; its message offers the nearest of `known`."""
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
     hint = f"did you mean '{near[0]}'? " if near else ""
     return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")
 
 
 class Registry(Generic[T]):
-    """Entries of one kind, one per public module of `package`; a module registers the entry named like itself.
+    """Entries of one kind: one per public module of `package`, plus those of other packages.
 
-    Names come from file names alone, so listing them imports nothing (the command line needs them for --help).
-    Modules whose name starts with an underscore are helpers, not entries.
+    File names give the names, so listing them imports no entry (`--help` needs them). Modules whose
+    name starts with an underscore are helpers, not entries.
     """
 
-    def __init__(self, kind: str, package: str) -> None:
-        self.kind, self.package = kind, package
+    def __init__(self, kind: str, package: str, group: str = "") -> None:
+        self.kind = kind  # singular, for messages: "warp"
+        self.package = package  # dotted name of the package that holds the entries
+        self.group = f"hmdwarp.{group or package.rpartition('.')[2]}"  # of the entry points
         self._entries: dict[str, T] = {}
 
-    def register(self, entry: T) -> T:
-        """Class decorator (or plain call) that files `entry` under `entry.name`; a second one of that name is refused."""
-        name = entry.name  # type: ignore[attr-defined]
+    def register(self, entry: E) -> E:
+        """Add `entry` under its `name`; works as a class decorator. Refuse a second one."""
+        name: str = entry.name  # type: ignore[attr-defined]
         if name in self._entries:
             raise ValueError(f"{self.kind} '{name}' is registered twice")
-        self._entries[name] = entry
+        self._entries[name] = entry  # type: ignore[assignment]
         return entry
 
     def names(self) -> list[str]:
-        """All known names, sorted; imports only the package itself."""
-        path = importlib.import_module(self.package).__path__
-        found = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
-        return sorted(found | set(self._entries))
+        """Return all known names, sorted, without importing an entry."""
+        return sorted(self._shipped() | set(self._foreign()) | set(self._entries))
 
     def get(self, name: str) -> T:
-        """The entry called `name`. Errors: UnknownNameError with the nearest known name."""
+        """Return the entry called `name`.
+
+        Errors: UnknownNameError with the nearest known name; InputError for an entry point of
+        another package that cannot be loaded or registers something else.
+        """
         if name not in self._entries:
-            if name not in self.names():
+            if name in self._shipped():
+                importlib.import_module(f"{self.package}.{name}")
+            elif name in self._foreign():
+                self._load(self._foreign()[name])
+            else:
                 raise unknown_name(self.kind, name, self.names())
-            importlib.import_module(f"{self.package}.{name}")
             if name not in self._entries:
                 raise ValueError(f"{self.package}.{name} registers no {self.kind} called '{name}'")
         return self._entries[name]
 
     def __iter__(self) -> Iterator[T]:
         return (self.get(name) for name in self.names())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.names()
+
+    def _shipped(self) -> set[str]:
+        path = importlib.import_module(self.package).__path__
+        return {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
+
+    def _foreign(self) -> dict[str, importlib.metadata.EntryPoint]:
+        return _entry_points(self.group)
+
+    def _load(self, point: importlib.metadata.EntryPoint) -> None:
+        origin = f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"
+        try:
+            point.load()
+        except Exception as error:  # another package's code may raise anything
+            raise InputError(
+                f"{self.kind} '{point.name}' of {origin} cannot be loaded ({type(error).__name__}: {error}): "
+                "update or uninstall that package"
+            ) from error
+        if point.name not in self._entries:
+            raise InputError(
+                f"{origin} promises a {self.kind} '{point.name}' but registers none of that name: "
+                f"its entry point in group {self.group} must carry the name of the {self.kind}"
+            )
+
+
+@functools.cache
+def _entry_points(group: str) -> dict[str, importlib.metadata.EntryPoint]:
+    return {point.name: point for point in importlib.metadata.entry_points(group=group)}

@@ -27,8 +27,8 @@ class Holed:
         self.colour[..., 3] = 1
         self.inverse_depth = np.maximum(world.inverse_depth, 0).astype(np.float32).astype(np.float64)
         self.empty(holes)
-        given = world.given(None)
-        self.given = attrs.evolve(given, rendered=attrs.evolve(given.rendered, wide=self._wide(gpu)))
+        given = world.inputs(None)
+        self.inputs = attrs.evolve(given, rendered=attrs.evolve(given.rendered, wide=self._wide(gpu)))
 
     def _wide(self, gpu) -> EyeImage:
         """Another picture of the same eye, wider and of any size."""
@@ -59,10 +59,10 @@ class Holed:
         fill = choice.entry(gpu, self.size, self.size, choice.settings, geometry)
         picture, into = self.picture(gpu), self.picture(gpu)
         into.colour.clear()
-        fill.run(self.given, picture, into)
+        fill.run(self.inputs, picture, into)
         gpu.gl.memory_barrier()
         first = read(into.colour.texture), read(into.inverse_depth)[..., 0]
-        fill.run(self.given, picture, into)
+        fill.run(self.inputs, picture, into)
         gpu.gl.memory_barrier()
         assert np.array_equal(first[0], read(into.colour.texture)), "two runs differ"
         fill.close()

@@ -37,7 +37,7 @@ def panel_of(
     canvas.texture.write(
         np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1
     )  # every pixel must be written
-    warp.run(attrs.evolve(world.given(choice.entry), eye=eye, shown_last=last), canvas)
+    warp.run(attrs.evolve(world.inputs(choice.entry), eye=eye, shown_last=last), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     warp.close()
@@ -51,7 +51,7 @@ def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size
     world.bring(gpu, choice.entry)
     warp = choice.entry(gpu, world.size, world.shown_size, choice.settings)
     shown, panel = Canvas(gpu.gl, world.shown_size), Canvas(gpu.gl, size)
-    warp.run(world.given(choice.entry), shown)
+    warp.run(world.inputs(choice.entry), shown)
     gpu.gl.memory_barrier()
     lenses.get("radial")(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
     gpu.gl.memory_barrier()

@@ -164,7 +164,7 @@ def test_import_rules_notice_what_they_forbid():
     assert units_in("from hmdwarp import warp_image", ("hmdwarp", "client")) == {""}
     assert units_in(
         "if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frames import Frame", ("hmdwarp", "link")
-    ) == {"frame"}
+    ) == {"frames"}
     assert forbidden("geometry", {"errors", "gpu", "registry"}) == {"gpu", "registry"}
     assert forbidden("server", {"gpu", "client"}) == {"client"}
     assert forbidden("metrics", {"geometry", "client", "cli"}) == {"client", "cli"}

@@ -5,9 +5,6 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
@@ -36,31 +33,6 @@ def test_each_name_is_what_it_looks_like(name):
 def test_names_that_are_not_there_say_so():
     with pytest.raises(AttributeError, match="no attribute 'warp_imagee'"):
         hmdwarp.warp_imagee  # noqa: B018
-
-
-@pytest.mark.parametrize(
-    "first",
-    [
-        "import hmdwarp.replay",
-        "from hmdwarp.replay import ReplayResult",
-        "import hmdwarp.cli._app, hmdwarp.run.rig",
-        "from hmdwarp import replay",
-        "pass",
-    ],
-)
-def test_a_module_of_the_same_name_does_not_hide_a_function(first):
-    """Importing hmdwarp.replay, the module, would by itself set hmdwarp.replay to it."""
-    code = f"{first}\nimport hmdwarp, importlib\nmodule = importlib.import_module('hmdwarp.replay')\n"
-    code += "assert callable(hmdwarp.replay) and hmdwarp.replay is module.replay, hmdwarp.replay\n"
-    code += "from hmdwarp import replay, warp_image\nassert replay is module.replay"
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code],
-        check=False,
-        capture_output=True,
-        text=True,
-        cwd=Path(__file__).resolve().parents[1],
-    )
-    assert done.returncode == 0, done.stderr
 
 
 def test_every_module_can_be_imported_alone_after_another():

@@ -109,9 +109,9 @@ def _headset_row(headset: Headset) -> dict[str, str]:
 
 
 def _formats() -> list[dict[str, str]]:
-    from ..poses.formats import FORMATS
+    from ..poses.formats import formats
 
-    return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in FORMATS]
+    return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in formats]
 
 
 def _recordings() -> list[dict[str, str]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..poses.formats import FORMATS
+from ..poses.formats import formats
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
 Format = Annotated[
-    str | None, typer.Option("--format", help=f"Read as this format instead of looking: {', '.join(FORMATS.names())}.")
+    str | None, typer.Option("--format", help=f"Read as this format instead of looking: {', '.join(formats.names())}.")
 ]
 QuatOrder = Annotated[
     str | None, typer.Option("--quat-order", help="Order of the quaternion where no header tells: xyzw or wxyz.")
@@ -105,9 +105,9 @@ def convert(
     from ..poses.load import load_trace
     from ..report.files import write_stream
 
-    target = FORMATS.get(to)
+    target = formats.get(to)
     if not target.writes:
-        able = ", ".join(f.name for f in FORMATS if f.writes)
+        able = ", ".join(f.name for f in formats if f.writes)
         raise InputError(f"format {to} is read, not written: wanted one of {able}")
     loaded = load_trace(
         trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)

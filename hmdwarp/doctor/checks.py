@@ -267,10 +267,10 @@ def video() -> Finding:
 
 def codecs() -> Finding:
     """What frames may be encoded by on their way (`replay --codec`)."""
-    from ..link.codec import CODECS
+    from ..link.codec import codecs
 
     works, missing = [], []
-    for codec in CODECS:
+    for codec in codecs:
         if codec.is_none:
             continue
         try:

@@ -1,7 +1,7 @@
 """What lies between server and client: frames enter when they are drawn and come out when they have arrived."""
 
 from .bandwidth import Bandwidth
-from .delays import DELAYS, DelayModel
+from .delays import DelayModel, delay_models
 from .link import Link
 from .loss import GilbertElliott
 from .options import LinkOptions
@@ -9,7 +9,7 @@ from .response import ResponseTime, medians
 from .tally import Tally, TransitStats
 
 __all__ = [
-    "DELAYS",
+    "delay_models",
     "Bandwidth",
     "DelayModel",
     "GilbertElliott",

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from .bandwidth import QUEUE_MS, Bandwidth
-from .delays import DELAYS, DelayModel
+from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
@@ -42,7 +42,7 @@ class LinkOptions:
     ) -> Self:
         """From the texts of the options, "" or None where not given.
 
-        jitter: NAME:MS with a name of DELAYS, such as uniform:20, normal:15. delay_trace: a file of delays, see `delays.trace`.
+        jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace: a file of delays, see `delays.trace`.
         loss: p=0.02,r=0.3 (and good=, bad=), see `GilbertElliott`; a number alone: that share of frames, each by itself; none.
         bandwidth: Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
         Errors: InputError.
@@ -51,7 +51,7 @@ class LinkOptions:
             raise InputError(
                 f"jitter '{jitter}' beside a delay trace: the trace says every delay; leave one of them out"
             )
-        delay = DELAYS.get("trace").parse(str(delay_trace)) if delay_trace is not None else parse_jitter(jitter)
+        delay = delay_models.get("trace").parse(str(delay_trace)) if delay_trace is not None else parse_jitter(jitter)
         return cls(delay, parse_loss(loss), parse_bandwidth(bandwidth), seed)
 
     @property
@@ -100,7 +100,7 @@ class LinkOptions:
 def parse_jitter(text: str) -> DelayModel:
     """'uniform:20' to its model; '' to a constant delay. Errors: InputError."""
     name, _, argument = text.strip().partition(":")
-    return DELAYS.get(name.strip() or "constant").parse(argument.strip())
+    return delay_models.get(name.strip() or "constant").parse(argument.strip())
 
 
 def parse_loss(text: str) -> GilbertElliott | None:

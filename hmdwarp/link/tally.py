@@ -19,7 +19,7 @@ class Tally:
     dropped: int = 0
     lost: int = 0
     undecodable: int = 0
-    rendered: int = 0
+    late: int = 0
     superseded: int = 0
     shown: int = 0
     under_way: int = 0
@@ -27,7 +27,7 @@ class Tally:
     @property
     def sent(self) -> int:
         """Frames that the network took."""
-        return self.lost + self.undecodable + self.rendered + self.superseded + self.shown + self.under_way
+        return self.lost + self.undecodable + self.late + self.superseded + self.shown + self.under_way
 
     @property
     def drawn(self) -> int:

@@ -54,7 +54,7 @@ class QualityJob:
     truth_inverse_depth: NDArray | None = None
     rendered: View | None = None
     rendered_size: tuple[int, int] | None = None
-    rendered: NDArray | None = None
+    rendered_picture: NDArray | None = None
     error_map: bool = False
     regions: bool = False
 

@@ -256,7 +256,7 @@ class _Worker:
                 self._process.stdin.write(self._first)
                 self._first = b""
             # The late picture is for reports alone and need not travel.
-            pickle.dump(attrs.evolve(job, rendered=None), self._process.stdin, protocol=5)
+            pickle.dump(attrs.evolve(job, rendered_picture=None), self._process.stdin, protocol=5)
             self._process.stdin.flush()
             answer = pickle.load(self._process.stdout)
         except (OSError, EOFError, pickle.UnpicklingError, ValueError) as error:

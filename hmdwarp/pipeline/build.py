@@ -19,7 +19,7 @@ from ..frames.frame import Needs
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link.codec import CODECS
+from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
 from .channel import Channel, Coder
@@ -164,7 +164,7 @@ def _channel(
     reads = {name for plan in plans for name in plan.layers}
     weight = 2 * sum(eye_bytes(needs_of(plans), sizes, reads).values())
     coder = None
-    if not CODECS.get(options.coding.codec).is_none:
+    if not codecs.get(options.coding.codec).is_none:
         coder = Coder(options.coding, sizes.rendered, timing.rate_hz, sends_depth="rendered.inverse_depth" in reads)
     return Channel(options.network, timing.link_latency_ns, coder, weight, history.offer, server.recycle)
 

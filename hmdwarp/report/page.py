@@ -55,7 +55,7 @@ class WorstFrame:
     def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
         """From what QualityPool kept."""
         pictures = kept.job.now
-        panels = comparison_panels(kept.job.rendered, pictures.shown, pictures.truth, kept.result.error_map)
+        panels = comparison_panels(kept.job.rendered_picture, pictures.shown, pictures.truth, kept.result.error_map)
         return cls(time_s, eye, tuple(panels), kept.result.values)
 
 

@@ -139,7 +139,7 @@ class Probe:
             truth_inverse_depth,
             rendered.view,
             rendered.size,
-            rendered=picture_from_linear(download(rendered.colour)) if which == MAIN else None,
+            rendered_picture=picture_from_linear(download(rendered.colour)) if which == MAIN else None,
             regions=which == MAIN,
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0

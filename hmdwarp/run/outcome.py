@@ -108,7 +108,7 @@ def write_outcome(
 
 
 def _panels_of(kept: Kept):
-    return comparison_panels(kept.job.rendered, kept.job.now.shown, kept.job.now.truth, kept.result.error_map)
+    return comparison_panels(kept.job.rendered_picture, kept.job.now.shown, kept.job.now.truth, kept.result.error_map)
 
 
 def _worst_frame(rows: list[Row], kept: Kept) -> WorstFrame:

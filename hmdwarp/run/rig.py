@@ -23,8 +23,8 @@ from ..pipeline.options import RunOptions
 from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseSample, PoseTrack, RecordedSource, load_trace
-from ..poses.predict import PREDICTORS, predict
-from ..registry import unknown_name
+from ..poses.predict import predict
+from ..poses.predictors import predictors
 from ..scenes import Scene, load_scene
 
 if TYPE_CHECKING:
@@ -185,8 +185,7 @@ def build_rig(options: RunOptions, also: Needs | None = None, levels: tuple[Qual
 
     Errors: InputError and its kin for what was asked, MachineError for what is missing.
     """
-    if options.predict not in PREDICTORS:
-        raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
+    predictors.get(options.predict)
     check_codec(options.coding.codec)
     headset = load_headset(options.headset)
     plans_for(options, headset, None, levels)

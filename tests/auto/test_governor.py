@@ -79,10 +79,10 @@ def test_more_budget_never_gives_a_worse_rung(levels, budget, drift, more):
 
 
 @given(st.integers(5, 40), st.floats(1.0, 1000.0), st.floats(0.5, 0.9))
-def test_spikes_alone_change_nothing(apart, height, level):
+def test_spikes_alone_change_nothing(apart, height, share):
     """Alone: with 4 refreshes between them at 90 % of the budget, which take back 0.4 of evidence against 0.25 of a spike."""
-    machine = lambda level, k: level * BUDGET * (height if k % apart == apart - 1 else 1)  # noqa: E731
-    governor = Governor((LADDER[0], QualityLevel("top", "none", level * BUDGET, 0.1)), BUDGET)
+    machine = lambda _, k: share * BUDGET * (height if k % apart == apart - 1 else 1)  # noqa: E731
+    governor = Governor((LADDER[0], QualityLevel("top", "none", share * BUDGET, 0.1)), BUDGET)
     assert run(governor, machine, 1000) == []
 
 

@@ -11,7 +11,8 @@ from hmdwarp.errors import HmdwarpError, InputError, TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import RadialLens, headset_names, load_headset
 from hmdwarp.poses import Origin, PoseTrack
-from hmdwarp.poses.predict import PREDICTORS, predict
+from hmdwarp.poses.predict import predict
+from hmdwarp.poses.predictors import predictors
 from hmdwarp.poses.quaternions import angle_between, slerp
 
 from .registry import hard_case
@@ -90,7 +91,7 @@ def time_steps_of_nothing_a_nanosecond_and_an_hour():
     track = PoseTrack(times, positions, np.stack([about_y(angle) for angle in (0, 1e-3, 0, 1)]))
     assert [track.at(int(t)).pose.position_m[0] for t in times] == [0, 1e-3, 0, 1]
     assert track.at(hour // 2).origin == Origin.HELD
-    for method in PREDICTORS:
+    for method in predictors.names():
         for now in times:
             ahead = predict(track, int(now), int(now) + 50_000_000, method)
             assert np.isfinite(ahead.pose.position_m).all()

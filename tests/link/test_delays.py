@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import DELAYS, GilbertElliott
+from hmdwarp.link import GilbertElliott, delay_models
 from hmdwarp.link.delays.normal import NormalJitter
 from hmdwarp.link.delays.trace import DelayTrace, read_delays
 from hmdwarp.link.delays.uniform import UniformJitter
@@ -27,10 +27,10 @@ def drawn(model, latency_ns: int, count: int = MANY, seed: int = 1) -> np.ndarra
 def example(name: str, folder):
     (folder / "delays.csv").write_text("12\n90\n3.5\n")
     arguments = {"constant": "", "trace": str(folder / "delays.csv")}
-    return DELAYS.get(name).parse(arguments.get(name, "15"))
+    return delay_models.get(name).parse(arguments.get(name, "15"))
 
 
-@pytest.mark.parametrize("name", DELAYS.names())
+@pytest.mark.parametrize("name", delay_models.names())
 @pytest.mark.parametrize("latency_ms", [15, 200])
 def test_every_model(name, latency_ms, tmp_path):
     """Bounds hold, the mean is the stated one, the seed decides. The mean of n samples that spread by s is within 5 s/sqrt(n) of it."""
@@ -86,7 +86,7 @@ def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
     path = tmp_path / "delays.csv"
     path.write_bytes("\ufeff# measured on a Sunday\r\ndelay_ms\r\n\r\n12.5\r\n  40 # a burst\r\n1e1\r\n".encode())
     assert read_delays(path) == [12.5, 40.0, 10.0]
-    model = DELAYS.get("trace").parse(str(path))
+    model = delay_models.get("trace").parse(str(path))
     assert drawn(model, 999 * MS, 7).tolist() == [
         12_500_000,
         40 * MS,

@@ -207,7 +207,7 @@ def test_a_constant_delay_shows_frames_in_the_order_of_sending_and_drops_none_la
         seen.append(link.newest(now))
     shown = [frame for frame in seen if frame is not None]
     assert shown == sorted(shown)
-    assert link.tally.rendered == 0
+    assert link.tally.late == 0
 
 
 def test_no_latency_shows_the_frame_just_sent():
@@ -245,7 +245,7 @@ def test_a_frame_that_is_overtaken_never_comes_to_the_screen():
     # 0 arrives at 100, 1 at 30, 2 at 50.
     assert [link.newest(t) for t in (30, 50, 99, 100, 200)] == [1, 2, 2, 2, 2]
     assert discarded == [1, 0]
-    assert (link.tally.shown, link.tally.rendered) == (2, 1)
+    assert (link.tally.shown, link.tally.late) == (2, 1)
 
 
 def test_where_a_decoder_needs_them_frames_wait_for_those_before_them():

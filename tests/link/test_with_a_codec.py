@@ -70,10 +70,10 @@ class Stream:
 def test_a_network_that_loses_nothing_shows_every_frame_as_long_after_as_it_takes():
     stream = Stream(LinkOptions())
     link = stream.run(20)
-    rendered = -(-LATENCY_NS * RATE_HZ // 10**9)
-    assert stream.shown == [None] * rendered + list(range(20 - rendered))
+    late = -(-LATENCY_NS * RATE_HZ // 10**9)
+    assert stream.shown == [None] * late + list(range(20 - late))
     assert stream.keys == [0]
-    assert link.tally.as_dict()["shown"] == 20 - rendered
+    assert link.tally.as_dict()["shown"] == 20 - late
 
 
 def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
@@ -99,7 +99,7 @@ def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
 def test_with_jitter_the_decoder_still_gets_frames_in_order():
     stream = Stream(LinkOptions.parse(jitter="uniform:40"))
     link = stream.run(90)
-    assert link.tally.rendered == link.tally.undecodable == link.tally.lost == 0
+    assert link.tally.late == link.tally.undecodable == link.tally.lost == 0
     assert stream.keys == [0]
     assert link.tally.superseded > 0
 

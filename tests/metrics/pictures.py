@@ -43,5 +43,5 @@ def job(seed: int, size=(40, 30)) -> QualityJob:
         inverse_depth,
         turned(0.2, position_m=(0.05, 0, 0)),
         size,
-        rendered=noise(seed + 4000, size),
+        rendered_picture=noise(seed + 4000, size),
     )

@@ -106,7 +106,7 @@ def test_where_the_error_is_comes_along_where_it_is_wanted():
 def test_what_is_kept_keeps_its_late_picture():
     pool = run(1, [(0, 0), (1, 0), (3, 0)])
     assert [kept.key for kept in pool.kept] == [(0, 0), (3, 0)]
-    assert np.array_equal(pool.kept[0].job.rendered, job(0).rendered)
+    assert np.array_equal(pool.kept[0].job.rendered_picture, job(0).rendered_picture)
     assert pool.kept[0].result.error_map.shape == (30, 40)
     assert pool.worst == []
 

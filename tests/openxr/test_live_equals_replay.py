@@ -90,7 +90,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
     remote_head.put(poses[0])
 
     def after(number: int) -> None:
-        were.add([given.shown for given in here.watched.shown[-1].given])
+        were.add([given.shown for given in here.watched.shown[-1].inputs])
         if number < POSES:
             remote_head.put(poses[number])
             while np.abs(here.head().position_m - poses[number].position_m).max() > 1e-5:

@@ -183,7 +183,7 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
         refresh = here.watched.shown[-1]
         expected.append([
             (one.shown, picture_from_linear(download(eye.panel.texture)), download(eye.inverse_depth) if depth_layer else None)
-            for one, eye in zip(refresh.given, refresh.eyes, strict=True)
+            for one, eye in zip(refresh.inputs, refresh.eyes, strict=True)
         ])  # fmt: skip
 
     here.run(quick(frames=4, scene="room", warp=warp, fill="interpolate", depth_layer=depth_layer), after)

@@ -12,19 +12,19 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
-from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.poses.reading.columns import find_columns
 
 from .traces import head, kinds, rows, same_motion, unit_quaternions, write
 
 TRACK = head(100)
-WRITERS = [f.name for f in FORMATS if f.writes]
+WRITERS = [f.name for f in formats if f.writes]
 
 
-@pytest.mark.parametrize("name", FORMATS.names())
+@pytest.mark.parametrize("name", formats.names())
 def test_every_format_says_what_it_is(name):
-    entry = FORMATS.get(name)
+    entry = formats.get(name)
     assert entry.name == name
     assert 20 < len(entry.summary) < 100
     if not entry.writes:
@@ -51,7 +51,7 @@ def test_what_is_written_comes_back_bit_for_bit(tmp_path_factory, name, times, q
     track = PoseTrack(np.array(times), place, q, origin="a test")
     path = tmp_path_factory.mktemp("w") / "out.txt"
     with path.open("w") as stream:
-        FORMATS.get(name).write(track, stream)
+        formats.get(name).write(track, stream)
     back = load_trace(path)
     assert back.format == name
     assert np.array_equal(back.track.time_ns + back.track.epoch_ns, track.time_ns)
@@ -62,17 +62,17 @@ def test_what_is_written_comes_back_bit_for_bit(tmp_path_factory, name, times, q
 @pytest.mark.parametrize("name", WRITERS)
 def test_written_twice_is_the_same_text(tmp_path, name):
     first = io.StringIO()
-    FORMATS.get(name).write(TRACK, first)
+    formats.get(name).write(TRACK, first)
     path = tmp_path / "test.txt"
     path.write_text(first.getvalue())
     again = io.StringIO()
-    FORMATS.get(name).write(load_trace(path).track.evolve(origin="", notes=()), again)
+    formats.get(name).write(load_trace(path).track.evolve(origin="", notes=()), again)
     assert again.getvalue() == first.getvalue()
 
 
 def test_native_tells_origin_rate_and_what_was_done(tmp_path):
     stream = io.StringIO()
-    FORMATS.get("native").write(
+    formats.get("native").write(
         TRACK.evolve(origin="a test\nwith a line break", notes=("something was mended",)), stream
     )
     text = stream.getvalue()
@@ -85,7 +85,7 @@ def test_native_tells_origin_rate_and_what_was_done(tmp_path):
 
 def test_stamps_too_large_for_a_file_are_written_from_zero():
     stream = io.StringIO()
-    FORMATS.get("euroc").write(TRACK.evolve(epoch_ns=638 * 10**17), stream)
+    formats.get("euroc").write(TRACK.evolve(epoch_ns=638 * 10**17), stream)
     assert stream.getvalue().splitlines()[1].startswith("0,")
 
 

@@ -14,7 +14,7 @@ from hmdwarp import resources
 from hmdwarp.errors import InputError
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.analysis import analyse
-from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.formats import formats
 
 from .traces import head, rows
 
@@ -34,7 +34,7 @@ SMALL_FILES = [
 
 options = st.builds(
     TraceOptions,
-    format=st.sampled_from([None, *FORMATS.names()]),
+    format=st.sampled_from([None, *formats.names()]),
     quat_order=st.sampled_from([None, "xyzw", "wxyz"]),
     up=st.sampled_from([None, "z", "x,y,z", "0.1,1,0.2"]),
     scale=st.sampled_from([None, 0.01, 1e6]),

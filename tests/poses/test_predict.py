@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseTrack
-from hmdwarp.poses.predict import PREDICTORS, predict, predict_many
+from hmdwarp.poses.predict import predict, predict_many
+from hmdwarp.poses.predictors import predictors
 
 from .traces import head
 
@@ -51,7 +52,7 @@ def test_the_horizon_caps_the_prediction():
     assert predict(track, now, now + 800 * MS, horizon_ns=0).origin is Origin.HELD
 
 
-@pytest.mark.parametrize("method", sorted(PREDICTORS))
+@pytest.mark.parametrize("method", predictors.names())
 @given(now=st.integers(-20 * MS, 1700 * MS), ahead=st.integers(-50 * MS, 900 * MS))
 def test_no_sample_after_now_is_looked_at(method, now, ahead):
     track = head(100)

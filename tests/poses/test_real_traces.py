@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import TraceError
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.analysis import analyse
-from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.formats import formats
 
 from .traces import kinds, same_motion
 
@@ -153,7 +153,7 @@ def test_convert_and_read_again(real_traces, tmp_path, name):
     track = load_trace(real_traces / name).track
     path = tmp_path / "clean.csv"
     with path.open("w") as stream:
-        FORMATS.get("native").write(track, stream)
+        formats.get("native").write(track, stream)
     again = load_trace(path)
     assert same_motion(again.track, track, atol=0)
     assert again.track.jumps == track.jumps

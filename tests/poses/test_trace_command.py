@@ -14,7 +14,7 @@ from hmdwarp import resources
 from hmdwarp.cli.trace import app
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.formats import formats
 from hmdwarp.poses.synth import KINDS
 
 from .traces import head, rows, same_motion, write
@@ -77,7 +77,7 @@ def test_info_on_a_track_too_short_for_the_table(tmp_path):
     assert "trace too short" in run("info", write(tmp_path / "s.csv", rows(head(10))))
 
 
-@pytest.mark.parametrize("to", [f.name for f in FORMATS if f.writes])
+@pytest.mark.parametrize("to", [f.name for f in formats if f.writes])
 def test_convert_writes_a_clean_trace(tmp_path, to):
     table = [[*r[:4], *("-" + f if i % 2 else f for f in r[4:])] for i, r in enumerate(rows(TRACK))]
     table = [[f.removeprefix("--") for f in r] for r in table]
@@ -148,7 +148,7 @@ def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
         stream.flush()
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(FORMATS.get("tum"), "write", full)
+    monkeypatch.setattr(formats.get("tum"), "write", full)
     assert "No space left on device): make room" in refused("convert", path, out, "--to", "tum", status=3)
     assert out.read_text() == "what was there before"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["in.csv", "out.csv"]
@@ -173,7 +173,7 @@ def test_wrong_names_get_the_nearest_known_one(tmp_path):
 
 def test_help_names_all_that_can_be_chosen():
     convert, synth, info = (" ".join(run(c, "--help").split()) for c in ("convert", "synth", "info"))
-    for entry in FORMATS:
+    for entry in formats:
         assert entry.name in info
         assert not entry.writes or entry.name in convert
     for kind in KINDS:

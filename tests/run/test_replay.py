@@ -19,7 +19,7 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace
-from hmdwarp.poses.formats import FORMATS
+from hmdwarp.poses.formats import formats
 from hmdwarp.report.files import write_text
 from hmdwarp.report.schema import FRAME_COLUMNS, validate_summary
 from hmdwarp.run.rig import build_rig
@@ -262,13 +262,13 @@ def seen_centre(scene: Path) -> np.ndarray:
     return shown[20:60, 24:72]
 
 
-@pytest.mark.parametrize("name", [f.name for f in FORMATS if f.writes])
+@pytest.mark.parametrize("name", [f.name for f in formats if f.writes])
 def test_traces_in_other_formats(name, tmp_path):
     """The same head written in each format is the same replay: same poses, so the same figures."""
     track = load_trace("look-around").track
     path = tmp_path / "head.txt"
     with path.open("w", encoding="utf-8") as stream:
-        FORMATS.get(name).write(track, stream)
+        formats.get(name).write(track, stream)
     other = run(tmp_path / "a", trace=str(path))
     own = run(tmp_path / "b", trace="look-around")
     assert other.summary["trace"] == "head"
@@ -342,7 +342,7 @@ def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
 
     path = tmp_path / "long.csv"
     with path.open("w", encoding="utf-8") as stream:
-        FORMATS.get("native").write(synthesise("look-around", seed=5, seconds=61), stream)
+        formats.get("native").write(synthesise("look-around", seed=5, seconds=61), stream)
     counts, held = [], []
     for seconds in (2.0, 60.0):
         with monkeypatch.context() as patch:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb
 from ...errors import InputError
-from .codecs import CODECS, Codec
+from .codecs import Codec, codecs
 from .coding import check_quality
 from .depth import DepthDecoder, DepthEncoder
 from .errors import Undecodable
@@ -120,10 +120,10 @@ class Decoder:
 
 
 def _coding(codec: str | Codec) -> Codec:
-    codec = CODECS.get(codec) if isinstance(codec, str) else codec
+    codec = codecs.get(codec) if isinstance(codec, str) else codec
     if codec.is_none:
         raise InputError(
-            f"codec '{codec.name}' encodes nothing: wanted one of {', '.join(one.name for one in CODECS if not one.is_none)}"
+            f"codec '{codec.name}' encodes nothing: wanted one of {', '.join(one.name for one in codecs if not one.is_none)}"
         )
     return codec
 

@@ -11,7 +11,7 @@ _CRFS = (0, 51)
 
 @attrs.frozen
 class Coding:
-    """codec: a name of CODECS. crf: constant quality; or bitrate_mbit: Mbit/s of one eye's colour; neither: the codec's own quality.
+    """codec: a name of codecs. crf: constant quality; or bitrate_mbit: Mbit/s of one eye's colour; neither: the codec's own quality.
 
     Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that is out of bounds.
     """

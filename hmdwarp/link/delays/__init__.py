@@ -5,6 +5,6 @@ from __future__ import annotations
 from ...registry import Registry
 from ._base import LONGEST_MS, DelayModel, milliseconds
 
-DELAYS: Registry[type[DelayModel]] = Registry("delay model", __name__)
+delay_models: Registry[type[DelayModel]] = Registry("delay model", __name__)
 
-__all__ = ["DELAYS", "LONGEST_MS", "DelayModel", "milliseconds"]
+__all__ = ["delay_models", "LONGEST_MS", "DelayModel", "milliseconds"]

@@ -9,10 +9,10 @@ import attrs
 import numpy as np
 
 from ...errors import InputError
-from . import DELAYS, DelayModel
+from . import DelayModel, delay_models
 
 
-@DELAYS.register
+@delay_models.register
 @attrs.frozen
 class ConstantDelay(DelayModel):
     """The latency and nothing else."""

@@ -9,12 +9,12 @@ from statistics import NormalDist
 import attrs
 import numpy as np
 
-from . import DELAYS, DelayModel, milliseconds
+from . import DelayModel, delay_models, milliseconds
 
 _REACH = 6.0  # standard deviations: one frame in 1e9 would lie beyond, and memory must have a bound
 
 
-@DELAYS.register
+@delay_models.register
 @attrs.frozen
 class NormalJitter(DelayModel):
     """A normal distribution around the latency with this standard deviation, truncated at 0 and at 6 deviations above the latency.

@@ -11,12 +11,12 @@ import attrs
 import numpy as np
 
 from ...errors import InputError
-from . import DELAYS, LONGEST_MS, DelayModel
+from . import LONGEST_MS, DelayModel, delay_models
 
 _MOST_LINES = 10_000_000  # 80 MB; a day of frames at 90 Hz is 7.8 million
 
 
-@DELAYS.register
+@delay_models.register
 @attrs.frozen
 class DelayTrace(DelayModel):
     """The delays of a file one after the other, a frame each, and from the start again when they end. The latency plays no part.

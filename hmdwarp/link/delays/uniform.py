@@ -8,10 +8,10 @@ import attrs
 import numpy as np
 
 from ...errors import InputError
-from . import DELAYS, DelayModel, milliseconds
+from . import DelayModel, delay_models, milliseconds
 
 
-@DELAYS.register
+@delay_models.register
 @attrs.frozen
 class UniformJitter(DelayModel):
     """From latency - spread_ms to latency + spread_ms, each as likely; the mean is the latency."""

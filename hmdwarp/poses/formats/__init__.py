@@ -4,4 +4,4 @@ from __future__ import annotations
 
 from ...registry import Registry
 
-FORMATS: Registry = Registry("trace format", __name__)
+formats: Registry = Registry("trace format", __name__)

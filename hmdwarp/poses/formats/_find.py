@@ -5,21 +5,21 @@ from __future__ import annotations
 from ...errors import TraceError
 from ..options import TraceOptions
 from ..reading.head import Head
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, ordered
 
 
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     """The format asked for, or the one that is surest. Errors: UnknownNameError, TraceError."""
     if options.format is not None:
-        return FORMATS.get(options.format)
-    scores = {f.name: f.sniff(head, options) for f in FORMATS}
+        return formats.get(options.format)
+    scores = {f.name: f.sniff(head, options) for f in formats}
     best = max(scores, key=scores.get)
     if scores[best] > 0:
-        return FORMATS.get(best)
+        return formats.get(best)
     if head.names is None and head.width in (5, 6, 7, 8) and options.quat_order is None:
         ordered(head, (0, 0, 0, 0), None)  # says that the order cannot be told
-    known = ", ".join(FORMATS.names())
+    known = ", ".join(formats.names())
     raise TraceError(
         f"{head.path} is in no known trace format ({head.describe()}): name the columns in a header line, or say --format ({known})"
     )

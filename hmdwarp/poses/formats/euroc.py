@@ -8,7 +8,7 @@ from ..options import TraceOptions
 from ..reading.head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, named_layout, ordered
 from ._writing import write_rows
 from .tum import need_columns
@@ -46,4 +46,4 @@ class Euroc(TraceFormat):
         write_rows(track, stream, ",", stamp=str, order="wxyz")
 
 
-FORMAT = FORMATS.register(Euroc())
+formats.register(Euroc())

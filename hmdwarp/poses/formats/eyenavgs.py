@@ -6,7 +6,7 @@ from ..defects import Defect
 from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, has, named_layout
 
 _EYES = Defect(
@@ -29,4 +29,4 @@ class EyeNavGS(TraceFormat):
         return named_layout(head, options, unit="ms", caveats=(_EYES,))
 
 
-FORMAT = FORMATS.register(EyeNavGS())
+formats.register(EyeNavGS())

@@ -11,7 +11,7 @@ from ...errors import TraceError
 from ..options import TraceOptions
 from ..reading.head import Head, is_number
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, ordered
 from .multiviewpoint import AXES
 
@@ -74,4 +74,4 @@ def _hangs(track: PoseTrack) -> bool:
     return bool(np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5)
 
 
-FORMAT = FORMATS.register(FrameWxyz())
+formats.register(FrameWxyz())

@@ -6,7 +6,7 @@ from ...errors import TraceError
 from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, has, named_layout
 
 # The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed about x is half that about y
@@ -32,4 +32,4 @@ class MultiViewpoint(TraceFormat):
         return named_layout(head, options, unit="s", axes=AXES)
 
 
-FORMAT = FORMATS.register(MultiViewpoint())
+formats.register(MultiViewpoint())

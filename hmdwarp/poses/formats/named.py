@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, named_layout
 
 
@@ -22,4 +22,4 @@ class Named(TraceFormat):
         return named_layout(head, options)
 
 
-FORMAT = FORMATS.register(Named())
+formats.register(Named())

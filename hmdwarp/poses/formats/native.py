@@ -9,7 +9,7 @@ from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
 from ..track import PoseTrack
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, has, named_layout
 from ._writing import exact_text, write_rows
 
@@ -41,7 +41,7 @@ class Native(TraceFormat):
         write_native(track, stream)
 
 
-FORMAT = FORMATS.register(Native())
+formats.register(Native())
 
 
 def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:

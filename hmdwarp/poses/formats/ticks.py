@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, has, named_layout, ordered, whole_number
 from .tum import need_columns
 
@@ -33,4 +33,4 @@ class Ticks(TraceFormat):
         return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="100ns")
 
 
-FORMAT = FORMATS.register(Ticks())
+formats.register(Ticks())

@@ -8,7 +8,7 @@ from ..options import TraceOptions
 from ..reading.head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
-from . import FORMATS
+from . import formats
 from ._base import TraceFormat, has, named_layout, ordered
 from ._writing import write_rows
 
@@ -67,4 +67,4 @@ def _seconds(time_ns: int) -> str:
     return f"{sign}{time_ns // 1_000_000_000}.{time_ns % 1_000_000_000:09d}"
 
 
-FORMAT = FORMATS.register(Tum())
+formats.register(Tum())

@@ -30,10 +30,10 @@ class Ending:
         now_ns = self.now_ns()
         if self._began_ns is None and count:
             self._began_ns = now_ns
-        rendered = (
+        late = (
             self._seconds is not None and self._began_ns is not None and now_ns - self._began_ns >= self._seconds * 1e9
         )
-        return self.asked is not None or rendered or (self._frames is not None and count >= self._frames)
+        return self.asked is not None or late or (self._frames is not None and count >= self._frames)
 
     def _ask(self, number: int, _: FrameType | None) -> None:
         if self.asked is not None:

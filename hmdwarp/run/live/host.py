@@ -16,8 +16,7 @@ from ...pipeline.loop import Loop, PoseRequest
 from ...pipeline.options import AUTO
 from ...pipeline.planning import plans_for
 from ...pipeline.sizes import guarded_size
-from ...poses.predict import PREDICTORS
-from ...registry import unknown_name
+from ...poses.predictors import predictors
 from ...scenes import Scene, load_scene
 from ..bench_levels import Ladder, ladder_from_file
 from .options import LiveOptions
@@ -27,8 +26,7 @@ from .recent import Recent
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     """The scene, after everything that can be told wrong without a display. scene: where it is loaded already.
     Errors: InputError and its kin."""
-    if options.predict not in PREDICTORS:
-        raise unknown_name("predictor", options.predict, sorted(PREDICTORS))
+    predictors.get(options.predict)
     check_codec(options.coding.codec)
     if options.lens != AUTO:
         lenses.get(options.lens)

@@ -11,10 +11,10 @@ from coded_frames import moving
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import InputError, MachineError, UnknownNameError
-from hmdwarp.link.codec import CODECS, STEP, Codec, Decoder, Encoder, Undecodable, check_codec
+from hmdwarp.link.codec import STEP, Codec, Decoder, Encoder, Undecodable, check_codec, codecs
 
 pytest.importorskip("av")
-VIDEO = [codec.name for codec in CODECS if not codec.is_none]
+VIDEO = [codec.name for codec in codecs if not codec.is_none]
 
 
 @pytest.fixture(params=VIDEO)
@@ -238,7 +238,7 @@ def test_frames_of_another_shape_are_refused(codec):
 
 
 def test_names():
-    assert CODECS.names() == ["h264", "hevc", "none"]
+    assert codecs.names() == ["h264", "hevc", "none"]
     with pytest.raises(UnknownNameError, match="did you mean 'h264'"):
         check_codec("h265")
     assert check_codec("none").is_none

@@ -338,8 +338,8 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from hmdwarp.errors import MachineError
-from hmdwarp.live import LiveOptions, run
-from run.live.offscreen import OffscreenDisplay, closed_at
+from hmdwarp.run.live import LiveOptions, run
+from tests.run.live.offscreen import OffscreenDisplay, closed_at
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))
 try:
@@ -370,8 +370,8 @@ def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
         monkeypatch.undo()
         for part in range(3):
             for k in range(3000):
-                rendered = attrs.evolve(refresh, shown_ns=refresh.shown_ns + (3000 * part + k + 1) * PERIOD_NS)
-                logged.add(Tick(rendered.shown_ns, PERIOD_NS), rendered, rendered.shown_ns, f"notice {k}")
+                later = attrs.evolve(refresh, shown_ns=refresh.shown_ns + (3000 * part + k + 1) * PERIOD_NS)
+                logged.add(Tick(later.shown_ns, PERIOD_NS), later, later.shown_ns, f"notice {k}")
             logged._rows.flush()
             if part == 0:
                 tracemalloc.start()

@@ -146,7 +146,7 @@ CHILD = """
 import sys, time
 from pathlib import Path
 from hmdwarp.geometry import Pose
-from hmdwarp.live.recorder import Recorder
+from hmdwarp.run.live.recorder import Recorder
 from hmdwarp.poses import Origin, PoseSample
 class Head: about, rate_hz = {"headset": "none"}, 200.0
 with Recorder(Path(sys.argv[1])) as recorder:
@@ -179,7 +179,7 @@ FULL = """
 import resource, sys
 from pathlib import Path
 from hmdwarp.errors import MachineError
-from hmdwarp.live.recorder import Recorder
+from hmdwarp.run.live.recorder import Recorder
 from run.live.test_recorder import Head, samples
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 told = []

@@ -5,14 +5,14 @@ from __future__ import annotations
 from ....registry import Registry
 from ._base import Codec, require
 
-CODECS: Registry[Codec] = Registry("codec", __name__)
+codecs: Registry[Codec] = Registry("codec", __name__)
 
 
 def check_codec(name: str) -> Codec:
     """The codec, once it is known to run here. Errors: InputError for a name that is none, MachineError if this PyAV lacks it."""
-    codec = CODECS.get(name)
+    codec = codecs.get(name)
     codec.check()
     return codec
 
 
-__all__ = ["CODECS", "Codec", "check_codec", "require"]
+__all__ = ["codecs", "Codec", "check_codec", "require"]

@@ -5,10 +5,10 @@ Of the presets, veryfast took 9 ms for a 1280x800 picture on two cores, 16 kB at
 scenecut off, forced-idr: key frames come where they are asked for, nowhere else, and each starts afresh.
 """
 
-from . import CODECS, Codec
+from . import Codec, codecs
 
 _OPTIONS = {"preset": "veryfast", "tune": "zerolatency", "forced-idr": "1", "sc_threshold": "0"}
 
-CODECS.register(
+codecs.register(
     Codec("h264", "H.264 by x264, veryfast, zero latency", "libx264", "h264", crf=20, threads=2, options=_OPTIONS)
 )

@@ -5,11 +5,11 @@ frame-threads=1: with more a picture would come out when later ones have gone in
 log-level none: x265 writes to stderr by itself, past every logger. info=0: no note of settings in each stream.
 """
 
-from . import CODECS, Codec
+from . import Codec, codecs
 
 _X265 = "log-level=none:frame-threads=1:pools=2:repeat-headers=1:scenecut=0:open-gop=0:info=0"
 _OPTIONS = {"preset": "superfast", "tune": "zerolatency", "forced-idr": "1", "x265-params": _X265}
 
-CODECS.register(
+codecs.register(
     Codec("hevc", "H.265 by x265, superfast, zero latency", "libx265", "hevc", crf=22, threads=1, options=_OPTIONS)
 )

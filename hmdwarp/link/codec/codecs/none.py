@@ -1,5 +1,5 @@
 """No coding at all."""
 
-from . import CODECS, Codec
+from . import Codec, codecs
 
-CODECS.register(Codec("none", "frames arrive as they were drawn; nothing is encoded"))
+codecs.register(Codec("none", "frames arrive as they were drawn; nothing is encoded"))

@@ -1,0 +1,10 @@
+"""Predictors: where the head will be, from what is known now. One file each."""
+
+from __future__ import annotations
+
+from ...registry import Registry
+from ._base import Predictor, hold
+
+predictors: Registry[Predictor] = Registry("predictor", __name__)
+
+__all__ = ["Predictor", "hold", "predictors"]

@@ -1,0 +1,28 @@
+"""What a predictor is, and what all of them fall back to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import attrs
+
+from ..sample import Origin, PoseSample
+from ..track import PoseTrack
+
+
+@attrs.frozen
+class Predictor:
+    """One way to extrapolate a head's motion."""
+
+    name: str
+    summary: str
+    source: str
+    # (track, now_ns, target_ns, horizon_ns): the pose at target_ns from the samples up to now_ns.
+    predict: Callable[[PoseTrack, int, int, int], PoseSample]
+
+
+def hold(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:
+    """Return the last sample known at `now_ns`, HELD (MEASURED where it is exactly the target's)."""
+    i = max(track.index_at(now_ns), 0)
+    exact = int(track.time_ns[i]) == target_ns
+    return PoseSample(target_ns, track.pose(i), Origin.MEASURED if exact else Origin.HELD)

@@ -1,0 +1,64 @@
+"""Constant velocity: the motion of the last 50 ms goes on."""
+
+from __future__ import annotations
+
+from ...geometry import Pose
+from .. import quaternions
+from ..sample import Origin, PoseSample
+from ..track import PoseTrack
+from . import Predictor, hold, predictors
+
+WINDOW_NS = 50_000_000
+
+
+def constant_velocity(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:
+    """Extrapolate the last sample at the angular and linear velocity of the trailing 50 ms.
+
+    At most `horizon_ns` ahead. Repeated poses count once, and no velocity is measured across a gap
+    or jump. With a single known sample, or when a gap has begun since the last one, the pose is HELD.
+    """
+    i = track.index_at(now_ns)
+    if i < 0 or now_ns - int(track.time_ns[i]) > track.max_gap_ns:
+        return hold(track, now_ns, target_ns, horizon_ns)
+    first, last = _window(track, i)
+    ahead_ns = min(target_ns - int(track.time_ns[i]), horizon_ns)
+    if first == last or ahead_ns <= 0:
+        return hold(track, now_ns, target_ns, horizon_ns)
+    q0, q1 = track.orientation_xyzw[first], track.orientation_xyzw[last]
+    turn = quaternions.to_rotation_vector(quaternions.multiply(q1, quaternions.conjugate(q0)))
+    share = ahead_ns / (int(track.time_ns[last]) - int(track.time_ns[first]))
+    moved = track.position_m[last] + share * (track.position_m[last] - track.position_m[first])
+    turned = quaternions.multiply(quaternions.from_rotation_vector(share * turn), q1)
+    return PoseSample(target_ns, Pose(moved, turned), Origin.PREDICTED)
+
+
+def _window(track: PoseTrack, i: int) -> tuple[int, int]:
+    """Return the first and last index of distinct poses within the 50 ms up to sample i.
+
+    At least two samples, if they belong together.
+    """
+    q, p = track.orientation_xyzw, track.position_m
+    last = i
+    while last > 0 and not track.broken[last - 1] and (q[last] == q[last - 1]).all() and (p[last] == p[last - 1]).all():
+        last -= 1  # a repeated pose was measured when it first came
+    # A head that has stood still for the whole window is still: its velocity is not that of long ago.
+    if track.time_ns[i] - track.time_ns[last] >= WINDOW_NS:
+        return i, i
+    first = last
+    while (
+        first > 0
+        and not track.broken[first - 1]
+        and (first == last or track.time_ns[last] - track.time_ns[first - 1] <= WINDOW_NS)
+    ):
+        first -= 1
+    return first, last
+
+
+predictor = predictors.register(
+    Predictor(
+        "constant_velocity",
+        "angular and linear velocity of the last 50 ms go on",
+        "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate",
+        constant_velocity,
+    )
+)
