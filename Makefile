@@ -23,7 +23,7 @@ PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-openxr test-kill bench-quick bench-live site docs
+.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill bench-quick bench-live site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -39,6 +39,20 @@ replay: setup  ## the main job: replay a recorded head trace 200 ms late and rep
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
 	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS)
+
+check: check-lint check-format check-types check-shaders  ## what pre-commit runs: ruff, its format, mypy, all shaders
+
+check-lint: setup
+	@.venv/bin/python -m ruff check --quiet
+
+check-format: setup
+	@.venv/bin/python -m ruff format --quiet --check
+
+check-types: setup
+	@.venv/bin/python -m mypy
+
+check-shaders: setup
+	@.venv/bin/python -m pytest -q tests/gpu/test_shader_files.py
 
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)
