@@ -1,4 +1,4 @@
-"""The wheel works from any folder: shaders, recordings, headsets and templates travel in it."""
+"""The wheel works from any folder: shaders, recordings, headsets, templates travel in it."""
 
 from __future__ import annotations
 
@@ -80,6 +80,11 @@ def test_wheel_holds_all_that_is_not_python(wheel):
     inside |= expected("hmdwarp/study", ".toml", ".csv")
     assert any(name.endswith("rift-dk1.toml") for name in inside)
     assert not (missing | (inside - names)), "files that the program reads did not get into the wheel"
+
+
+def test_type_checkers_see_that_the_package_is_typed(wheel):
+    """PEP 561: without this file they take every name for Any."""
+    assert "hmdwarp/py.typed" in zipfile.ZipFile(wheel).namelist()
 
 
 def test_wheel_holds_nothing_else(wheel):
