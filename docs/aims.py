@@ -1,4 +1,4 @@
-"""The aims the project set itself for the bench, and what became of them: a table for docs/results.md, from bench.json."""
+"""The project's aims for the bench and whether they were met: a table for docs/results-warps.md."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LATENCY_MS = 200
 
 
 def _figures(row: dict) -> tuple[float, float, float]:
-    """(ms, PSNR, FLIP)."""
+    """Return (ms, PSNR, FLIP)."""
     return row["time_ms"]["total"]["median"], row["quality"]["psnr_db"]["mean"], row["quality"]["flip"]["mean"]
 
 
@@ -41,12 +41,13 @@ def _lines_of_case(trace: str, rows: list[dict]) -> list[str]:
     enough = [row for row in rows if _figures(row)[1] >= psnr + 3]
     if gain < 3 and enough:
         near = min(enough, key=lambda row: _figures(row)[0])
-        found = f"{_figures(near)[0] / ms:.2f}x the time, {_figures(near)[1] - psnr:+.2f} dB, {_figures(near)[2] / flip:.2f} of the FLIP"
-        lines.append(f"| {trace} | how near: the quickest with 3 dB more ({_name(near)}) | {found} | |")
-    for other, wanted in ((none, 0.25), (rotation, 0.5)):
+        near_ms, near_psnr, near_flip = _figures(near)
+        result = f"{near_ms / ms:.2f}x the time, {near_psnr - psnr:+.2f} dB, {near_flip / flip:.2f} of the FLIP"
+        lines.append(f"| {trace} | how near: the quickest with 3 dB more ({_name(near)}) | {result} | |")
+    for other, limit in ((none, 0.25), (rotation, 0.5)):
         share = _figures(best)[2] / _figures(other)[2]
-        aim = f"best of all: {wanted:g} of the FLIP of {_name(other)} ({_name(best)})"
-        lines.append(_line(trace, aim, f"{share:.2f} of it", share <= wanted))
+        aim = f"best of all: {limit:g} of the FLIP of {_name(other)} ({_name(best)})"
+        lines.append(_line(trace, aim, f"{share:.2f} of it", share <= limit))
     mesh, adaptive = _of(rows, "mesh", "none"), _of(rows, "mesh_adaptive", "none")
     faster, lost = _figures(mesh)[0] / _figures(adaptive)[0], _figures(mesh)[1] - _figures(adaptive)[1]
     aim = "`mesh_adaptive` 5x faster than `mesh` at 0.3 dB or less"
@@ -54,13 +55,13 @@ def _lines_of_case(trace: str, rows: list[dict]) -> list[str]:
     return lines
 
 
-def _line(trace: str, aim: str, found: str, met: bool) -> str:
-    return f"| {trace} | {aim} | {found} | {'met' if met else 'not met'} |"
+def _line(trace: str, aim: str, result: str, met: bool) -> str:
+    return f"| {trace} | {aim} | {result} | {'met' if met else 'not met'} |"
 
 
 def table(data: dict) -> str:
-    """One line per aim and recording."""
-    lines = ["| recording | aim | found | |", "| --- | --- | --- | --- |"]
+    """Return one line for each aim and recording."""
+    lines = ["| recording | aim | result | |", "| --- | --- | --- | --- |"]
     for case in cases(row for row in data["rows"] if row["latency_ms"] == LATENCY_MS):
         lines += _lines_of_case(case.rows[0]["trace"], list(case.rows))
     for row in data["fused"]:

@@ -1,12 +1,14 @@
-"""What a guard band and a second wide view cost, and which border holes they save: two tables for docs/results.md.
+"""Two tables for docs/results-link.md: what a guard band and a second wide view cost and save.
 
-Beside two recordings that move as people do, two motions of one kind each: turning to and fro, and swaying from side to side.
+Two recordings move as people do. Two more motions are of one kind each: turning to and fro, and
+swaying from side to side.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,21 +21,9 @@ from hmdwarp.poses.synth import EYE_HEIGHT_M, write_synthetic
 LATENCIES = ("200", "400", "800")
 GUARDS = ("1", "1.5", "2", "auto")
 SIZE = (240, 300)
-USUAL = (
-    "--scene",
-    "room",
-    "--warp",
-    "forward",
-    "--size",
-    "240x300",
-    "--start",
-    "2",
-    "--seconds",
-    "3",
-    "--metrics-every",
-    "15",
-)
-# Peaks of a sine: between the median (30 deg/s) and the 95th percentile (113) of recorded heads, and half a walking pace.
+USUAL = shlex.split("--scene room --warp forward --size 240x300 --start 2 --seconds 3 --metrics-every 15")
+# Peaks of a sine: between the median (30 deg/s) and the 95th percentile (113) of recorded heads,
+# and half a walking pace.
 TURNING_DEG, TURNING_DEG_S = 45.0, 60.0
 SIDEWAYS_M, SIDEWAYS_M_S = 0.5, 0.6
 SUFFICES = 0.001  # mean share of the picture that is a border hole
@@ -43,7 +33,7 @@ Program = Callable[..., None]
 
 
 def motion(kind: str, seconds: float = 8.0) -> PoseTrack:
-    """turning or sideways: a sine, at EYE_HEIGHT_M where the recordings begin."""
+    """Return a sine of `kind`, turning or sideways, at EYE_HEIGHT_M where the recordings begin."""
     t = np.arange(0, round(seconds * 90) + 1) / 90
     place, yaw = np.tile((0.0, EYE_HEIGHT_M, 0.0), (len(t), 1)), np.zeros_like(t)
     if kind == "turning":
@@ -57,18 +47,18 @@ def motion(kind: str, seconds: float = 8.0) -> PoseTrack:
 
 
 def traces(folder: Path) -> dict[str, str]:
-    """Name to what replay takes."""
-    found = {name: name for name in ("look-around", "walk")}
+    """Return what replay takes for each motion, by name. Writes the sines into `folder`."""
+    paths = {name: name for name in ("look-around", "walk")}
     for kind in ("turning", "sideways"):
         path = folder / f"{kind}.csv"
         with path.open("w", encoding="utf-8") as stream:
             write_synthetic(motion(kind), stream)
-        found[kind] = str(path)
-    return found
+        paths[kind] = str(path)
+    return paths
 
 
 def measure(folder: Path, program: Program) -> list[dict]:
-    """One summary of each trace, latency and choice; `trace` and `choice` say which."""
+    """Return one summary for each trace, latency and choice; `trace` and `choice` say which."""
     rows = []
     for name, trace in traces(folder).items():
         for latency in LATENCIES:
@@ -83,7 +73,7 @@ def measure(folder: Path, program: Program) -> list[dict]:
 
 
 def band_table(rows: list[dict]) -> str:
-    """Pixels and bytes against what is missing at the border, before and after the fills, and the error."""
+    """Return pixels and bytes against the border before and after the fills, and the error."""
     lines = [
         "| recording | latency ms | guard | pixels | MB a frame | border % | empty after the fill % | PSNR dB |",
         "|" + " --- |" * 8,
@@ -91,27 +81,21 @@ def band_table(rows: list[dict]) -> str:
     for row in rows:
         size = row["link"]["frame_bytes"]
         pixels = size / (2 * BYTES_PER_PIXEL * SIZE[0] * SIZE[1])
-        guard = (
-            f"auto: {row['guard']:g}"
-            if row["choice"] == "auto"
-            else "1 and wide"
-            if row["choice"] == "wide"
-            else f"{row['guard']:g}"
-        )
+        guard = {"auto": f"auto: {row['guard']:g}", "wide": "1 and wide"}.get(row["choice"], f"{row['guard']:g}")
         border, empty = 100 * row["quality"]["border_share"]["mean"], 100 * row["filled"]["empty"]
-        told = (
+        figures = (
             f"{pixels:.2f}x",
             f"{size / 1e6:.1f}",
             f"{border:.2f}",
             f"{empty:.2f}",
             f"{row['quality']['psnr_db']['mean']:.2f}",
         )
-        lines.append(f"| {row['trace']} | {row['latency_ms']:g} | {guard} | {' | '.join(told)} |")
+        lines.append(f"| {row['trace']} | {row['latency_ms']:g} | {guard} | {' | '.join(figures)} |")
     return "\n".join(lines)
 
 
 def finding_table(rows: list[dict]) -> str:
-    """The thesis's finding: which guard suffices for turning and for sideways motion at which latency."""
+    """Return which guard band suffices for turning and for sideways motion: the thesis' finding."""
     lines = ["| motion | latency ms | border % at 1 | at 1.5 | at 2 | suffices |", "|" + " --- |" * 6]
     for trace in ("turning", "sideways"):
         for latency in LATENCIES:
@@ -121,6 +105,6 @@ def finding_table(rows: list[dict]) -> str:
                 if row["trace"] == trace and f"{row['latency_ms']:g}" == latency and row["choice"] in GUARDS[:3]
             }
             enough = next((choice for choice, share in shares.items() if share < SUFFICES), "none of them")
-            told = " | ".join(f"{100 * shares[choice]:.2f}" for choice in GUARDS[:3])
-            lines.append(f"| {trace} | {latency} | {told} | {enough} |")
+            figures = " | ".join(f"{100 * shares[choice]:.2f}" for choice in GUARDS[:3])
+            lines.append(f"| {trace} | {latency} | {figures} | {enough} |")
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""docs/live.png: hmdwarp live on a virtual screen of 1280x800, as the screen had it. Wants Xvfb and xdotool.
+"""Draw docs/live.png: hmdwarp live on a virtual screen of 1280x800. Needs Xvfb and xdotool.
 
 By hand: .venv/bin/python docs/panel.py
 """
@@ -6,6 +6,7 @@ By hand: .venv/bin/python docs/panel.py
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import struct
 import subprocess
@@ -18,44 +19,22 @@ import numpy as np
 from PIL import Image
 
 SCREEN = (1280, 800)
-RUN = (
-    "--source",
-    "desktop",
-    "--full-screen",
-    "--scene",
-    "room",
-    "--size",
-    "320x400",
-    "--latency",
-    "200",
-    "--fill",
-    "pyramid",
-)
+RUN = shlex.split("--source desktop --full-screen --scene room --size 320x400 --latency 200 --fill pyramid")
 WALK_S = 20.0  # the plots hold the last 240 refreshes
 
 
 def panel_picture(path: Path) -> None:
-    """Walk through a scene for a while and keep what is on the screen."""
+    """Walk through a scene for WALK_S and save the screen."""
     width, height = SCREEN
     with tempfile.TemporaryDirectory() as folder:
         read, write = os.pipe()
-        screen = [
-            "Xvfb",
-            "-displayfd",
-            str(write),
-            "-screen",
-            "0",
-            f"{width}x{height}x24",
-            "-nolisten",
-            "tcp",
-            "-fbdir",
-            folder,
-        ]
+        options = f"-displayfd {write} -screen 0 {width}x{height}x24 -nolisten tcp -fbdir"
+        screen = ["Xvfb", *shlex.split(options), folder]
         server = subprocess.Popen(screen, pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         try:
-            with os.fdopen(read) as told:
-                display = f":{told.readline().strip()}"
+            with os.fdopen(read) as numbers:
+                display = f":{numbers.readline().strip()}"
             picture = _walked(display, Path(folder) / "Xvfb_screen0")
         finally:
             server.terminate()
@@ -64,7 +43,7 @@ def panel_picture(path: Path) -> None:
 
 
 def _walked(display: str, kept: Path) -> np.ndarray:
-    """The screen after a hand has led the head from side to side for a while. kept: where Xvfb keeps the screen."""
+    """Return the screen after walking from side to side for WALK_S. kept: Xvfb's screen file."""
     environment = {**os.environ, "DISPLAY": display}
     environment.pop("WAYLAND_DISPLAY", None)
     live = subprocess.Popen([sys.executable, "-m", "hmdwarp", "live", *RUN, "--quiet"], env=environment)
@@ -84,7 +63,7 @@ def _walked(display: str, kept: Path) -> np.ndarray:
 
 
 def read_screen(path: Path) -> np.ndarray:
-    """(h, w, 3) uint8, from the file that Xvfb keeps its screen in. Source: X11/XWDFile.h."""
+    """Return (h, w, 3) uint8 from the file that Xvfb keeps its screen in. Source: X11/XWDFile.h."""
     data = path.read_bytes()
     head = struct.unpack(">25I", data[:100])
     header, width, height, stride, colours = head[0], head[4], head[5], head[12], head[19]

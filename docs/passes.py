@@ -1,7 +1,8 @@
-"""Tables of docs/results.md about what comes after the warp and beside it: effects, fills, the link. Each row is one replay."""
+"""Tables of docs/results-*.md on effects, fills and the link. Each row is one replay."""
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from typing import Any
 
@@ -9,32 +10,16 @@ Summary = dict[str, Any]
 Run = Callable[..., Summary]  # (trace, *options) -> summary.json
 
 LATENCIES = ("200", "400", "800")
-COMMON = ("--guard", "1.5", "--lens", "none")
-SHORT = (*COMMON, "--rate", "30", "--start", "1", "--seconds", "1.2", "--metrics-every", "9")
-SMALL = (
+COMMON = shlex.split("--guard 1.5 --lens none")
+SHORT = [*COMMON, *shlex.split("--rate 30 --start 1 --seconds 1.2 --metrics-every 9")]
+SMALL = [
     *COMMON,
-    "--size",
-    "240x300",
-    "--rate",
-    "20",
-    "--start",
-    "1",
-    "--seconds",
-    "0.8",
-    "--metrics-every",
-    "4",
-)  # mirrors are drawn slowly
-LONG = (
+    *shlex.split("--size 240x300 --rate 20 --start 1 --seconds 0.8 --metrics-every 4"),
+]  # slow
+LONG = [
     *COMMON,
-    "--rate",
-    "20",
-    "--start",
-    "2",
-    "--seconds",
-    "6",
-    "--metrics-every",
-    "15",
-)  # the head comes back to what it saw
+    *shlex.split("--rate 20 --start 2 --seconds 6 --metrics-every 15"),
+]  # long enough for the head to return
 FILLS = (
     "none",
     "interpolate",
@@ -49,6 +34,25 @@ FILLS = (
     "interpolate+memory+pyramid",
 )
 SLOW_FILLS = ("interpolate", "pyramid", "model", "relight")  # after `mesh`, which takes a quarter of a second an eye
+FILL_FIGURES = (
+    "PSNR in former holes",
+    "FLIP in former holes",
+    "PSNR dB",
+    "FLIP",
+    "flicker",
+    "fill ms an eye",
+    "left empty %",
+)
+LINK_FIGURES = (
+    "Mbit/s",
+    "coded PSNR",
+    "encode ms",
+    "decode ms",
+    "frames shown / lost / late",
+    "response ms",
+    "PSNR dB",
+    "FLIP",
+)
 NETWORKS = (
     ("constant", ()),
     ("uniform jitter of 30 ms", ("--jitter", "uniform:30")),
@@ -71,138 +75,86 @@ def _quality(summary: Summary, name: str) -> float:
 
 
 def effects_table(run: Run, scenes: list[tuple[str, list[str]]]) -> str:
-    """For each scene and effect the error with its pass and without, at each latency, and what the pass costs.
+    """Return the error of each scene with and without each pass, and what the pass costs.
 
-    scenes: (name, names of the effects it calls for). Without a pass the server draws the content into the picture, as it always did.
+    scenes: (name, names of the effects it calls for). Without a pass the server draws the content
+    into the picture.
     """
     rows = _head("scene", "ms late", "left out", "PSNR dB", "FLIP", "flicker", "effects ms an eye", "MB a frame")
     for scene, effects in scenes:
         for latency in LATENCIES:
             for left_out in ("", *effects, *(("all",) if len(effects) > 1 else ())):
-                asked = {"": "auto", "all": "none"}.get(left_out, f"no-{left_out}")
-                got = run(
-                    "walk",
-                    *SMALL,
-                    "--scene",
-                    scene,
-                    "--latency",
-                    latency,
-                    "--effects",
-                    asked,
-                    "--warp",
-                    "iterative",
-                    "--fill",
-                    "pyramid",
-                )
-                figures = (
-                    f"{_quality(got, 'psnr_db'):.2f}",
-                    f"{_quality(got, 'flip'):.3f}",
-                    f"{_quality(got, 'flicker'):.3f}",
-                )
-                ms, size = got["time_ms"]["effects"]["median"], got["link"]["frame_bytes"] / 1e6
-                rows.append(
-                    _line(
-                        f"`{scene}`",
-                        latency,
-                        left_out and f"`{left_out}`" or "nothing",
-                        *figures,
-                        f"{ms:.1f}",
-                        f"{size:.1f}",
-                    )
-                )
+                option = {"": "auto", "all": "none"}.get(left_out, f"no-{left_out}")
+                choices = f"--scene {scene} --latency {latency} --effects {option} --warp iterative --fill pyramid"
+                summary = run("walk", *SMALL, *shlex.split(choices))
+                name = f"`{left_out}`" if left_out else "nothing"
+                rows.append(_line(f"`{scene}`", latency, name, *_effect_figures(summary)))
     return "\n".join(rows)
 
 
+def _effect_figures(summary: Summary) -> list[str]:
+    quality = [f"{_quality(summary, 'psnr_db'):.2f}", *(f"{_quality(summary, key):.3f}" for key in ("flip", "flicker"))]
+    ms, size = summary["time_ms"]["effects"]["median"], summary["link"]["frame_bytes"] / 1e6
+    return [*quality, f"{ms:.1f}", f"{size:.1f}"]
+
+
 def fills_table(run: Run) -> str:
-    """Every fill at 400 ms, after `forward`; the complete ones after `mesh` too."""
-    head = (
-        "recording",
-        "warp",
-        "fill",
-        "PSNR in former holes",
-        "FLIP in former holes",
-        "PSNR dB",
-        "FLIP",
-        "flicker",
-        "fill ms an eye",
-        "left empty %",
-    )
-    rows = _head(*head)
+    """Return every fill at 400 ms, after `forward`; SLOW_FILLS after `mesh` too."""
+    rows = _head("recording", "warp", "fill", *FILL_FIGURES)
     for trace in ("look-around", "walk"):
         for warp, fills in (("forward", FILLS), ("mesh", SLOW_FILLS)):
             for fill in fills:
-                got = run(trace, *LONG, "--latency", "400", "--warp", warp, "--fill", fill)
-                rows.append(_line(trace, f"`{warp}`", f"`{fill}`", *_fill_figures(got)))
+                summary = run(trace, *LONG, "--latency", "400", "--warp", warp, "--fill", fill)
+                rows.append(_line(trace, f"`{warp}`", f"`{fill}`", *_fill_figures(summary)))
     return "\n".join(rows)
 
 
 def memory_table(run: Run) -> str:
-    """What a memory is worth to a head that comes back, without a guard band and with one."""
-    rows = _head(
-        "guard",
-        "fill",
-        "PSNR in former holes",
-        "FLIP in former holes",
-        "PSNR dB",
-        "FLIP",
-        "flicker",
-        "fill ms an eye",
-        "left empty %",
-    )
+    """Return the memory fill on a head that comes back, without and with a guard band."""
+    rows = _head("guard", "fill", *FILL_FIGURES)
     for guard in ("1", "1.5"):
         for fill in ("pyramid", "memory+pyramid"):
-            got = run("look-around", *LONG, "--latency", "400", "--fill", fill, "--guard", guard)
-            rows.append(_line(guard, f"`{fill}`", *_fill_figures(got)))
+            summary = run("look-around", *LONG, "--latency", "400", "--fill", fill, "--guard", guard)
+            rows.append(_line(guard, f"`{fill}`", *_fill_figures(summary)))
     return "\n".join(rows)
 
 
-def _fill_figures(got: Summary) -> list[str]:
-    holes, empty = (
-        got["regions"]["holes"],
-        got["filled"]["empty"] if len(got["filled"]) > 1 else got["regions"]["holes"]["share"],
-    )
-    figures = [
+def _fill_figures(summary: Summary) -> list[str]:
+    holes, filled = summary["regions"]["holes"], summary["filled"]
+    empty = filled["empty"] if len(filled) > 1 else holes["share"]
+    return [
         f"{holes['psnr_db']:.2f}",
         f"{holes['flip']:.3f}",
-        f"{_quality(got, 'psnr_db'):.2f}",
-        f"{_quality(got, 'flip'):.3f}",
-    ]
-    return [
-        *figures,
-        f"{_quality(got, 'flicker'):.3f}",
-        f"{got['time_ms']['fill']['median']:.1f}",
+        f"{_quality(summary, 'psnr_db'):.2f}",
+        f"{_quality(summary, 'flip'):.3f}",
+        f"{_quality(summary, 'flicker'):.3f}",
+        f"{summary['time_ms']['fill']['median']:.1f}",
         f"{100 * empty:.2f}",
     ]
 
 
 def link_table(run: Run) -> str:
-    """Networks and codecs: what became of the frames, the response time, and what it does to the picture."""
-    head = (
-        "network",
-        "codec",
-        "Mbit/s",
-        "coded PSNR",
-        "encode ms",
-        "decode ms",
-        "frames shown / lost / late",
-        "response ms",
-        "PSNR dB",
-        "FLIP",
-    )
-    rows = _head(*head)
+    """Return networks and codecs: what became of the frames, the response time, and the picture."""
+    rows = _head("network", "codec", *LINK_FIGURES)
     for network, options in NETWORKS:
         for codec in CODECS if not options else ("h264",):
-            got = run("look-around", *SHORT, "--latency", "200", "--fill", "pyramid", "--codec", codec, *options)
-            rows.append(_line(network, codec, *_link_figures(got)))
+            summary = run("look-around", *SHORT, "--latency", "200", "--fill", "pyramid", "--codec", codec, *options)
+            rows.append(_line(network, codec, *_link_figures(summary)))
     return "\n".join(rows)
 
 
-def _link_figures(got: Summary) -> list[str]:
-    link, frames = got["link"], got["link"]["frames"]
-    coded = [_number(link.get(name)) for name in ("coded_psnr_db", "encode_ms", "decode_ms")]
-    fate = f"{frames['shown']} / {frames['lost'] + frames['undecodable'] + frames['dropped']} / {frames['rendered'] + frames['superseded']}"
-    picture = (f"{_quality(got, 'psnr_db'):.2f}", f"{_quality(got, 'flip'):.3f}")
-    return [f"{link['mbit_s']:.1f}", *coded, fate, f"{link['response_ms']['total_ms']:.0f}", *picture]
+def _link_figures(summary: Summary) -> list[str]:
+    link, frames = summary["link"], summary["link"]["frames"]
+    lost = frames["lost"] + frames["undecodable"] + frames["dropped"]
+    late = frames["late"] + frames["superseded"]
+    return [
+        f"{link['mbit_s']:.1f}",
+        *(_number(link.get(name)) for name in ("coded_psnr_db", "encode_ms", "decode_ms")),
+        f"{frames['shown']} / {lost} / {late}",
+        f"{link['response_ms']['total_ms']:.0f}",
+        f"{_quality(summary, 'psnr_db'):.2f}",
+        f"{_quality(summary, 'flip'):.3f}",
+    ]
 
 
 def _number(value: float | None) -> str:

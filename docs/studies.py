@@ -1,4 +1,4 @@
-"""The figures and the picture of docs/study.md: scales, keys, the thesis's ratings, how often the analysis is right, how many people."""
+"""Tables and picture of docs/study*.md: scales, keys, the thesis' ratings, coverage, power."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WORDS = ("pairs (+/0/-)", "mean difference", "BCa 95 %", "Hodges-Lehmann", "exac
 
 
 def scales_table() -> str:
-    """Every scale that comes along."""
+    """Return every scale that is part of the package."""
     lines = ["| scale | what it is | asks | source |", "| --- | --- | --- | --- |"]
     for row in entries("scales"):
         asks = row["asks"].split(":")[0] if row["kind"] == "questionnaire" else row["asks"]
@@ -32,7 +32,7 @@ def scales_table() -> str:
 
 
 def keys_table() -> str:
-    """What hands can do while a question is asked, from the list that window and controllers are made from."""
+    """Return the keys of a question, from the list that window and controllers use."""
     lines = ["| key | what it does |", "| --- | --- |"]
     for one in CONTROLS:
         if one.what:
@@ -45,7 +45,7 @@ def keys_table() -> str:
 
 
 def thesis_table(folder: Path, program: Program) -> str:
-    """The ratings that the thesis published."""
+    """Return the analysis of the ratings that the thesis published."""
     out = folder / "thesis"
     program("study", "analyse", "thesis", "--out", str(out), "--quiet")
     with (out / "tables" / "comparisons.csv").open(encoding="utf-8", newline="") as file:
@@ -67,29 +67,27 @@ def thesis_table(folder: Path, program: Program) -> str:
 
 
 def coverage_table(root: Path) -> str:
-    """1000 studies of people whose effects are known."""
+    """Return how often the analysis is right in 1000 simulated studies with known effects."""
     return subprocess.run(
         [sys.executable, "-m", "tests.study.coverage"], cwd=root, check=True, capture_output=True, text=True
     ).stdout
 
 
-def power_told(folder: Path) -> str:
-    """What `study power` says of half a grade in the shipped study."""
+def power_text(folder: Path) -> str:
+    """Return what `study power` prints for half a grade in the study `quick`."""
     command = ["study", "power", "quick", "--effect", "0.5", "--out", str(folder / "power")]
-    told = subprocess.run(
-        [sys.executable, "-m", "hmdwarp", *command], check=True, capture_output=True, text=True
-    ).stdout
-    lines = [
-        line for line in told.rstrip().splitlines() if not line.startswith("Table and plot:")
-    ]  # where this run put them
+    program = [sys.executable, "-m", "hmdwarp", *command]
+    printed = subprocess.run(program, check=True, capture_output=True, text=True).stdout
+    # The line left out names this run's folder.
+    lines = [line for line in printed.rstrip().splitlines() if not line.startswith("Table and plot:")]
     return "\n".join(["```text", *lines, "```"])
 
 
 def question_picture(path: Path) -> None:
-    """A rating and a sickness score, as they lie before the eyes."""
-    plates = [_asked("grade", "right", "left"), _asked("misc", "right", "left", "left", "left")]
-    height = max(len(plate) for plate in plates)
-    padded = [np.pad(plate, ((0, height - len(plate)), (0, 0))) for plate in plates]
+    """Draw a rating and a sickness score as the participant sees them."""
+    panels = [_asked("grade", "right", "left"), _asked("misc", "right", "left", "left", "left")]
+    height = max(len(panel) for panel in panels)
+    padded = [np.pad(panel, ((0, height - len(panel)), (0, 0))) for panel in panels]
     Image.fromarray(np.hstack([padded[0], np.zeros((height, 40), np.uint8), padded[1]])).save(path, optimize=True)
 
 

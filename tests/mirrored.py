@@ -6,10 +6,8 @@ import attrs
 import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Background, Scene, Texture
-from hmdwarp.scenes._content import Material
-from hmdwarp.scenes.library._gallery_paint import ripples
-from hmdwarp.scenes.library._shapes import Ball, Quad, checker
+from hmdwarp.scenes import Background, Ball, Material, Quad, Scene, Texture, checker
+from hmdwarp.scenes.textures import ripples
 
 # Plain by themselves, so that what is wrong in them is wrong in what they show.
 FLOOR = Quad((0.0, 0.0, -3.0), (3.0, 0, 0), (0, 0, -3.0), -1, (0.3, 0.3, 0.32), (4, 4))

@@ -1,6 +1,8 @@
-"""Where live pictures go and whose eyes see them: a headset through OpenXR, a window on the desktop, or nowhere.
+"""Displays: where live pictures go, and whose eyes see them.
 
-The loop knows none of this; live/ knows the protocol in `_base` alone.
+OpenXR, a desktop window, or offscreen.
+
+The loop knows none of this; hmdwarp.run knows only the protocol re-exported here.
 """
 
 from ._base import Closed, Command, Display, DisplayOptions, Label, Lost, TextPanel, Tick

@@ -1,4 +1,4 @@
-"""What a display is, as the live driver sees it."""
+"""The display protocol, as the live driver sees it."""
 
 from __future__ import annotations
 
@@ -22,26 +22,36 @@ if TYPE_CHECKING:
 
 
 class Closed(Exception):
-    """Nobody looks any more: the window was closed, or the runtime ended the session. args: why, in words for the user."""
+    """The user is done: the window was closed, or the runtime ended the session.
+
+    args: why, in words.
+    """
 
 
 class Lost(MachineError):
-    """The display went away in the middle of a run, and may come back: `Display.reopen`. The message says what happened."""
+    """The display went away during a run and may come back: `Display.reopen`.
+
+    The message says what happened.
+    """
 
 
 class TextPanel(Hashable, Protocol):
-    """Something drawn that lies over the picture where a line of text would: a question with its scale. Equal plates look the same.
+    """Something drawn over the picture instead of a line of text: a question with its scale.
 
-    pointed: whether it wants to be pointed at. While it lies there a window's mouse is free and leads no head, and what it does on the
-    plate comes as commands, its place as (u, v) of the plate, origin bottom left: "point" where it moves, "press" where it is clicked,
-    "up" and "down" as its wheel turns. Nobody walks meanwhile either.
+    Equal panels look the same. While a panel that wants pointing lies there, a window's mouse is
+    free and leads no head. What the mouse does on the panel comes as commands whose place is (u, v)
+    of the panel, origin bottom left: "point" where it moves, "press" where it is clicked, "up" and
+    "down" as its wheel turns. Walking stops meanwhile.
     """
 
     @property
     def pointed(self) -> bool: ...
 
     def ink(self) -> NDArray[np.uint8]:
-        """(h, w), top row first: 255 where ink is. Called once for a plate, not at each refresh."""
+        """Return (h, w), top row first: 255 where ink is.
+
+        Called once for a panel, not at each refresh.
+        """
 
 
 Label = str | TextPanel  # what lies over a picture; "" for nothing
@@ -49,103 +59,96 @@ Label = str | TextPanel  # what lies over a picture; "" for nothing
 
 @attrs.frozen
 class Tick:
-    """One refresh to make a picture for. shown_ns: when it will be seen. period_ns: between refreshes.
+    """One refresh to make a picture for."""
 
-    render: whether anybody would see a picture; without, the refresh is handed over empty. notice: what the one who looks should be told
-    ("tracking lost"), "" for nothing. missed: refreshes that went by without a picture since the last tick.
-    """
-
-    shown_ns: int
-    period_ns: int
+    shown_ns: int  # when it will be seen
+    period_ns: int  # between refreshes
+    # False where the picture would be invisible; the refresh is then handed over empty
     render: bool = True
-    notice: str = ""
-    missed: int = 0
+    notice: str = ""  # for the user ("tracking lost"), "" for none
+    missed: int = 0  # refreshes without a picture since the last tick
 
 
 @attrs.frozen
 class Command:
-    """Something the one who looks asked for. control: its name in live.controls; value: what it is set to, None for one step on.
+    """A user's request."""
 
-    back: a step back instead of on.
-    """
-
-    control: str
-    value: object = None
-    back: bool = False
+    control: str  # its name in display.controls
+    value: object = None  # what it is set to, None for one step
+    back: bool = False  # a step back instead of forward
 
 
 @attrs.frozen
 class DisplayOptions:
-    """What a display must know before it is opened. headset: the name of the one a window stands for. view: "both" eyes or one "flat" one.
+    """What a display must know before it is opened."""
 
-    size: (w, h) of one eye; None for what the display likes. full_screen, vsync, panel: of a window. depth_layer: whether a runtime that
-    takes the picture's depth gets it. watching: put around every call into a runtime that may hang; it is given the call's name.
-    trace: a recording that a window or an offscreen display follows instead of anybody's head. rate_hz: refreshes a second, where there is
-    no screen to say. controls: what keys, mouse and controllers ask for.
-    """
-
-    headset: str = "rift-dk1"
-    view: str = "both"
-    size: tuple[int, int] | None = None
-    full_screen: bool = False
+    headset: str = "rift-dk1"  # name of the one a window emulates
+    view: str = "both"  # "both" eyes or one "flat" one
+    size: tuple[int, int] | None = None  # (w, h) of one eye; None for what the display prefers
+    full_screen: bool = False  # of a window
     vsync: bool = True
     panel: bool = True
-    depth_layer: bool = True
+    depth_layer: bool = True  # whether a runtime that takes the picture's depth gets it
+    # put around every call into a runtime that may hang; it gets the call's name
     watching: Callable[[str], AbstractContextManager[object]] = lambda what: nullcontext()  # noqa: E731
+    # a recording that a window or an offscreen display follows instead of a live head
     trace: PoseTrack | None = None
-    rate_hz: float | None = None
-    controls: tuple[Control, ...] = CONTROLS
+    rate_hz: float | None = None  # refreshes a second, where no screen says so
+    controls: tuple[Control, ...] = CONTROLS  # what keys, mouse and controllers request
 
 
 class Display(Protocol):
-    """All times are on the display's own clock, `now_ns`, which is that of its pose source.
+    """What every display does.
 
-    name: "openxr", "desktop" or "offscreen". about: what it is, by name, for headers and summaries (runtime, headset, ..). gpu: whose
-    pictures it can show; it belongs to the display. eyes, source: whose eyes and whose head. size: (w, h) of one eye it would like.
-    rate_hz: its nominal refresh rate. headset: whose lens the plan corrects, None where that is not ours to do. distorts, takes_depth: as
-    build_plan has them.
+    All times are on its own clock, `now_ns`, which is its pose source's too.
     """
 
-    name: str
-    about: dict[str, str]
-    gpu: Gpu
+    name: str  # "openxr", "desktop" or "offscreen"
+    about: dict[str, str]  # what it is, by name, for headers and summaries (runtime, headset, ..)
+    gpu: Gpu  # its pictures can be shown; it belongs to the display
     eyes: Eyes
     source: PoseSource
-    size: tuple[int, int]
-    rate_hz: float
-    headset: Headset | None
-    distorts: str
-    takes_depth: str
+    size: tuple[int, int]  # (w, h) of one eye that it prefers
+    rate_hz: float  # nominal refresh rate
+    headset: Headset | None  # whose lens the plan corrects; None where the runtime does that
+    distorts: str  # as build_plan has it
+    takes_depth: str  # as build_plan has it
 
     def now_ns(self) -> int:
-        """This instant."""
+        """Return this instant."""
 
     def wait(self) -> Tick | None:
-        """Wait until it is time to make the next picture. None: nothing to do just now (not running, minimised); ask again.
+        """Wait until it is time to make the next picture.
 
-        Every tick must be answered by one show(). Errors: Closed; Lost.
+        None: nothing to do just now (not running, minimised); call again. Every tick must be
+        answered by one show().
+        Errors: Closed; Lost.
         """
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
-        """Hand the picture over for the tick that wait() gave; None for an empty one. label: what lies over it, text or a plate.
+        """Hand over the picture of the tick that wait() returned; None for an empty one.
 
-        Returns when it was handed over. Errors: Closed; Lost.
+        label: text or a panel over it. Returns when it was handed over.
+        Errors: Closed; Lost.
         """
 
     def look(self, view: str) -> None:
-        """Another view from now on, as DisplayOptions.view; eyes, size and headset may be others afterwards. A headset has but one."""
+        """Switch to another view, as DisplayOptions.view.
+
+        Eyes, size and headset may differ afterwards. A headset has only one view.
+        """
 
     def restart(self) -> None:
-        """Something new is about to be shown: a recorded head begins anew, a living one goes on."""
+        """Prepare for something new: a recorded head begins anew, a live one goes on."""
 
     def commands(self) -> Sequence[Command]:
-        """What was asked for since the last time."""
+        """Return the user's requests since the last call."""
 
     def tell(self, status: object) -> None:
-        """What the title line and the panel show: a live.figures.Status."""
+        """Show a Status in the title line and the control panel."""
 
     def reopen(self) -> bool:
-        """After Lost: whether it is there again. The gpu stays the same. Errors: Closed."""
+        """Tell, after Lost, whether the display is back. The gpu stays the same. Errors: Closed."""
 
     def close(self) -> None:
-        """Let go of everything, the gpu last; whatever state it is in. May be called twice."""
+        """Release everything, the gpu last, in whatever state. May be called twice."""

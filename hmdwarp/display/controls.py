@@ -1,4 +1,7 @@
-"""What can be changed while a run goes on: every control has a key, and the panel shows the same ones."""
+"""What can be changed during a run.
+
+Every control has a key, and the control panel shows the same ones.
+"""
 
 from __future__ import annotations
 
@@ -7,27 +10,25 @@ import attrs
 
 @attrs.frozen
 class Control:
-    """name: as Command.control names it. key: as glfw's keys are named ("T", "[", "F11", "KP 1", "Left"); with shift it steps back.
+    """One thing that the user can change."""
 
-    back: a key of its own for a step back, "" for shift. what: for the help, a few words; "" leaves it out there. of_display: whether the
-    display does it by itself; the others change the run. kind: "choice", "number", "switch" or "action", for the panel; a "step" goes on
-    while its key is held, as a number does. span: the least and most of a number. also: further keys for the same. value: what the command
-    is given, where several keys are one control. buttons: of controllers, by their names in display/openxr/bindings.py. written: how the
-    help names its keys, "" for as they are. beside_plate: of the help: it is to be had only while a plate lies over the picture, and goes
-    with it, where nothing may be written over pictures.
-    """
-
-    name: str
-    key: str
-    what: str
+    name: str  # as Command.control names it
+    key: str  # as glfw names keys ("T", "[", "F11", "KP 1", "Left"); with shift it steps back
+    what: str  # a few words for the help; "" leaves it out there
+    # "choice", "number", "switch", "action", or "step", which repeats while its key is held, as a
+    # number does
     kind: str
-    back: str = ""
-    of_display: bool = False
-    span: tuple[float, float] = (0.0, 0.0)
-    also: tuple[str, ...] = ()
-    value: object = None
-    buttons: tuple[str, ...] = ()
-    written: str = ""
+    back: str = ""  # a key of its own for a step back, "" for shift
+    of_display: bool = False  # whether the display handles it by itself; the others change the run
+    span: tuple[float, float] = (0.0, 0.0)  # least and most of a number
+    also: tuple[str, ...] = ()  # further keys for the same
+    value: object = None  # what the command carries, where several keys are one control
+    buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/bindings.py
+    written: str = ""  # how the help names its keys, "" for as they are
+    # in the help only while a panel lies over the picture, and not over pictures that must stay
+    # free of text
+    # in the help only while a panel lies over the picture, and not over pictures that must stay
+    # clear
     beside_plate: bool = False
 
 
@@ -47,15 +48,19 @@ CONTROLS: tuple[Control, ...] = (
     Control("help", "H", "this help", "switch", of_display=True),
     Control("quit", "Escape", "let go of the mouse; end", "action", of_display=True),
 )
-# Moving is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down and up, shift is faster.
+# Moving is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down and
+# up, shift is faster.
 MOVING = (("mouse", "turn (click first)"), ("W A S D", "walk"), ("Q E", "down, up"), ("shift", "faster"))
 
 
 def control(name: str) -> Control:
-    """The control of that name."""
+    """Return the control of that name."""
     return next(one for one in CONTROLS if one.name == name)
 
 
 def help_goes(controls: tuple[Control, ...], plate: bool) -> bool:
-    """Whether a help that is open must be closed now. plate: whether a plate lies over the picture."""
+    """Tell whether an open help must be closed now.
+
+    plate: whether a panel lies over the picture.
+    """
     return not plate and any(one.name == "help" and one.beside_plate for one in controls)

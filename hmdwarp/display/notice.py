@@ -1,4 +1,4 @@
-"""Text over the picture: drawn once into a texture, laid by the presenter where the eye finds it."""
+"""Text over the picture: drawn once into a texture, placed where the eye finds it."""
 
 from __future__ import annotations
 
@@ -23,31 +23,37 @@ FONT_PX, LINE_PX, PAD_PX, COLUMN_PX = 28, 38, 18, 28
 LETTERS_A_LINE = 44
 KEPT = 16  # textures; notices are few, and a help text is the same each time
 
-# Head-locked, at 1 m: so large that 300 pixels a metre (640x800 an eye, 100 degrees) still show 13-pixel letters, and so small and
-# so near to the middle that both eyes of every headset here see all of it.
+# Head-locked, at 1 m: so large that 300 pixels a metre (640x800 an eye, 100 degrees) still show
+# 13-pixel letters, and so small and so near to the middle that both eyes of every headset here see
+# all of it.
 AT_M = 1.0
 LINE_M = 0.056
 MOST_WIDE_M, MOST_HIGH_M = 1.1, 1.2
 MIDDLE_M, LOWEST_M = -0.35, -0.62
 PLATE_MIDDLE_M = (
     -0.1
-)  # a plate is what one looks at, and no turn of the head brings it nearer: little below straight ahead
+)  # people look straight at a panel, and no turn of the head brings it nearer: little below straight ahead
 
-# In a window without an eye to see it by: as many pixels as it has, but no more than this share of the place, above this margin.
+# In a window without an eye to see it by: as many pixels as it has, but no more than this share of
+# the place, above this margin.
 MOST_OF_PLACE, MARGIN = 0.94, 0.03
 
 
 @attrs.frozen(eq=False)
 class Notice:
-    """ink: r8 with mipmaps, 1 where a letter is; it belongs to the Notices that made it."""
+    """A drawn text."""
 
     label: Label
+    # r8 with mipmaps, 1 where a letter is; it belongs to the Notices that made it
     ink: moderngl.Texture
 
     def plate_from_place(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
-        """3x3: (x, y, 1), in pixels of a (w, h) place whose origin is bottom left, to the plate's uv; its third row is positive before
-        the eye. eye: by whose eye it is seen, 1 m before the head, a text below the middle; None for a place without one, a text at its
-        bottom. A plate lies in the middle of either."""
+        """Return 3x3: (x, y, 1) in pixels of a (w, h) place, origin bottom left, to the panel's uv.
+
+        The third row is positive in front of the eye. eye: whose eye sees it, 1 m in front of the
+        head, text below the middle; None for a place without one, text at its bottom. A panel lies
+        in the middle of either.
+        """
         return np.linalg.inv(self._in_place(size) if eye is None else _seen(self._in_head(), eye, size))
 
     @property
@@ -55,7 +61,7 @@ class Notice:
         return isinstance(self.label, str)
 
     def _in_place(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """Pixels of the place from the plate's uv."""
+        """Return pixels of the place from the panel's uv."""
         w, h = self.ink.size
         scale = min(1.0, MOST_OF_PLACE * size[0] / w, MOST_OF_PLACE * size[1] / h)
         # At whole pixels letters of full size keep their edges.
@@ -67,7 +73,7 @@ class Notice:
         return np.array([[scale * w, 0, left], [0, scale * h, bottom], [0, 0, 1.0]])
 
     def _in_head(self) -> NDArray[np.float64]:
-        """Metres in the head's axes from the plate's uv: its point is this times (u, v, 1)."""
+        """Return metres in the head's axes from the panel's uv: its point is this times (u, v, 1)."""
         w, h = (pixels * LINE_M / LINE_PX for pixels in self.ink.size)
         scale = min(1.0, MOST_WIDE_M / w, MOST_HIGH_M / h)
         w, h = scale * w, scale * h
@@ -76,7 +82,7 @@ class Notice:
 
 
 def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDArray[np.float64]:
-    """Pixels of the eye's picture, homogeneous, from the plate's uv."""
+    """Return homogeneous pixels of the eye's picture from the panel's uv."""
     head_from_eye = eye.head_from_eye
     from_eye = in_head - np.outer(head_from_eye.position_m, (0, 0, 1))
     in_eye = head_from_eye.rotation.as_matrix().T @ from_eye
@@ -84,14 +90,20 @@ def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDA
 
 
 class Notices:
-    """Textures of texts, each drawn once; the one that was not wanted for longest goes when there are too many."""
+    """Textures of texts, each drawn once.
+
+    The least recently used one goes when there are too many.
+    """
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
         self._kept: OrderedDict[Label, Notice] = OrderedDict()
 
     def of(self, label: Label) -> Notice | None:
-        """The notice of a text or a plate, None of an empty text. Lines are wrapped; a tab in them makes two columns."""
+        """Return the notice of a text or panel, None for an empty text.
+
+        Lines are wrapped; a tab in them makes two columns.
+        """
         if not label:
             return None
         if label not in self._kept:
@@ -116,7 +128,7 @@ class Notices:
 
 
 def drawn(text: str) -> NDArray[np.uint8]:
-    """(h, w), top row first: 255 where a letter of the text is, with room around it."""
+    """Return (h, w), top row first: 255 where a letter of the text is, with a margin."""
     from PIL import Image, ImageDraw, ImageFont
 
     font = ImageFont.load_default(FONT_PX)
@@ -139,7 +151,7 @@ def _widest(font: FreeTypeFont, parts: list[str], from_px: int = 0) -> int:
 
 
 def _wrapped(line: str) -> list[tuple[str, ...]]:
-    """Rows of one part, or of two columns."""
+    """Return the rows of one part, or of two columns."""
     if "\t" in line:
         before, _, after = line.partition("\t")
         return [(before, after)]

@@ -1,6 +1,9 @@
-"""A display without a screen: pictures go into framebuffers, the head is a recording, and time goes on by one refresh a picture.
+"""A display without a screen.
 
-Everything a run does is done, by the code that does it; only nobody looks. Two runs are equal, whatever the machine had to do meanwhile.
+Framebuffers instead of pictures, a recording as head, a clock of its own.
+
+Time goes on by one refresh a picture. The same code does everything a run does; only nothing is
+visible. Two runs are equal, whatever else the machine does.
 """
 
 from __future__ import annotations
@@ -26,10 +29,12 @@ AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
 
 
 class OffscreenDisplay:
-    """As display.Display, of a window's kind: the lens is ours. Its clock begins at 0 and stands still while a picture is made.
+    """display.Display like a window's: hmdwarp corrects the lens.
+
+    Its clock stands still between pictures.
 
     gpu: None for one of its own.
-    Errors: InputError without a trace, or for a headset that is not known; MachineError without OpenGL.
+    Errors: InputError without a trace, or for an unknown headset; MachineError without OpenGL.
     """
 
     name = "offscreen"
@@ -37,7 +42,7 @@ class OffscreenDisplay:
 
     def __init__(self, options: DisplayOptions, gpu: Gpu | None = None) -> None:
         if options.trace is None:
-            raise InputError("an offscreen display has nobody's head to follow: name a recorded one by --trace")
+            raise InputError("an offscreen display has no head to follow: name a recorded one by --trace")
         self._headset, self._size_asked = load_headset(options.headset), options.size
         self.rate_hz = options.rate_hz or self._headset.refresh_hz
         self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0
@@ -51,25 +56,25 @@ class OffscreenDisplay:
         self.about = {"display": "offscreen", "trace": options.trace.name, "renderer": self.gpu.renderer}
 
     def now_ns(self) -> int:
-        """The number of ticks, in nanoseconds."""
+        """Return the number of ticks, in nanoseconds."""
         return self._at_ns
 
     def look(self, view: str) -> None:
-        """As a window's."""
+        """Switch the view like a window."""
         made = shown(view, self._headset, self._size_asked)
         self.eyes, self.size, self.headset, self._count = made.eyes, made.size, made.headset, made.count
 
     def restart(self) -> None:
-        """The recording begins anew."""
+        """Begin the recording anew."""
         self.source.restart()
 
     def wait(self) -> Tick | None:
-        """Nobody waits: time goes on."""
+        """Return at once: time goes on."""
         self._at_ns += self._period_ns
         return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
-        """Draw what a window would, where nobody sees it."""
+        """Draw what a window would, invisibly."""
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
         into, notice = self._framebuffer((w * self._count, h)), self._presenter.notice(label)
         for eye in range(self._count):
@@ -90,18 +95,18 @@ class OffscreenDisplay:
         self._target = self._texture = None
 
     def commands(self) -> Sequence[Command]:
-        """Nobody asks for anything."""
+        """Return nothing: it has no user."""
         return ()
 
     def tell(self, status: object) -> None:
-        """Nobody reads it."""
+        """Do nothing: it has no user."""
 
     def reopen(self) -> bool:
-        """It never goes away."""
+        """Return True: it never goes away."""
         return False
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release everything."""
         if not self._closed:
             self._closed = True
             self._presenter.close()

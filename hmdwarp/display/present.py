@@ -1,4 +1,4 @@
-"""From linear light inside to the colours of a window or a runtime's picture, and from inverse depth to the depth it takes."""
+"""From linear light to the colours of a window or runtime, and from inverse depth to its depth."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ Viewport = tuple[int, int, int, int]  # x, y, width, height in pixels, origin bo
 
 
 class Presenter:
-    """Draws finished pictures into framebuffers. One for each Gpu. All of GL's flags are off afterwards, as every pass expects them."""
+    """Draws finished pictures into framebuffers, one for each Gpu.
+
+    Leaves all GL flags off, as passes expect.
+    """
 
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl
@@ -30,14 +33,14 @@ class Presenter:
         self._depth = _Whole(gl, gpu.shaders.draw("display/whole.vert", "display/depth.frag"))
 
     def prepare(self, *, hardware_srgb: bool) -> None:
-        """Compile what show() uses, which does so itself at its first picture."""
+        """Compile what show() uses; otherwise its first picture does."""
         for scaled, noticed in product((False, True), repeat=2):
             defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
             draw = self._shaders.draw("display/whole.vert", "display/picture.frag", **defines)
             self._pictures[hardware_srgb, scaled, noticed] = _Whole(self._gl, draw)
 
     def notice(self, label: Label) -> Notice | None:
-        """What show() lays over the picture; None for "". Drawn at its first use, kept for the next ones."""
+        """Return what show() lays over the picture; None for "". Drawn at first use, then kept."""
         return self._notices.of(label)
 
     def show(
@@ -50,10 +53,13 @@ class Presenter:
         notice: Notice | None = None,
         eye: View | None = None,
     ) -> None:
-        """The picture, black for None, scaled bilinearly into the viewport of `into`; alpha is 1 there, the rest stays.
+        """Draw the picture, black for None, scaled bilinearly into the viewport of `into`.
 
-        hardware_srgb: whether `into` is sRGB and encodes by itself; else it gets the bytes of a window. Holes are black, light beyond
-        0..1 is clipped, NaN is black. notice: over it, as `eye` sees what is fixed to the head; eye None: at the bottom of the viewport.
+        Alpha is 1 there.
+
+        hardware_srgb: whether `into` is sRGB and encodes by itself; else it gets the bytes of a
+        window. Holes are black, light beyond 0..1 is clipped, NaN is black. notice: over it, as
+        `eye` sees head-locked content; eye None: at the bottom of the viewport.
         """
         picture, size = panel or self._nothing, tuple(viewport[2:])
         key = (hardware_srgb, picture.size != size, notice is not None)
@@ -71,10 +77,11 @@ class Presenter:
         self._gl.disable_direct(FRAMEBUFFER_SRGB)
 
     def depth(self, inverse_depth: moderngl.Texture, into: moderngl.Framebuffer, near_m: float) -> None:
-        """Into the depth of `into`, all of it: near_m * inverse_depth, clipped to 0..1. inverse_depth: r32f, 1/m, -1 (not known) is 0.
+        """Write near_m * inverse_depth, clipped to 0..1, into all of the depth of `into`.
 
-        near_m: where depth is 1; 0 is infinitely far. A picture of another size is taken pixel by pixel: depths must not be mixed.
-        Colours stay as they are.
+        inverse_depth: r32f, 1/m; -1 (unknown) gives 0. near_m: where depth is 1; 0 is infinitely
+        far. A picture of another size is sampled pixel by pixel: depths must not be mixed. Colours
+        stay.
         """
         w, h = into.size
         inverse_depth.use(0)
@@ -86,7 +93,11 @@ class Presenter:
         into.color_mask, self._gl.depth_func = colours, "<"
 
     def _draw(self, whole: _Whole, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
-        """No moderngl.Scope: it keeps its framebuffer until the context goes, and a runtime's framebuffers come and go."""
+        """Draw without moderngl.Scope.
+
+        A Scope keeps its framebuffer until the context goes, and a runtime's framebuffers come and
+        go.
+        """
         before, into.viewport = into.viewport, viewport
         into.use()
         self._gl.enable_only(flags)
@@ -95,7 +106,7 @@ class Presenter:
         into.viewport = before
 
     def close(self) -> None:
-        """Free what is its own; the programs belong to the shader library."""
+        """Free its own objects; the programs belong to the shader library."""
         self._notices.close()
         self._nothing.release()
         for whole in (*self._pictures.values(), self._depth):
@@ -111,7 +122,10 @@ class _Whole:
 
 
 def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
-    """The largest part of `place`, in its middle, that has the shape of a (w, h) picture: what is left beside it is for bars."""
+    """Return the largest part of `place`, in its middle, with the shape of a (w, h) picture.
+
+    What is left beside it is for bars.
+    """
     x, y, w, h = place
     scale = min(w / picture[0], h / picture[1])
     inside = (max(round(scale * picture[0]), 1), max(round(scale * picture[1]), 1))
@@ -119,5 +133,5 @@ def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
 
 
 def _nothing_like(mask: tuple) -> tuple:
-    """The colour mask that lets nothing through, of none, one or several attachments."""
+    """Return the colour mask that blocks everything, for none, one or several attachments."""
     return tuple(_nothing_like(part) if isinstance(part, tuple) else False for part in mask)

@@ -1,4 +1,4 @@
-"""What is going on, for the title line and the panel: numbers of the last refreshes, nothing that costs anything when nobody looks."""
+"""Figures of the last refreshes for the title line and the control panel; free while hidden."""
 
 from __future__ import annotations
 
@@ -17,27 +17,29 @@ def _plot() -> deque[float]:
 
 @attrs.define(eq=False)
 class Status:
-    """values: what each control is set to, by its name; choices: what those of kind "choice" may be set to, the present one included.
+    """What the title line and the control panel show.
 
-    budget_ms: a refresh of the display. The deques hold the last refreshes, oldest first: total_ms: all passes of both eyes;
-    age_ms: from drawing the shown frame to showing it; pose_age_ms: from reading the head to handing the picture over; holes: share of
-    pixels without coverage after the warp (NaN where it was not counted); period_ms: between two pictures. stage_ms: of the last refresh,
-    both eyes. missed: refreshes without a new picture, since the start. notice: as Tick.notice. heading: stands in the title in place of
-    settings and numbers, which tell whoever looks what is on; "" for those.
+    Deques hold the last refreshes, oldest first.
     """
 
+    # what each control is set to, by its name
     values: dict[str, object] = attrs.field(factory=dict)
+    # what controls of kind "choice" may be set to, the present value included
+    # what controls of kind "choice" may be set to, with the present value
     choices: Mapping[str, tuple[object, ...]] = attrs.field(factory=dict)
-    budget_ms: float = 0.0
-    stage_ms: dict[str, float] = attrs.field(factory=dict)
-    total_ms: deque[float] = attrs.field(factory=_plot)
-    age_ms: deque[float] = attrs.field(factory=_plot)
+    budget_ms: float = 0.0  # a refresh of the display
+    stage_ms: dict[str, float] = attrs.field(factory=dict)  # of the last refresh, both eyes
+    total_ms: deque[float] = attrs.field(factory=_plot)  # all passes of both eyes
+    age_ms: deque[float] = attrs.field(factory=_plot)  # from drawing the shown frame to showing it
+    # from reading the head to handing the picture over
     pose_age_ms: deque[float] = attrs.field(factory=_plot)
+    # share of pixels without coverage after the warp; NaN where it was not counted
     holes: deque[float] = attrs.field(factory=_plot)
-    period_ms: deque[float] = attrs.field(factory=_plot)
-    missed: int = 0
-    notice: str = ""
+    period_ms: deque[float] = attrs.field(factory=_plot)  # between two pictures
+    missed: int = 0  # refreshes without a new picture, since the start
+    notice: str = ""  # as Tick.notice
     recording: bool = False
+    # title in place of settings and numbers, which would reveal the condition; "" for those
     heading: str = ""
 
     @property
@@ -47,7 +49,7 @@ class Status:
         return 1e3 / fmean(last) if last and fmean(last) > 0 else 0.0
 
     def title(self) -> str:
-        """One line for the window's title."""
+        """Return one line for the window's title."""
         notice = f" - {self.notice}" if self.notice else ""
         if self.heading:
             return f"hmdwarp - {self.heading}{notice}"

@@ -1,7 +1,8 @@
-"""What this machine has of what the program needs, what is missing, and how to get it.
+"""Checks of this machine: what the program needs, what is missing, and how to get it.
 
-Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop window for `live`, an encoder for
-`--video`. Drivers and runtimes are asked in processes of their own (see _probes), because they may crash or hang.
+Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop
+window for `live`, an encoder for `--video`. Drivers and runtimes are queried in processes of their
+own (see probes), because they may crash or hang.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it 
 
 
 class State(enum.StrEnum):
-    """OK: there. MISSING: replay cannot run without it. OPTIONAL: not there, and only some commands want it."""
+    """OK: present.
+
+    MISSING: replay cannot run without it. OPTIONAL: absent, and only some commands need it.
+    """
 
     OK = "ok"
     MISSING = "missing"
@@ -36,17 +40,17 @@ class State(enum.StrEnum):
 
 @attrs.frozen
 class Finding:
-    """One line of the examination. remedy: what to do, empty where nothing is to be done. facts: numbers for --json."""
+    """One line of the examination."""
 
     name: str
     state: State
     detail: str
-    remedy: str = ""
-    facts: Mapping[str, object] = attrs.field(factory=dict)
+    remedy: str = ""  # what to do; empty where nothing is needed
+    facts: Mapping[str, object] = attrs.field(factory=dict)  # numbers for --json
 
 
 def examine() -> list[Finding]:
-    """Look at everything; takes a second, and up to half a minute for each driver that hangs."""
+    """Check everything; takes a second, and up to half a minute for each driver that hangs."""
     headset, desktop = openxr(), window()
     return [
         python(),
@@ -63,12 +67,15 @@ def examine() -> list[Finding]:
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
-    """Whether nothing that replay needs is missing."""
+    """Tell whether nothing that replay needs is missing."""
     return all(finding.state is not State.MISSING for finding in findings)
 
 
 def ask(question: str, seconds: float = PROBE_SECONDS) -> dict[str, object]:
-    """The last thing the probe `question` (gl, openxr, window) said, with `error` where it crashed, hung or said nothing."""
+    """Return the last words of the probe `question` (gl, openxr, window).
+
+    `error` is set where it crashed, hung or printed nothing.
+    """
     # -P: a numpy.py in the user's folder must not be taken for the real one.
     command = [sys.executable, "-P", "-m", "hmdwarp.doctor.probes", question]
     try:
@@ -104,7 +111,7 @@ def _last_object(text: str) -> dict[str, object]:
 
 
 def python() -> Finding:
-    """The interpreter and the machine it runs on."""
+    """Check the interpreter and the machine it runs on."""
     detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
     return Finding(
         "Python", State.OK, detail, facts={"version": platform.python_version(), "cpu_count": os.cpu_count()}
@@ -112,7 +119,7 @@ def python() -> Finding:
 
 
 def packages() -> Finding:
-    """The packages that the installed hmdwarp declares, with their versions."""
+    """Check the packages that the installed hmdwarp declares, with their versions."""
     try:
         declared = importlib.metadata.requires("hmdwarp") or []
     except importlib.metadata.PackageNotFoundError:
@@ -137,15 +144,18 @@ def packages() -> Finding:
 
 
 def opengl() -> list[Finding]:
-    """Whether a context with compute shaders starts, who draws, its limits, and which clock will time the stages."""
+    """Check that a context with compute shaders starts; report driver, limits and stage clock."""
     known = ask("gl")
     if "error" in known:
         trouble = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
         return [Finding("OpenGL", State.MISSING, trouble, HOW_TO_GET_GL.split(";")[0], known)]
     detail = (
-        f"{known['renderer']}, {known['version']} ({'software, on the processor' if known['software'] else 'hardware'}); "
-        f"pictures up to {known['max_texture_size']} px a side, work groups up to {known['max_work_group_invocations']}, "
-        f"storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, 64-bit atomics {'yes' if known['atomic_int64'] else 'no'}"
+        f"{known['renderer']}, {known['version']} "
+        f"({'software, on the processor' if known['software'] else 'hardware'}); "
+        f"pictures up to {known['max_texture_size']} px a side, work groups up to "
+        f"{known['max_work_group_invocations']}, "
+        f"storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, 64-bit atomics "
+        f"{'yes' if known['atomic_int64'] else 'no'}"
     )
     timers = (
         "GPU timer queries"
@@ -159,7 +169,7 @@ def opengl() -> list[Finding]:
 
 
 def openxr() -> list[Finding]:
-    """The loader and the runtime, up to the headset; optional, as replay wants none of them."""
+    """Check loader and runtime, up to the headset; optional, replay needs none of them."""
     known = ask("openxr")
     if known["stage"] in ("start", "binding"):
         trouble = _one_line(known.get("message", known.get("error")))
@@ -184,7 +194,7 @@ def _runtime_trouble(name: str, known: dict[str, object]) -> tuple[str, str]:
 
 
 def window() -> Finding:
-    """Whether a desktop window can be opened; optional, as replay wants none."""
+    """Check that a desktop window opens; optional, replay needs none."""
     remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then put xvfb-run -a before the command"
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return Finding(
@@ -198,7 +208,7 @@ def window() -> Finding:
 
 
 def live(headset: list[Finding], desktop: Finding) -> Finding:
-    """Which display `hmdwarp live` takes unless it is told: the headset (what openxr() found), else the window (what window() found)."""
+    """Report which display `hmdwarp live` takes by default: the headset, else the window."""
     lack = next((finding for finding in headset if finding.state is not State.OK), None)
     if lack is None:
         return Finding("live", State.OK, f"takes the headset: {headset[-1].detail}", facts={"source": "openxr"})
@@ -211,7 +221,7 @@ def live(headset: list[Finding], desktop: Finding) -> Finding:
 
 
 def panel() -> Finding:
-    """The package behind the panel of controls and plots in the desktop window; optional, as every control has a key."""
+    """Check the package behind the control panel; optional, every control has a key."""
     try:
         version = importlib.metadata.version("imgui-bundle")
     except importlib.metadata.PackageNotFoundError:
@@ -232,7 +242,7 @@ STUDY_PACKAGES = {
 
 
 def study() -> Finding:
-    """The packages behind parts of `hmdwarp study`; sessions run and are exported without them."""
+    """Check the packages behind parts of `hmdwarp study`; sessions run and export without them."""
     versions: dict[str, str] = {}
     for name in STUDY_PACKAGES:
         with suppress(importlib.metadata.PackageNotFoundError):
@@ -248,7 +258,7 @@ def study() -> Finding:
 
 
 def video() -> Finding:
-    """The H.264 encoder behind `replay --video`."""
+    """Check the H.264 encoder behind `replay --video`."""
     try:
         import av
 
@@ -266,7 +276,7 @@ def video() -> Finding:
 
 
 def codecs() -> Finding:
-    """What frames may be encoded by on their way (`replay --codec`)."""
+    """Check the codecs of `replay --codec`."""
     from ..link.codec import codecs
 
     works, missing = [], []

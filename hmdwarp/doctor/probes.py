@@ -1,8 +1,11 @@
-"""Questions to drivers and runtimes that may crash or hang: 'hmdwarp doctor' asks each one in a process of its own.
+"""Questions to drivers and runtimes that may crash or hang.
+
+'hmdwarp doctor' asks each one in a process of its own.
 
     python -m hmdwarp.doctor.probes gl|openxr|window
 
-Prints one JSON object per line as knowledge grows; the last whole line counts, so a crash still leaves what came before it.
+Prints one JSON object per line as knowledge grows; the last whole line counts, so a crash still
+leaves what came before it.
 """
 
 from __future__ import annotations
@@ -27,7 +30,10 @@ def tell(known: dict[str, object]) -> None:
 
 
 def gl() -> None:
-    """The OpenGL context that replay would use: who draws, its limits, and whether its timers measure anything."""
+    """The OpenGL context that replay would use.
+
+    Who draws, its limits, and whether its timers measure anything.
+    """
     from ..errors import MachineError
     from ..gpu.context import Gpu
 

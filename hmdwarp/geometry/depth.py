@@ -1,6 +1,7 @@
-"""Foreign depth to inverse depth and back, once, at the border.
+"""Convert foreign depth to inverse depth and back, once, at the border.
 
-Inside, depth is `inverse_depth` in 1/m along -z: 0 is infinitely far, and it is linear across a plane in image space.
+Inside, depth is `inverse_depth` in 1/m along -z: 0 is infinitely far, and it is linear across a
+plane in image space.
 """
 
 from __future__ import annotations
@@ -13,20 +14,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 
-HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest there is
+HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest in use
 
 
 def inverse_depth_from_metres(depth_m: ArrayLike) -> NDArray[np.float64]:
-    """Metres along -z to inverse depth; inf gives 0; 0, negative and NaN (no depth) give NaN, which is never spread."""
+    """Return the inverse depth of metres along -z.
+
+    inf gives 0; 0, negative and NaN (no depth) give NaN, which is never spread.
+    """
     depth = np.asarray(depth_m, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         inverse = 1.0 / depth
-    # A depth below 1/float32 max would become an infinite inverse depth on the GPU: it is no depth either.
+    # A depth below 1/float32 max would become an infinite inverse depth on the GPU: it is no depth
+    # either.
     return np.where((depth > 0) & (inverse <= np.finfo(np.float32).max), inverse, np.nan)
 
 
 def metres_from_inverse_depth(inverse_depth: ArrayLike) -> NDArray[np.float64]:
-    """Inverse depth to metres along -z; 0 gives inf; NaN stays NaN."""
+    """Return metres along -z; 0 gives inf, NaN stays NaN."""
     inverse = np.asarray(inverse_depth, dtype=np.float64)
     with np.errstate(divide="ignore"):
         return np.where(inverse == 0, np.inf, 1.0 / inverse)
@@ -36,32 +41,37 @@ def metres_from_inverse_depth(inverse_depth: ArrayLike) -> NDArray[np.float64]:
 class DepthLayer:
     """How a depth buffer encodes distance: the four numbers of XR_KHR_composition_layer_depth.
 
-    The value d runs from min_depth, which lies at near_z, to max_depth, which lies at far_z, linearly in 1/z. near_z > far_z
-    means reversed; either may be inf. OpenGL with a 0..1 buffer is (0, 1, near, far); -1..1 NDC is (-1, 1, near, far);
-    reversed with infinite far is (0, 1, inf, near). min_depth and max_depth beyond 0..1 are allowed for NDC only.
+    The value d runs linearly in 1/z from min_depth, at near_z, to max_depth, at far_z. OpenGL with
+    a 0..1 buffer is (0, 1, near, far); -1..1 NDC is (-1, 1, near, far); reversed with infinite far
+    is (0, 1, inf, near).
+
     Errors: InputError for planes that are equal, negative or NaN, and for an empty range.
     Source: OpenXR 1.1 specification, XrCompositionLayerDepthInfoKHR.
     """
 
-    min_depth: float = attrs.field(default=0.0, converter=float)
+    min_depth: float = attrs.field(default=0.0, converter=float)  # beyond 0..1 for NDC only
     max_depth: float = attrs.field(default=1.0, converter=float)
+    # metres; near_z > far_z means reversed; either may be inf
     near_z: float = attrs.field(default=0.1, converter=float)
     far_z: float = attrs.field(default=math.inf, converter=float)
 
     def __attrs_post_init__(self) -> None:
         if not (self.near_z > 0 and self.far_z > 0) or self.near_z == self.far_z:
             raise InputError(
-                f"depth planes near {self.near_z}, far {self.far_z}: wanted two different positive distances (inf allowed)"
+                f"depth planes near {self.near_z}, far {self.far_z}: "
+                "wanted two different positive distances (inf allowed)"
             )
         if not (-1 <= self.min_depth < self.max_depth <= 1):
             raise InputError(
-                f"depth range {self.min_depth}..{self.max_depth}: wanted min < max within 0..1 (or -1..1 for clip space)"
+                f"depth range {self.min_depth}..{self.max_depth}: "
+                "wanted min < max within 0..1 (or -1..1 for clip space)"
             )
 
     def inverse_depth(self, d: ArrayLike) -> NDArray[np.float64]:
-        """Buffer values to inverse depth in 1/m; values outside min_depth..max_depth and NaN give NaN (no depth).
+        """Return the inverse depth, in 1/m, of buffer values.
 
-        An end of the range that a 16-bit or float32 buffer has rounded outwards still counts as that end.
+        Values outside min_depth..max_depth and NaN give NaN (no depth). An end of the range that a
+        16-bit or float32 buffer has rounded outwards still counts as that end.
         """
         span = self.max_depth - self.min_depth
         share = (np.asarray(d, dtype=np.float64) - self.min_depth) / span
@@ -71,7 +81,10 @@ class DepthLayer:
         return np.where((share >= -slack) & (share <= 1 + slack), inverse, np.nan)
 
     def encode(self, inverse_depth: ArrayLike) -> NDArray[np.float64]:
-        """The way back; inverse depths outside the two planes are clamped to them, as a rasteriser's clipping would."""
+        """Return the buffer values of inverse depths.
+
+        Clamp those outside the planes, as clipping would.
+        """
         near, far = 1 / self.near_z, 1 / self.far_z
         share = (near - np.asarray(inverse_depth, dtype=np.float64)) / (near - far)
         return self.min_depth + np.clip(share, 0, 1) * (self.max_depth - self.min_depth)
@@ -80,10 +93,12 @@ class DepthLayer:
 def inverse_depth_from_clip(
     d: ArrayLike, near_m: float, far_m: float = math.inf, *, ndc: str = "zero_to_one", reversed_z: bool = False
 ) -> NDArray[np.float64]:
-    """Clip depth of GL, D3D or Vulkan to inverse depth.
+    """Return the inverse depth of clip depth as GL, D3D or Vulkan have it.
 
-    d: buffer values. near_m < far_m in metres, far may be inf. ndc: "zero_to_one" (D3D, Vulkan, a GL depth buffer) or
-    "minus_one_to_one" (GL's own NDC). reversed_z: near is at the upper end.
+    d: buffer values. near_m < far_m in metres, far may be inf.
+    ndc: "zero_to_one" (D3D, Vulkan, a GL depth buffer) or "minus_one_to_one" (GL's own NDC).
+    reversed_z: near is at the upper end.
+    Errors: InputError for another ndc, and for near_m >= far_m.
     """
     if ndc not in ("zero_to_one", "minus_one_to_one"):
         raise InputError(f"unknown depth range '{ndc}': wanted zero_to_one or minus_one_to_one")

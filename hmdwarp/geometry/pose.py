@@ -15,33 +15,31 @@ Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
 
 
-def frozen_vector(length: int):
-    """A converter for attrs: `length` finite numbers as a float64 array that nobody writes to. Errors: InputError."""
-
-    def convert(value: ArrayLike) -> Vector:
-        try:
-            array = np.array(value, dtype=np.float64)
-        except (TypeError, ValueError) as error:  # text, ragged lists
-            raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
-        # The sum is quick, and finite unless a number is not; only sums beyond 1e308 must be looked at one by one.
-        if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
-            raise InputError(f"wanted {length} finite numbers, found {value!r}")
-        array.setflags(write=False)
-        return array
-
-    return convert
+def _frozen(value: ArrayLike, length: int) -> Vector:
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:  # text, ragged lists
+        raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
+    # The sum is quick, and finite unless a number is not; sums beyond 1e308 need a second look.
+    if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
+        raise InputError(f"wanted {length} finite numbers, found {value!r}")
+    array.setflags(write=False)
+    return array
 
 
-_four_numbers = frozen_vector(4)
+def frozen3(value: ArrayLike) -> Vector:
+    """Return three finite numbers as a read-only float64 array. Errors: InputError."""
+    return _frozen(value, 3)
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
-    given = _four_numbers(value)
+    given = _frozen(value, 4)
     x, y, z, w = given.tolist()
     largest = max(abs(x), abs(y), abs(z), abs(w))
     if largest == 0:
         raise InputError(f"a quaternion of length 0 is no rotation: {value!r}")
-    # A quaternion already unit to the last bits stays as it is (normalising leaves up to 6 units of 1.1e-16): q -> Pose -> q is bit-exact.
+    # A quaternion already unit to the last bits stays as it is (normalising leaves up to 6 units of
+    # 1.1e-16): q -> Pose -> q is bit-exact.
     if largest <= 1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15:
         return given
     array = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
@@ -50,12 +48,13 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     return array
 
 
-# One rotation in plain floats, by SciPy's own formulas in its order of operations, so with its very bits: a SciPy object costs 15 us,
-# most of it to find out which kind of array it was given, and a refresh would make twenty.
+# One rotation in plain floats, by SciPy's own formulas in its order of operations, so with its very
+# bits: a SciPy object costs 15 us, most of it to inspect its array argument, and a
+# refresh would make twenty.
 
 
 def _product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """The rotation b followed by a, normalised."""
+    """Return the rotation b followed by a, normalised."""
     ax, ay, az, aw = a
     bx, by, bz, bw = b
     x = aw * bx + bw * ax + (ay * bz - az * by)
@@ -91,14 +90,16 @@ def _matrix(q: Quaternion) -> NDArray[np.float64]:
 class Pose:
     """A rigid transform `a_from_b`: where frame b sits in frame a.
 
-    Read `world_from_head` as "the head, in the world": points transform by `point_in_a = pose.transform(point_in_b)` and
-    neighbours cancel in products, `world_from_head @ head_from_eye`.
+    Read `world_from_head` as "the head, in the world": points transform by `point_in_a =
+    pose.transform(point_in_b)` and neighbours cancel in products, `world_from_head @
+    head_from_eye`.
 
-    position_m: (3,) metres. orientation_xyzw: (4,) quaternion, x y z w, normalised here; q and -q are the same pose.
+    position_m: (3,) metres. orientation_xyzw: (4,) quaternion, x y z w, normalised here; q and -q
+    are the same pose.
     Errors: InputError for values that are not finite and for a zero quaternion.
     """
 
-    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen_vector(3))
+    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion)
     _unit: Quaternion = attrs.field(init=False, repr=False)  # the orientation as SciPy takes it: normalised once more
     _matrix: NDArray[np.float64] | None = attrs.field(init=False, repr=False, default=None)
@@ -120,11 +121,12 @@ class Pose:
     @property
     def rotation_matrix(self) -> NDArray[np.float64]:
         """The orientation as a 3x3 matrix, read-only."""
-        if self._matrix is None:
+        matrix = self._matrix
+        if matrix is None:
             matrix = _matrix(self._unit)
             matrix.flags.writeable = False
             object.__setattr__(self, "_matrix", matrix)
-        return self._matrix
+        return matrix
 
     def transform(self, points: ArrayLike) -> Vector:
         """Points (..., 3) in b, in metres, to the same points in a."""
@@ -141,17 +143,19 @@ class Pose:
         return Pose(-_matrix(back) @ self.position_m, back)
 
     def relative_to(self, other: Pose) -> Pose:
-        """other_from_self, for two poses in the same frame, without passing through that frame's origin.
+        """Return other_from_self for two poses in the same frame, never passing through its origin.
 
-        The positions are subtracted before anything is rotated, so two eyes 1 mm apart keep all their digits even
-        1e6 m from the origin (the difference of neighbouring floats is exact, Sterbenz 1974).
+        The positions are subtracted before anything is rotated, so two eyes 1 mm apart keep all
+        their digits even 1e6 m from the origin (the difference of neighbouring floats is exact,
+        Sterbenz 1974).
         """
         back = _back(other._unit)
         return _made(_matrix(back) @ (self.position_m - other.position_m), _product(back, self._unit))
 
     def towards(self, other: Pose, share: float) -> Pose:
-        """The pose `share` (0..1) of the way to `other`: positions on the straight line, orientations on the shorter great arc.
+        """Return the pose `share` (0..1) of the way to `other`.
 
+        Positions lie on the straight line, orientations on the shorter great arc.
         Source: Shoemake 1985, Animating Rotation with Quaternion Curves (SLERP).
         """
         turn = (self.rotation.inv() * other.rotation).as_rotvec()
@@ -159,14 +163,17 @@ class Pose:
         return Pose(self.position_m + step, (self.rotation * Rotation.from_rotvec(share * turn)).as_quat())
 
     def matrix(self) -> NDArray[np.float64]:
-        """The 4x4 homogeneous matrix."""
+        """Return the 4x4 homogeneous matrix."""
         out = np.eye(4)
         out[:3, :3] = self.rotation_matrix
         out[:3, 3] = self.position_m
         return out
 
     def isclose(self, other: Pose, atol: float = 1e-9) -> bool:
-        """The same pose within atol (metres, and radians of the angle between); q and -q count as one."""
+        """Tell whether both poses agree within atol (metres, and radians of the angle between).
+
+        q and -q are the same rotation.
+        """
         angle = (self.rotation.inv() * other.rotation).magnitude()
         return bool(np.abs(self.position_m - other.position_m).max() <= atol and angle <= atol)
 
@@ -175,7 +182,10 @@ _set = object.__setattr__
 
 
 def _made(position: Vector, turn: Quaternion) -> Pose:
-    """Pose(position, turn) of a new array and a quaternion that was just normalised: half the time, as little is left to ask."""
+    """Return Pose(position, turn) of a new array and a quaternion that was just normalised.
+
+    Takes half the time of Pose(): little is left to check.
+    """
     x, y, z, w = turn
     is_unit = max(turn) <= 1 and min(turn) >= -1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15
     if not (is_unit and math.isfinite(sum(position.tolist()))):

@@ -19,7 +19,7 @@ _MAX_ANGLE = math.radians(89.5)  # tan = 114.6: past this a plane at z = -1 is n
 
 @attrs.frozen
 class Fov:
-    """Four half angles in radians as in XrFovf: left and down negative for a symmetric view, any of them may be asymmetric.
+    """Four half angles in radians, as in XrFovf; left and down are negative; may be asymmetric.
 
     Errors: InputError unless left < right, down < up and each within +-89.5 degrees.
     """
@@ -39,12 +39,12 @@ class Fov:
 
     @classmethod
     def symmetric(cls, horizontal_rad: float, vertical_rad: float) -> Fov:
-        """From two full angles in radians."""
+        """Return the field of view of two full angles in radians."""
         return cls(-horizontal_rad / 2, horizontal_rad / 2, -vertical_rad / 2, vertical_rad / 2)
 
     @classmethod
     def from_tangents(cls, tangents: ArrayLike) -> Fov:
-        """From the four tangents left, right, down, up."""
+        """Return the field of view of the four tangents left, right, down, up."""
         return cls(*np.arctan(np.asarray(tangents, dtype=np.float64)))
 
     @cached_property
@@ -55,14 +55,20 @@ class Fov:
         return tangents
 
     def pixel_from_tangent(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """3x3: tangent point (x, y, 1) to pixel (px, py, 1) of a (w, h) picture; origin bottom left, centres at i + 0.5."""
+        """Return the 3x3 matrix from tangent (x, y, 1) to pixel (px, py, 1) of a (w, h) picture.
+
+        The origin is bottom left, pixel centres lie at i + 0.5.
+        """
         left, right, down, up = self.tangents
         width, height = size
         sx, sy = width / (right - left), height / (up - down)
         return np.array([[sx, 0, -left * sx], [0, sy, -down * sy], [0, 0, 1.0]])
 
     def pixels_per_degree(self, size: tuple[int, int]) -> float:
-        """Mean of both axes at the view's centre direction (tangent 0, or the nearest one inside)."""
+        """Return the mean of both axes at the view's centre.
+
+        The centre is tangent 0, or the nearest tangent inside.
+        """
         left, right, down, up = self.tangents
         x, y = np.clip(0, left, right), np.clip(0, down, up)
         per_rad = [size[0] / (right - left) * (1 + x * x), size[1] / (up - down) * (1 + y * y)]
@@ -71,10 +77,12 @@ class Fov:
     def guarded(
         self, factor: float, size: tuple[int, int], least: tuple[int, int] = (0, 0)
     ) -> tuple[Fov, tuple[int, int]]:
-        """A field of view `factor` times as large in tangents, at the same pixels per tangent, and its size in pixels.
+        """Return a field of view `factor` times as large in tangents, and its size in pixels.
 
-        Whole pixels are added on each side (rounded up), so the pixel centres of the unguarded view are pixel centres of
-        the guarded one too and an unmoved head loses nothing. least: a size it is filled up to, on the right and at the top.
+        Pixels per tangent stay the same. Whole pixels are added on each side (rounded up), so the
+        pixel centres of the unguarded view are pixel centres of the guarded one, and an unmoved
+        head loses nothing.
+        least: pad to this size, on the right and at the top.
         Errors: InputError if factor < 1 or the view leaves 89.5 degrees.
         """
         if not factor >= 1 or not math.isfinite(factor):
@@ -96,17 +104,18 @@ class Fov:
 
 @attrs.frozen(eq=False)
 class View:
-    """One eye at one instant: `pose` is world_from_eye, `fov` its field of view.
+    """One eye at one instant."""
 
-    head_from_eye: where the eye sits in the head, whose origin is half way between both eyes; what is fixed to the head is seen by that.
-    """
-
-    pose: Pose
+    pose: Pose  # world_from_eye
     fov: Fov
+    # head-locked content is seen by this; the head's origin is half way between the eyes
     head_from_eye: Pose = attrs.field(factory=Pose)
 
     def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """(h, w, 3) directions in eye space through the pixel centres, z = -1, bottom row first."""
+        """Return (h, w, 3) directions in eye space through the pixel centres.
+
+        z = -1; the bottom row comes first.
+        """
         left, right, down, up = self.fov.tangents
         x = left + (np.arange(size[0]) + 0.5) * (right - left) / size[0]
         y = down + (np.arange(size[1]) + 0.5) * (up - down) / size[1]
@@ -115,24 +124,28 @@ class View:
 
 
 class Eyes(Protocol):
-    """Where the eyes sit in the head and what each sees: those of a headset, or of a runtime that may change them while it runs."""
+    """Where the eyes sit in the head and what each sees.
+
+    A headset's, or a runtime's, which may change.
+    """
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """The view of each eye, the left one first."""
+        """Return the view of each eye, the left one first."""
 
 
 def guarded_eyes(
     views: Sequence[View], factor: float, size: tuple[int, int]
 ) -> tuple[tuple[Fov, ...], tuple[int, int]]:
-    """The fields of view of all eyes with a guard band (Fov.guarded), and the one size in pixels that all get.
+    """Return the fields of view of all eyes with a guard band, and the one size they share.
 
-    Eyes that mirror each other have the same size anyway; of others, the smaller gets a little more on the right and at the top.
+    Mirrored eyes have the same size anyway; otherwise the smaller one is padded on the right and at
+    the top.
     Errors: as Fov.guarded.
     """
     return _guarded_fovs(tuple(view.fov for view in views), factor, size)
 
 
-@lru_cache(maxsize=64)  # asked at every frame, of the same eyes
+@lru_cache(maxsize=64)  # every frame needs it for the same eyes
 def _guarded_fovs(
     fovs: tuple[Fov, ...], factor: float, size: tuple[int, int]
 ) -> tuple[tuple[Fov, ...], tuple[int, int]]:

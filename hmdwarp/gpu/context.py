@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import moderngl
 
@@ -18,23 +19,26 @@ HOW_TO_GET_GL = (
 )
 
 
-def _failures_of(backends: list[dict[str, str]]) -> tuple[moderngl.Context | None, list[str]]:
-    failures = []
-    for settings in backends:
+def _first_context(backends: list[str]) -> tuple[moderngl.Context | None, list[str]]:
+    failures: list[str] = []
+    for backend in backends:
+        settings: dict[str, Any] = {"backend": backend} if backend else {}
         try:
             return moderngl.create_context(standalone=True, require=WANTED, **settings), failures
         except Exception as error:  # moderngl raises bare Exception here
-            failures.append(f"{settings.get('backend', 'window system')}: {error}")
+            failures.append(f"{backend or 'window system'}: {error}")
     return None, failures
 
 
 def create_context() -> moderngl.Context:
-    """A standalone context: through EGL without any display, else through the window system.
+    """Create a standalone context: through EGL without any display, else through the window system.
 
     Errors: MachineError that says what was tried and what to install.
     """
-    backends = [{"backend": "egl"}] if os.name == "posix" else []
-    context, failures = _failures_of([*backends, {}] if os.name != "posix" or os.environ.get("DISPLAY") else backends)
+    backends = ["egl"] if os.name == "posix" else []
+    if os.name != "posix" or os.environ.get("DISPLAY"):
+        backends.append("")
+    context, failures = _first_context(backends)
     if context is None:
         raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
     context.gc_mode = "context_gc"
@@ -42,19 +46,19 @@ def create_context() -> moderngl.Context:
 
 
 def is_software(gl: moderngl.Context) -> bool:
-    """Whether the context draws on the CPU."""
+    """Tell whether the context draws on the CPU."""
     return any(name in gl.info["GL_RENDERER"].lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
 
 
-_thread = threading.local()  # .gpu: the one whose context GL calls of this thread go to
+_thread = threading.local()  # .gpu: GL calls of this thread go to its context
 
 
 class Gpu:
-    """A context, its limits and its caches; the one object that every pass is given.
+    """A context with its limits and caches; every pass gets this one object.
 
-    Use as a context manager, or call close(). gl: the moderngl context. info: renderer, version, limits.
-    The newest one of a thread is current there; close() gives the place back to the one before. One that is not the newest
-    is used inside `with gpu.current():`, or its GL calls would go to another context, which answers with black pictures.
+    Use as a context manager, or call close(). The newest Gpu of a thread is current there; close()
+    makes the previous one current again. Use an older one inside `with gpu.current():`, or its GL
+    calls go to another context, which answers with black pictures.
     """
 
     def __init__(self, gl: moderngl.Context | None = None) -> None:
@@ -73,12 +77,12 @@ class Gpu:
 
     @property
     def is_software(self) -> bool:
-        """Whether the pictures come from a CPU (llvmpipe, softpipe, SwiftShader)."""
+        """Whether the CPU draws the pictures (llvmpipe, softpipe, SwiftShader)."""
         return is_software(self.gl)
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:
-        """GL calls of this thread go here inside the block, and where they went before after it."""
+        """Direct GL calls of this thread here inside the block, and back after it."""
         before = getattr(_thread, "gpu", None)
         _make_current(self)
         try:
@@ -87,11 +91,14 @@ class Gpu:
             _make_current(before)
 
     def step_aside(self) -> None:
-        """Make the one before current, so that any one thread may use this one inside `with gpu.current():`."""
+        """Make the previous Gpu current.
+
+        Any one thread may then use this one inside `with gpu.current():`.
+        """
         _make_current(self._before)
 
     def close(self) -> None:
-        """Free what the context holds. May be called again."""
+        """Free what the context holds; further calls do nothing."""
         if self._closed:
             return
         before = getattr(_thread, "gpu", None)
@@ -101,12 +108,14 @@ class Gpu:
         _make_current(self._before if before is self else before)
 
     def _release(self) -> None:
-        # What was released by hand is queued once more when it dies, as a husk without release(), and gc() trips over it.
+        # What was released by hand is queued once more when it dies, as a husk without release(),
+        # and gc() trips over it.
         living = [thing for thing in self.gl.objects if hasattr(thing, "release")]
         self.gl.objects.clear()
         self.gl.objects.extend(living)
         self.gl.gc()
-        # A context that is destroyed while current stays so in EGL, and GLX then refuses a window's in the same thread (BadAccess).
+        # A context that is destroyed while current stays so in EGL, and GLX then refuses a window's
+        # in the same thread (BadAccess).
         self.gl.__exit__(None, None, None)
         self.gl.release()
 
@@ -118,7 +127,7 @@ class Gpu:
 
 
 def _make_current(gpu: Gpu | None) -> None:
-    """`gpu`, or where that is closed the one before it, or none at all."""
+    """Make `gpu` current; if it is closed the one before it; or none at all."""
     while gpu is not None and gpu._closed:
         gpu = gpu._before
     now = getattr(_thread, "gpu", None)

@@ -1,4 +1,7 @@
-"""How fast this device moves memory, and whether its clocks agree: what every pass's time is held against."""
+"""Memory bandwidth of this device, and whether its clocks agree.
+
+The yardstick of every pass's time.
+"""
 
 from __future__ import annotations
 
@@ -24,30 +27,28 @@ _WIDTH = 8192  # blocks in a row of the dispatch
 
 @attrs.frozen
 class Bandwidth:
-    """bytes_per_s: read and written, of the fastest copy. copied: what that was ("shader" or "driver"). buffer_bytes: of each buffer."""
+    """Result of the fastest copy."""
 
-    bytes_per_s: float
-    copied: str
-    buffer_bytes: int
+    bytes_per_s: float  # read plus written
+    copied: str  # which way was fastest, "shader" or "driver"
+    buffer_bytes: int  # of each buffer
 
 
 @attrs.frozen
 class ClockCheck:
-    """One known pass by both clocks. clock: the one the stage timer uses. gpu_ms: None where timer queries measure nothing.
+    """One known pass timed by both clocks."""
 
-    note says in a sentence which clock is used and how far apart the two are.
-    """
-
-    clock: str
+    clock: str  # the one the stage timer uses
     wall_ms: float
-    gpu_ms: float | None
-    note: str
+    gpu_ms: float | None  # None where timer queries measure nothing
+    note: str  # which clock is used and how far apart the two are, in a sentence
 
 
 class Copier:
-    """Two buffers much larger than the caches, and two ways of copying one to the other. Use as a context manager.
+    """Two buffers much larger than the caches, and two ways to copy one to the other.
 
-    size_bytes: of each buffer; None for what suits this device, less where it does not give so much.
+    Use as a context manager.
+    size_bytes: of each buffer; None chooses what suits this device, capped by its limits.
     """
 
     def __init__(self, gpu: Gpu, size_bytes: int | None = None) -> None:
@@ -59,7 +60,7 @@ class Copier:
 
     @property
     def ways(self) -> dict[str, Callable[[], None]]:
-        """Each copies the whole buffer once."""
+        """Functions that copy the whole buffer once, by name."""
         return {"shader": self._by_shader, "driver": self._by_driver}
 
     def _by_shader(self) -> None:
@@ -82,9 +83,9 @@ class Copier:
 
 
 def copy_bandwidth(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = None) -> Bandwidth:
-    """The best of `rounds` copies by each way, after one to warm up, by the clock that the stages are timed with.
+    """Return the best of `rounds` copies by each way, after a warm-up, by the stage timer's clock.
 
-    The best, because whatever else runs can only make a copy slower.
+    The best, because other load can only make a copy slower.
     """
     with Copier(gpu, size_bytes) as copier:
         least = dict.fromkeys(copier.ways, float("inf"))
@@ -98,7 +99,10 @@ def copy_bandwidth(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = N
 
 
 def check_clocks(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = None) -> ClockCheck:
-    """The copying shader by GPU query and by wall clock after finish, in the same runs; the best of each."""
+    """Time the copying shader by GPU query and by wall clock after finish, in the same runs.
+
+    Best of each.
+    """
     with Copier(gpu, size_bytes) as copier:
         copy = copier.ways["shader"]
         copy()
@@ -108,19 +112,25 @@ def check_clocks(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = Non
         told = f"{gpu.renderer} answers {gpu_ms:.3g} ms to timer queries: they measure nothing here"
         return ClockCheck("wall", wall_ms, None, f"wall clock after finish; a pass of {wall_ms:.2f} ms, {told}")
     apart = (wall_ms - gpu_ms) / gpu_ms
-    note = f"GPU timer queries; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by the wall clock, {apart:+.1%} (its launch and the wait)"
+    note = (
+        f"GPU timer queries; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by the wall clock, "
+        f"{apart:+.1%} (its launch and the wait)"
+    )
     return ClockCheck("gpu", wall_ms, gpu_ms, note)
 
 
 def suitable_bytes(gpu: Gpu) -> int:
-    """A buffer so large that a copy of it tells of the memory, not of the caches."""
+    """Return a buffer size so large that a copy measures the memory, not the caches."""
     if not gpu.is_software:
         return GPU_BYTES
     return min(MOST_BYTES, max(LEAST_BYTES, TIMES_THE_CACHE * last_cache_bytes()))
 
 
 def last_cache_bytes(root: Path = Path("/sys/devices/system/cpu/cpu0/cache")) -> int:
-    """Of the processor's largest cache, 0 where the system does not say (Linux does)."""
+    """Return the size of the processor's largest cache.
+
+    0 where the system does not say (Linux does).
+    """
     sizes = [0]
     for file in root.glob("index*/size"):
         try:

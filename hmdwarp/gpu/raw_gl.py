@@ -1,4 +1,4 @@
-"""The few GL calls that moderngl has no words for."""
+"""The few GL calls that moderngl lacks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LOADERS = (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddr
 
 @functools.cache
 def _address_of() -> Callable[[bytes], int | None]:
-    """Where the driver has its functions; either library knows those of the current context, however that was made."""
+    """Return the driver's function loader; either library knows the current context's functions."""
     for library, name in _LOADERS:
         try:
             find = getattr(ctypes.CDLL(library), name)
@@ -26,12 +26,14 @@ def _address_of() -> Callable[[bytes], int | None]:
             continue
         find.restype, find.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
         return find
-    raise MachineError(f"neither {' nor '.join(library for library, _ in _LOADERS)} is here: install libegl1 or libgl1")
+    raise MachineError(
+        f"this machine has neither {' nor '.join(library for library, _ in _LOADERS)}: install libegl1 or libgl1"
+    )
 
 
 @functools.cache
 def gl_function(name: str, result: type | None, *arguments: type) -> Callable[..., int]:
-    """A function of the current context. Errors: MachineError if the driver has none of that name."""
+    """Return a function of the current context. Errors: MachineError if the driver lacks it."""
     address = _address_of()(name.encode())
     if not address:
         raise MachineError(f"this OpenGL driver has no {name}: update it")
@@ -39,9 +41,12 @@ def gl_function(name: str, result: type | None, *arguments: type) -> Callable[..
 
 
 def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int]) -> moderngl.Framebuffer:
-    """A framebuffer of somebody else's depth texture, by its GL name; that stays theirs.
+    """Return a framebuffer around a foreign depth texture, by its GL name.
 
-    moderngl takes no foreign texture for depth: it gets one of its own, which is then exchanged.
+    The texture stays the caller's.
+
+    moderngl accepts no foreign depth texture: the framebuffer gets one of its own, which is then
+    exchanged.
     Errors: MachineError if the driver cannot draw into it.
     """
     place_holder = gl.depth_texture(size)
@@ -60,7 +65,8 @@ def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int])
     if status != _COMPLETE:
         made.release()
         raise MachineError(
-            f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): use --no-depth-layer"
+            f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): "
+            "use --no-depth-layer"
         )
     return made
 

@@ -1,4 +1,4 @@
-"""Where to draw, and with which switches on: moderngl's scopes, each made once."""
+"""Scopes: where to draw, and with which moderngl switches on; each is made once."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import moderngl
 
 
 def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) -> moderngl.Scope:
-    """`with drawing_into(framebuffer, flags):` draws there, with those of moderngl's switches on alone; None leaves them as they are.
+    """Return a scope that draws into `framebuffer` with only these switches on.
 
-    The same scope for the same framebuffer and flags: a context that collects by itself (gc_mode "context_gc") keeps a piece of each one
-    that was ever made, which in a loop is a leak.
+    flags: moderngl's; None leaves them unchanged. The same framebuffer and flags give the same
+    scope: a context with gc_mode "context_gc" keeps a piece of each scope ever made, which in a
+    loop is a leak.
     """
     if framebuffer.extra is None:
         framebuffer.extra = {}

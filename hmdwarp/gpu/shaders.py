@@ -1,16 +1,19 @@
-"""Shader files to programs: includes flattened, defines put in, compiler messages turned back into file and line.
+"""Shader files to programs.
 
-moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on Mesa; so the text is
-flattened here, every file at most once, and the line map is kept on the side.
+Flatten includes, add defines, translate compiler messages to file and line.
+
+moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on
+Mesa. So the text is flattened here, every file at most once, and the line map is kept beside it.
 """
 
 from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Protocol, TypeVar, cast
 
 import moderngl
 import numpy as np
@@ -37,7 +40,7 @@ class Flattened:
         return "\n".join(self.lines) + "\n"
 
     def translate(self, message: str) -> str:
-        """A compiler message with `0:14` replaced by `warps/forward.comp:9`."""
+        """Return a compiler message with `0:14` replaced by `warps/forward.comp:9`."""
 
         def origin(match: re.Match[str]) -> str:
             number = int(match.group(1)) - 1
@@ -47,9 +50,10 @@ class Flattened:
 
 
 def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
-    """The text of shader `path` (relative to shaders/) with its includes, each file once, and `defines` on top.
+    """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
-    `#include NAME` takes the file that the define NAME holds; such a define is not put into the text.
+    path: relative to shaders/, or absolute for a shader of another package. `#include NAME` takes
+    the file that the define NAME holds; such a define is not put into the text.
     Errors: ShaderError for a missing file or include, naming the including line.
     """
     defines = dict(defines or {})
@@ -88,8 +92,23 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
     return out
 
 
+class Member(Protocol):
+    """A uniform of a linked program; moderngl publishes no types for `fmt` and `matrix`."""
+
+    fmt: str  # its last letter is the scalar's type
+    matrix: bool
+    value: object
+
+    def write(self, data: bytes) -> None:
+        """Set the value as GLSL stores it."""
+
+
 class Uniforms:
-    """Sets uniforms by name, strictly: a name the shader text does not declare is an error, one optimised away is fine."""
+    """Strict setter of uniforms by name.
+
+    A name that the shader text does not declare is an error; a uniform that the compiler optimised
+    away is fine.
+    """
 
     _DECLARED = re.compile(r"uniform\s+\w+\s+([^;]+);")
 
@@ -101,29 +120,40 @@ class Uniforms:
             for match in self._DECLARED.finditer(declared)
             for part in match.group(1).split(",")
         }
-        self._members: dict[str, moderngl.Uniform | None] = {name: program.get(name, None) for name in names}
-        self._written: dict[str, object] = {}  # what cannot have changed since: told by identity, which costs nothing
+        self._members: dict[str, Member | None] = {
+            name: cast("Member | None", program.get(name, None)) for name in names
+        }
+        self._written: dict[
+            str, object
+        ] = {}  # values that cannot have changed, compared by identity, which costs nothing
         self._last: dict[str, bytes] = {}
         self._settled: dict[str, object] | None = None
 
     def declares(self, name: str) -> bool:
-        """Whether the shader's text has a uniform of that name."""
+        """Tell whether the shader's text has a uniform of that name."""
         return name in self._members
 
     def set(self, **values: object) -> None:
-        """Numbers, vectors and matrices (row-major NumPy, as written in the formulas); float64 is rounded here, once.
+        """Set numbers, vectors and matrices; float64 is rounded here, once.
 
-        The same number, tuple or read-only array as the last time is not written again; a tuple is one of numbers.
-        Errors: ShaderError for a name the shader's text does not have, and for a value that does not fit.
+        Matrices are row-major NumPy, as written in the formulas. The same number, tuple or
+        read-only array as the last time is not written again; a tuple holds numbers.
+        Errors: ShaderError for a name the shader's text lacks, and for a value that does not fit.
         """
         self._set(values, strict=True)
 
     def set_declared(self, **values: object) -> None:
-        """`set` for what the shader's text declares, the rest left out: for shaders that share one set of values."""
+        """Set what the shader's text declares and ignore the rest.
+
+        For shaders that share one set of values.
+        """
         self._set(values, strict=False)
 
     def settle(self, values: dict[str, object]) -> None:
-        """`set_declared` for what stays: the same dict as the last time, which must hold the same then, is not gone through again."""
+        """Set constant values like `set_declared`.
+
+        Skip the same dict as the last time, unchanged by then.
+        """
         if self._settled is not values:
             self._set(values, strict=False)
             self._settled = values
@@ -133,14 +163,13 @@ class Uniforms:
         for name, value in values.items():
             if written.get(name, written) is value:
                 continue
-            member = members.get(name, members)
-            if member is members:
-                if strict:
-                    raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
-            elif member is not None:
+            member = members.get(name)
+            if member is not None:
                 self._write(name, member, value)
+            elif strict and name not in members:
+                raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
 
-    def _write(self, name: str, member: moderngl.Uniform, value: object) -> None:
+    def _write(self, name: str, member: Member, value: object) -> None:
         self._written.pop(name, None)
         if self._settled is not None and name in self._settled:
             self._settled = None
@@ -157,7 +186,7 @@ class Uniforms:
         if constant:
             self._written[name] = value
 
-    def _write_array(self, name: str, member: moderngl.Uniform, value: np.ndarray, constant: bool) -> None:
+    def _write_array(self, name: str, member: Member, value: np.ndarray, constant: bool) -> None:
         how = (_DTYPES[member.fmt[-1]], member.matrix)
         data = _packed(name, value, *how) if constant else _bytes_of(value, *how)
         if self._last.get(name) != data:
@@ -171,7 +200,7 @@ _last_packed: dict[
 
 
 def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
-    """`_bytes_of` an array that nobody can write to, so that the same object gives the same bytes."""
+    """Return `_bytes_of` a read-only array, so that the same object gives the same bytes."""
     known, *how, data = _last_packed.get(name, (None, None, None, b""))
     if known is not value or how != [dtype, matrix]:
         data = _bytes_of(value, dtype, matrix)
@@ -180,13 +209,16 @@ def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
 
 
 def _bytes_of(value: np.ndarray, dtype: type, matrix: bool) -> bytes:
-    """As GLSL has it: matrices column by column."""
+    """Return the bytes as GLSL has them: matrices column by column."""
     array = np.swapaxes(value, -1, -2) if matrix else value
     return np.ascontiguousarray(array, dtype=dtype).tobytes()
 
 
 class Compute:
-    """A compute shader with strict uniforms; run() covers a grid of pixels, rounding the work groups up."""
+    """A compute shader with strict uniforms.
+
+    run() covers a grid of pixels, rounding the work groups up.
+    """
 
     def __init__(self, gl: moderngl.Context, path: str, defines: Mapping[str, object]) -> None:
         flat = flatten(path, defines)
@@ -205,9 +237,9 @@ class Compute:
         self.program.run(*self.groups(width, height), 1)
 
     def groups(self, width: int, height: int = 1) -> tuple[int, int]:
-        """Work groups that cover width x height pixels; a shader that does ROWS pixels an invocation needs fewer.
+        """Return the work groups that cover width x height pixels; fewer for a shader with ROWS.
 
-        Errors: InputError beyond the GL limit, where a dispatch would be dropped without a word.
+        Errors: InputError beyond the GL limit, where a dispatch would be dropped without a message.
         """
         groups = -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
@@ -237,28 +269,34 @@ class Draw:
 def _group_size(text: str) -> tuple[int, int]:
     sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", text))
     defines = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", text))
-    return tuple(int(defines.get(sizes.get(axis, "1"), sizes.get(axis, "1"))) for axis in "xy")  # type: ignore[return-value]
+    x, y = (sizes.get(axis, "1") for axis in "xy")
+    return int(defines.get(x, x)), int(defines.get(y, y))
+
+
+Program = TypeVar("Program", Compute, Draw)
 
 
 class ShaderLibrary:
-    """Compiled programs of one context, each (path, defines) compiled once. `compiled` counts them for the tests."""
+    """Compiled programs of one context, each (path, defines) compiled once."""
 
     def __init__(self, gl: moderngl.Context) -> None:
-        self._gl, self._cache = gl, {}
+        self._gl = gl
+        self._cache: dict[tuple[object, ...], Any] = {}
 
     @property
     def compiled(self) -> int:
+        """How many were compiled, for the tests."""
         return len(self._cache)
 
     def compute(self, path: str, **defines: object) -> Compute:
-        """The compute shader `path`, relative to shaders/."""
+        """Return the compute shader `path`: relative to shaders/, or absolute."""
         return self._get((path,), defines, lambda: Compute(self._gl, path, defines))
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
-        """The vertex + fragment program of the two paths."""
+        """Return the vertex and fragment program of the two paths."""
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
-    def _get(self, paths, defines, make):
+    def _get(self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Program]) -> Program:
         key = (*paths, *sorted(defines.items()))
         if key not in self._cache:
             self._cache[key] = make()

@@ -1,6 +1,7 @@
-"""Textures of the few kinds this program uses, and the one place where picture rows flip.
+"""The few kinds of textures in use, and the one place where picture rows flip.
 
-Inside, row 0 is the bottom row, as GL has it; in files and in the Python interface row 0 is the top row.
+Inside, row 0 is the bottom row, as GL has it; in files and in the Python interface row 0 is the top
+row.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ _NUMPY = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u2": np.uint16, "
 def allocate(
     gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False
 ) -> moderngl.Texture:
-    """An empty (w, h) texture, clamped at its edges. Errors: InputError for a size of 0 or beyond the GL limit."""
+    """Return an empty (w, h) texture, clamped at its edges.
+
+    Errors: InputError for a size of 0 or beyond the GL limit.
+    """
     check_size(gl, size)
     components, dtype = kind
     texture = gl.texture(size, components, dtype=dtype)
@@ -45,15 +49,15 @@ class Canvas:
         return self.texture.size
 
     def clear(self) -> None:
-        """Every pixel to (0, 0, 0, 0): nothing drawn."""
+        """Set every pixel to (0, 0, 0, 0): nothing drawn."""
         self._framebuffer.clear()
 
     def bind_for_writing(self, unit: int = 0) -> None:
-        """As the image that a compute shader stores into."""
+        """Bind as the image that a compute shader stores into."""
         self.texture.bind_to_image(unit, read=False, write=True)
 
     def copy_from(self, drawn: moderngl.Framebuffer) -> None:
-        """The colours of a framebuffer of the same size, bit for bit; for what is drawn with a depth buffer."""
+        """Copy the colours of a framebuffer of the same size, bit for bit."""
         self._framebuffer.ctx.copy_framebuffer(self._framebuffer, drawn)
 
     def release(self) -> None:
@@ -62,14 +66,18 @@ class Canvas:
 
 
 def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
-    """Errors: InputError for a side below 1 or beyond the GL limit."""
+    """Raise InputError for a side below 1 or beyond the GL limit."""
     limit = gl.info["GL_MAX_TEXTURE_SIZE"]
     if min(size) < 1 or max(size) > limit:
         raise InputError(f"picture size {size[0]}x{size[1]}: wanted 1 to {limit} on each side (this GPU's limit)")
 
 
 def upload(texture: moderngl.Texture, image: NDArray) -> None:
-    """Write a top-row-first (h, w[, c]) array into a texture of the same size; c = 3 gets alpha 1 (255 in bytes)."""
+    """Write a top-row-first (h, w[, c]) array into a texture of the same size.
+
+    c = 3 gets alpha 1 (255 in bytes).
+    Errors: InputError for another size or number of components.
+    """
     height, width = image.shape[:2]
     if (width, height) != texture.size:
         raise InputError(f"picture is {width}x{height}, texture {texture.width}x{texture.height}")
@@ -83,12 +91,12 @@ def upload(texture: moderngl.Texture, image: NDArray) -> None:
 
 
 def download(texture: moderngl.Texture) -> NDArray:
-    """The texture as a top-row-first (h, w, c) or (h, w) array of its own type."""
+    """Return the texture as a top-row-first (h, w, c) or (h, w) array of its own type."""
     dtype = _NUMPY[texture.dtype]
     array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, texture.components)
     return flip_rows(array[..., 0] if texture.components == 1 else array)
 
 
 def flip_rows(image: NDArray) -> NDArray:
-    """Top row first to bottom row first, or back. No other module flips rows."""
+    """Turn top row first into bottom row first, or back. No other module flips rows."""
     return image[::-1]

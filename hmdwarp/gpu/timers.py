@@ -1,4 +1,4 @@
-"""How long a stage took: GPU timer queries where they are real, else wall clock after finish()."""
+"""Stage times: by GPU timer queries where they work, else by wall clock after finish()."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ from .context import is_software
 
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Whether GL_TIME_ELAPSED measures anything: llvmpipe answers about 1 ns for any work, or leaves compute out."""
+    """Tell whether GL_TIME_ELAPSED measures anything.
+
+    llvmpipe answers about 1 ns for any work, or leaves compute out.
+    """
     if is_software(gl):
         return False
     texture = gl.texture((512, 512), 4, dtype="f4")
     framebuffer = gl.framebuffer([texture])
-    framebuffer.clear()  # what a driver does once, at first use, is no part of the comparison
+    framebuffer.clear()  # keeps one-time work of the driver out of the comparison
     gl.finish()
     query = gl.query(time=True)
     started = time.perf_counter_ns()
@@ -36,7 +39,7 @@ Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in
 
 
 class Lap:
-    """Some stages of a frame. Their times may be asked for later, when the GPU has long finished them."""
+    """Some stages of a frame. Read their times later, when the GPU has long finished them."""
 
     def __init__(
         self, pending: list[tuple[str, moderngl.Query]], done: list[tuple[str, float]], free: list[moderngl.Query]
@@ -44,7 +47,10 @@ class Lap:
         self._pending, self._done, self._free = pending, done, free
 
     def read(self) -> Stages:
-        """Times of all stages; waits for the GPU if it has not finished. May be called again."""
+        """Return the times of all stages; waits for the GPU if it has not finished.
+
+        May be called again.
+        """
         for name, query in self._pending:
             self._done.append((name, query.elapsed * 1e-6))
             self._free.append(query)
@@ -53,9 +59,9 @@ class Lap:
 
 
 class StageTimer:
-    """Times the stages of one frame; `clock` says "gpu" or "wall".
+    """Timer of the stages of one frame.
 
-    GPU queries are read by Lap.read() alone, so that a stage never waits for the one before it.
+    Only Lap.read() reads GPU queries, so a stage never waits for the one before it.
     """
 
     def __init__(self, gl: moderngl.Context) -> None:
@@ -66,22 +72,34 @@ class StageTimer:
         self._done: list[tuple[str, float]] = []
 
     def stage(self, name: str) -> GpuStage | WallStage:
-        """`with timer.stage(name):` times what is issued inside, in milliseconds; what fails is not counted."""
+        """Time what is issued inside `with timer.stage(name):`, in milliseconds.
+
+        Failures do not count.
+        """
         return GpuStage(self, name) if self.clock == "gpu" else WallStage(self, name)
 
     def lap(self) -> Lap:
-        """Every stage since the last lap, in order. One that is never read costs its queries."""
+        """Return every stage since the last lap, in order.
+
+        A lap that is never read costs its queries.
+        """
         lap = Lap(self._pending, self._done, self._free)
         self._pending, self._done = [], []
         return lap
 
     def collect(self) -> list[tuple[str, float]]:
-        """(stage, ms) of every stage since the last lap, in order; waits for the GPU if it has not finished."""
+        """Return (stage, ms) of every stage since the last lap.
+
+        Waits for the GPU if it has not finished.
+        """
         return list(self.lap().read())
 
 
 class GpuStage:
-    """A stage timed by a query. A class: contextlib's generators cost 3 us each, a refresh has ten."""
+    """A stage timed by a query.
+
+    A class, because contextlib's generators cost 3 us each and a refresh has ten.
+    """
 
     __slots__ = ("_name", "_query", "_timer")
 
@@ -94,7 +112,7 @@ class GpuStage:
         self._query.__enter__()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
-        self._query.__exit__(error, *rest)
+        self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
         if error is None:
             self._timer._pending.append((self._name, self._query))
         else:
@@ -102,7 +120,7 @@ class GpuStage:
 
 
 class WallStage:
-    """A stage timed by the wall clock, between two instants at which the GPU has nothing left to do."""
+    """A stage timed by the wall clock, between two instants at which the GPU is idle."""
 
     __slots__ = ("_name", "_started_ns", "_timer")
 
@@ -120,7 +138,10 @@ class WallStage:
 
 
 def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:
-    """(wall_ms, gpu_ms) of one run: by the wall clock until the GPU has finished, and by a timer query, real or not."""
+    """Return (wall_ms, gpu_ms) of one run.
+
+    Wall clock until the GPU has finished, and a timer query, real or not.
+    """
     query = gl.query(time=True)
     gl.finish()
     started = time.perf_counter_ns()

@@ -1,4 +1,7 @@
-"""Headsets: one .toml file each, with the source of its numbers. Everything that knows two eyes and a panel is here."""
+"""Headsets: one .toml file each, with the source of its numbers.
+
+All code about two eyes and a panel is here.
+"""
 
 from ._load import headset_names, load_headset
 from ._model import COLOURS, MAX_COEFFICIENTS, Headset, RadialLens

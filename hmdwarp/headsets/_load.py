@@ -1,4 +1,4 @@
-"""Headset files (.toml) to Headset objects."""
+"""Read headset files (.toml)."""
 
 from __future__ import annotations
 
@@ -18,16 +18,19 @@ _FOLDER = Path(__file__).parent
 
 
 def headset_names() -> list[str]:
-    """Names of the shipped headsets, sorted."""
+    """Return the names of the shipped headsets, sorted."""
     return sorted(p.stem for p in _FOLDER.glob("*.toml"))
 
 
 def load_headset(name: str) -> Headset:
-    """A shipped headset by name, or one's own .toml file by path. Errors: InputError naming the file and what is wrong in it."""
+    """Load a shipped headset by name, or the user's own .toml file by path.
+
+    Errors: InputError naming the file and its fault.
+    """
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not path.is_file():
         if name.endswith(".toml"):
-            raise InputError(f"headset file {name} is not there")
+            raise InputError(f"headset file {name} does not exist")
         raise unknown_name("headset", name, headset_names())
     try:
         return _headset(
@@ -41,7 +44,8 @@ def load_headset(name: str) -> Headset:
 
 def _headset(data: Table) -> Headset:
     panel, fov_deg = data.table("panel"), data.table("fov_deg")
-    size_m = panel.numbers("eye_size_m", 2)
+    width_m, height_m = panel.numbers("eye_size_m", 2)
+    size_m = width_m, height_m
     lens = data.table("lens") if "lens" in data else None
     made = Headset(
         name=data.text("name"),
@@ -61,7 +65,8 @@ def _headset(data: Table) -> Headset:
 def _lens(data: Table, size_m: tuple[float, float]) -> RadialLens:
     if data.text("model") != "radial":
         raise InputError(f"unknown lens model '{data.text('model')}': known is radial")
-    axis, unit_m = data.numbers("axis_from_centre_m", 2), data.number("unit_m")
+    x, y = data.numbers("axis_from_centre_m", 2)
+    axis, unit_m = (x, y), data.number("unit_m")
     corner = np.array(size_m) / 2 + np.abs(axis)
     return RadialLens(
         axis_from_centre_m=axis,

@@ -1,8 +1,9 @@
-"""What a headset is: two eyes, two panels, and a lens with its inverse."""
+"""Model of a headset: two eyes, two panels, and a lens with its inverse."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 
 import attrs
@@ -23,7 +24,7 @@ def _refuse_unless_positive(**values: float) -> None:
             raise InputError(f"{name} is {value:g}: wanted a number above 0")
 
 
-def _whole_pixels(size: tuple[float, float]) -> tuple[int, int]:
+def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
     if not all(side >= 1 and float(side).is_integer() for side in size):
         raise InputError(f"eye_size_px is {size[0]:g} x {size[1]:g}: wanted whole pixels, 1 or more")
     return int(size[0]), int(size[1])
@@ -31,37 +32,42 @@ def _whole_pixels(size: tuple[float, float]) -> tuple[int, int]:
 
 @attrs.frozen
 class RadialLens:
-    """tangent = on_lens * tangent_per_unit * (k0 + k1 r^2 + k2 r^4 ..), r = |on_lens|, for each colour.
+    """Radial distortion: tangent = on_lens * tangent_per_unit * (k0 + k1 r^2 + k2 r^4 ..).
 
-    on_lens is the panel position from the lens axis in units of unit_m metres. axis_from_centre_m is where the axis of the
-    left eye's lens meets its panel, from the panel's centre; the right eye's is mirrored. reach: the largest r on the panel,
-    up to which the polynomial must grow. Errors: InputError with the radius where it folds back.
+    The coefficients k differ by colour. r = |on_lens|; on_lens is the panel position from the lens
+    axis in units of unit_m metres.
+
+    Errors: InputError with the radius where the polynomial folds back.
     Source: Brown 1966, Decentering Distortion of Lenses, the radial part.
     """
 
+    # axis of the left eye's lens on its panel, from the panel's centre; mirrored for the right eye
     axis_from_centre_m: tuple[float, float]
     unit_m: float
     tangent_per_unit: float
     coefficients: dict[str, tuple[float, ...]]
-    reach: float
+    reach: float  # the largest r on the panel, up to which the polynomial must grow
 
     def __attrs_post_init__(self) -> None:
         _refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
         for colour in COLOURS:
             if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
                 raise InputError(
-                    f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; wanted 1 to {MAX_COEFFICIENTS}"
+                    f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; "
+                    f"wanted 1 to {MAX_COEFFICIENTS}"
                 )
             fold = self.folds_at(colour)
             if fold is not None:
                 raise InputError(
-                    f"the lens polynomial of {colour} folds back at r = {fold:.4g}, inside the panel (r up to {self.reach:.4g}): "
+                    f"the lens polynomial of {colour} folds back at r = {fold:.4g}, "
+                    f"inside the panel (r up to {self.reach:.4g}): "
                     "two panel pixels would show the same direction; correct its coefficients"
                 )
 
     def folds_at(self, colour: str) -> float | None:
-        """The smallest r <= reach at which r times the polynomial stops growing, or None."""
-        # d/dr of r (k0 + k1 r^2 + ..) as a polynomial in t = r^2 / reach^2, so that what matters lies in 0..1.
+        """Return the smallest r <= reach at which r times the polynomial stops growing, or None."""
+        # d/dr of r (k0 + k1 r^2 + ..) as a polynomial in t = r^2 / reach^2, so that what matters
+        # lies in 0..1.
         slope = [(2 * i + 1) * k * self.reach ** (2 * i) for i, k in enumerate(self.coefficients[colour])]
         if slope[0] <= 0:
             return 0.0
@@ -69,21 +75,23 @@ class RadialLens:
             slope.pop()
         roots = polynomial.polyroots(slope)
         turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1)]
-        # Beside a very large root polyroots may lose a very small one; a coarse look along the radius does not.
+        # Beside a very large root polyroots may lose a very small one; a coarse look along the
+        # radius does not.
         t = np.linspace(0, 1, 1025)
         turns = np.append(turns, t[polynomial.polyval(t, slope) <= 0])
         return float(np.sqrt(turns.min())) * self.reach if len(turns) else None
 
     def tangent_from_lens(self, on_lens: ArrayLike, colour: str) -> NDArray[np.float64]:
-        """Positions (..., 2) on the lens plane to the tangents the lens shows there."""
+        """Return the tangents that the lens shows at positions (..., 2) on the lens plane."""
         on_lens = np.asarray(on_lens, dtype=np.float64)
         r2 = (on_lens**2).sum(axis=-1, keepdims=True)
         return on_lens * self.tangent_per_unit * polynomial.polyval(r2, np.array(self.coefficients[colour]))
 
     def lens_from_tangent(self, tangent: ArrayLike, colour: str) -> NDArray[np.float64]:
-        """The way back, by bisection of the radius, which the lens makes grow from 0 to reach; NaN beyond reach.
+        """Return the positions on the lens plane that show tangents (..., 2); NaN beyond reach.
 
-        60 halvings of 0..reach leave less than one unit in the last place of reach.
+        Bisects the radius: 60 halvings of 0..reach leave less than one unit in the last place of
+        reach.
         """
         tangent = np.asarray(tangent, dtype=np.float64)
         wanted = np.sqrt((tangent**2).sum(axis=-1)) / self.tangent_per_unit
@@ -98,27 +106,27 @@ class RadialLens:
             below = radius_function(middle) < wanted
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         r = (low + high) / 2
-        seen = wanted <= radius_function(np.float64(self.reach)) * (1 + 1e-12)
+        seen = wanted <= radius_function(np.array(self.reach)) * (1 + 1e-12)
         scale = np.divide(r, wanted, out=np.full_like(r, 1 / k[0]), where=wanted > 0)
         return np.where(seen[..., None], tangent / self.tangent_per_unit * scale[..., None], np.nan)
 
 
 @attrs.frozen
 class Headset:
-    """Two eyes before two panels. Eye 0 is the left one.
+    """Two eyes in front of two panels. Eye 0 is the left one.
 
-    eye_size_px, eye_size_m: one eye's panel. left_fov: the left eye's field of view, the right eye's is its mirror image.
-    Errors: InputError for a panel without pixels or size, a refresh rate of 0, a negative pupil distance.
+    Errors: InputError for a panel without pixels or size, a refresh rate of 0, a negative pupil
+    distance.
     """
 
     name: str
     summary: str
     source: str
-    eye_size_px: tuple[int, int] = attrs.field(converter=_whole_pixels)
+    eye_size_px: tuple[int, int] = attrs.field(converter=_whole_pixels)  # one eye's panel
     eye_size_m: tuple[float, float]
     refresh_hz: float
     ipd_m: float
-    left_fov: Fov
+    left_fov: Fov  # the left eye's; the right eye's is its mirror image
     lens: RadialLens | None
 
     def __attrs_post_init__(self) -> None:
@@ -129,13 +137,17 @@ class Headset:
             raise InputError(f"ipd_m is {self.ipd_m:g}: wanted the distance of the pupils in metres, 0 or more")
 
     def fov(self, eye: int) -> Fov:
-        """The field of view of eye 0 (left) or 1 (right)."""
+        """Return the field of view of eye 0 (left) or 1 (right)."""
         left = self.left_fov
         return left if eye == 0 else Fov(-left.right, -left.left, left.down, left.up)
 
     def views(self, world_from_head: Pose) -> tuple[View, View]:
-        """Both eyes' views for a head pose; the eyes sit half the pupil distance to either side, turned with the head."""
-        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)  # type: ignore[return-value]
+        """Return both eyes' views for a head pose.
+
+        Each eye sits half the pupil distance to its side.
+        """
+        left, right = (View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)
+        return left, right
 
     @cached_property
     def _eyes(self) -> tuple[tuple[Pose, Fov], ...]:
@@ -143,7 +155,10 @@ class Headset:
         return tuple((Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate((-half, half)))
 
     def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(scale, offset), each (2,): position on the lens plane = panel pixel * scale + offset, in units of the lens."""
+        """Return (scale, offset), each (2,).
+
+        Lens plane position = panel pixel * scale + offset, in lens units.
+        """
         assert self.lens is not None
         mirror = np.array([1.0 if eye == 0 else -1.0, 1.0])
         extent, unit = np.array(self.eye_size_m), self.lens.unit_m

@@ -9,7 +9,7 @@ import moderngl
 
 from ..gpu.scopes import drawing_into
 from ..gpu.textures import SCALAR, allocate
-from ..scenes._reduce import reduced, unlit
+from ..scenes import reduced, unlit
 from ..server.moving import moving_parts, stands_still
 from ..server.passes import ScenePasses, clear_depth
 from ..server.targets import Framebuffers

@@ -1,6 +1,6 @@
-"""Head motion: poses over time, files of them, prediction, and made-up heads.
+"""Head motion: poses over time, their files, prediction, and synthetic heads.
 
-Nothing heavy is imported until it is used (`from hmdwarp.poses import load_trace` costs what load_trace costs).
+Imports are lazy: `from hmdwarp.poses import load_trace` costs what load_trace costs.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a head track says about latency: rate, gaps, speeds, and how far the head has gone on after 20 to 800 ms."""
+"""What a head track says about latency: rate, gaps, speeds, and motion within 20 to 800 ms."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .track import PoseTrack
 
 _MS = 1_000_000
 GRID_NS = 5 * _MS  # 200 Hz
-MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are looked at in evenly spaced instants
+MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are sampled at evenly spaced instants
 LATENCIES_MS = (20, 50, 100, 200, 400, 800)
 SPEED_PERCENTILES = (50, 95, 99, 99.9)
 ERROR_PERCENTILES = (50, 95, 99)
@@ -29,23 +29,23 @@ class Gap:
 
 @attrs.frozen
 class ErrorRow:
-    """Angles in degrees, at `ERROR_PERCENTILES`, between where the head is and where it was taken to be `latency_ms` before.
+    """Angles in degrees between the head and its estimate from `latency_ms` before.
 
-    held: no prediction. cav: constant angular velocity. capped: the same, carried on for 100 ms at most. count: instants.
-    mean: of the three, in that order. All NaN where the track is too short for the latency.
+    Percentiles are ERROR_PERCENTILES. All values are NaN where the track is too short for the
+    latency.
     """
 
     latency_ms: int
-    held: tuple[float, ...]
-    cav: tuple[float, ...]
-    capped: tuple[float, ...]
-    mean: tuple[float, float, float]
-    count: int
+    held: tuple[float, ...]  # without prediction
+    cav: tuple[float, ...]  # constant angular velocity
+    capped: tuple[float, ...]  # constant angular velocity for at most 100 ms
+    mean: tuple[float, float, float]  # of held, cav and capped, in that order
+    count: int  # instants
 
 
 @attrs.frozen
 class Analysis:
-    """Everything `hmdwarp trace info` prints about motion. Speeds at `SPEED_PERCENTILES`; the table has a row per latency."""
+    """Everything `hmdwarp trace info` prints about motion."""
 
     samples: int
     duration_s: float
@@ -54,13 +54,16 @@ class Analysis:
     repeated_share: float
     gaps: list[Gap]
     jumps: int
-    angular_speed_deg_s: tuple[float, ...]
-    linear_speed_m_s: tuple[float, ...]
-    errors: list[ErrorRow]
+    angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
+    linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
+    errors: list[ErrorRow]  # one row per latency
 
 
 def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
-    """Figures of a track. Repeated poses are left out first; nothing is measured across a gap or jump."""
+    """Return the figures of a track.
+
+    Repeated poses are removed first; nothing is measured across a gap or jump.
+    """
     motion = track.without_repeats()
     steps = np.diff(track.time_ns)
     gaps = np.flatnonzero(steps > track.max_gap_ns)
@@ -81,7 +84,10 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
 
 
 def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Angular (rad/s) and linear (m/s) speed by central differences over 10 ms on a 200 Hz grid."""
+    """Return angular (rad/s) and linear (m/s) speeds.
+
+    Central differences over 10 ms on a 200 Hz grid.
+    """
     now = _instants(track, GRID_NS, GRID_NS)
     now = now[_joined(track, now - GRID_NS, now + GRID_NS)]
     before, after = track.sample_many(now - GRID_NS), track.sample_many(now + GRID_NS)
@@ -91,7 +97,7 @@ def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
-    """Angles between the head at t and what was known of it at t - latency."""
+    """Return the angles between the head at t and its estimates from t - latency."""
     latency = latency_ms * _MS
     now = _instants(track, latency + WINDOW_NS, 0)
     now = now[_joined(track, now - latency - WINDOW_NS, now)]
@@ -104,12 +110,12 @@ def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
     )
     errors = [np.degrees(quaternions.angle_between(guess, truth)) for guess in guesses]
     held, cav, capped = (_percentiles(e, ERROR_PERCENTILES) for e in errors)
-    mean = tuple(float(e.mean()) if len(e) else float("nan") for e in errors)
-    return ErrorRow(latency_ms, held, cav, capped, mean, len(now))
+    means = [float(e.mean()) if len(e) else float("nan") for e in errors]
+    return ErrorRow(latency_ms, held, cav, capped, (means[0], means[1], means[2]), len(now))
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:
-    """A 200 Hz grid that leaves room at both ends, thinned to `MOST_INSTANTS`."""
+    """Return a 200 Hz grid that leaves room at both ends, thinned to MOST_INSTANTS."""
     first, last = track.start_ns + before_ns, track.end_ns - after_ns
     if last < first:
         return np.empty(0, np.int64)
@@ -118,7 +124,7 @@ def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int
 
 
 def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Neither end lies within a gap, and no gap or jump lies between."""
+    """Tell where neither end lies within a gap, and no gap or jump lies between."""
     if len(track) < 2:
         return np.zeros(len(start_ns), bool)
     breaks = np.concatenate([[0], np.cumsum(track.broken)])

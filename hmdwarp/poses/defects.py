@@ -1,4 +1,4 @@
-"""What was wrong with a trace file and what was done about it: nothing is dropped or bent silently."""
+"""Defects of a trace file and their repair: nothing is dropped or changed silently."""
 
 from __future__ import annotations
 
@@ -7,16 +7,13 @@ import attrs
 
 @attrs.frozen
 class Defect:
-    """kind: a stable word for programs. what: for people. count: how often. line: the first place in the file (from 1), if any.
+    """One kind of defect in a file."""
 
-    done: what was done about it.
-    """
-
-    kind: str
-    what: str
-    done: str
+    kind: str  # a stable word for programs
+    what: str  # for people
+    done: str  # what was done about it
     count: int = 1
-    line: int | None = None
+    line: int | None = None  # the first place in the file, from 1
 
     def __str__(self) -> str:
         place = "" if self.line is None else f" (line {self.line}{' first' if self.count > 1 else ''})"

@@ -1,4 +1,7 @@
-"""A head led by mouse and keys: yaw and pitch by the mouse, walking by the keys. Knows no window and reads no clock."""
+"""A head led by mouse and keys: the mouse turns it, the keys walk it.
+
+Knows no window and reads no clock.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +17,20 @@ from .sample import Origin, PoseSample
 EYE_HEIGHT_M = 1.6
 WALK_M_S, FASTER = 1.4, 3.0  # a pedestrian's pace (Browning et al. 2006 measured 1.4 m/s); with shift, a run
 STEEPEST_RAD = math.radians(89.0)
-# How fast the head follows hand and keys. 20 ms: the steps of a mouse that is read at 60 Hz become a smooth turn; a longer one
-# would be felt. 80 ms: a step's start and stop.
+# Time constants of turning and walking. 20 ms: the steps of a mouse that is read at 60 Hz become a
+# smooth turn; a longer one would be felt. 80 ms: a step's start and stop.
 TURN_S, WALK_S = 0.020, 0.080
 HORIZON_NS = 50_000_000
 GRID_NS = 4_000_000
 KEPT_NS = 250_000_000
-# Nobody has looked at the keys for so long: the program was stopped, or busy with a new scene.
+# No input for this long means that the program was stopped, or busy with a new scene.
 DEAF_NS = 1_000_000_000
 STILL_M_S, STILL_RAD = 1e-6, 1e-9
 
 
 @attrs.define(eq=False)
 class _State:
-    """Where the head is and what it was last told, at `time_ns`. wish: m/s to the right, up and forward of where it looks."""
+    """State of the head and its last input at `time_ns`."""
 
     time_ns: int
     position: tuple[float, float, float]
@@ -36,7 +39,7 @@ class _State:
     pitch: float
     yaw_goal: float
     pitch_goal: float
-    wish: tuple[float, float, float]
+    wish: tuple[float, float, float]  # m/s to the right, up and forward of the gaze
 
     @property
     def at_rest(self) -> bool:
@@ -48,23 +51,29 @@ class _State:
         )
 
     def after(self, time_ns: int) -> _State:
-        """What becomes of it when it is told nothing more: first-order lags, solved exactly, with the heading held at its mean."""
+        """Return the state at `time_ns` without further input.
+
+        First-order lags, solved exactly, with the heading held at its mean.
+        """
         seconds = (time_ns - self.time_ns) * 1e-9
         turned, half = math.exp(-seconds / TURN_S), math.exp(-seconds / (2 * TURN_S))
         slowed = math.exp(-seconds / WALK_S)
         wanted = _in_world(self.wish, self.yaw_goal + (self.yaw - self.yaw_goal) * half)
-        moved, velocity = [], []
-        for x, v, u in zip(self.position, self.velocity, wanted, strict=True):
-            velocity.append(u + (v - u) * slowed)
-            moved.append(x + u * seconds + (v - u) * WALK_S * (1 - slowed))
+        (x, y, z), (vx, vy, vz), (ux, uy, uz) = self.position, self.velocity, wanted
+        velocity = ux + (vx - ux) * slowed, uy + (vy - uy) * slowed, uz + (vz - uz) * slowed
+
+        def moved(x: float, v: float, u: float) -> float:
+            return x + u * seconds + (v - u) * WALK_S * (1 - slowed)
+
+        position = moved(x, vx, ux), moved(y, vy, uy), moved(z, vz, uz)
         yaw, pitch = (
             self.yaw_goal + (self.yaw - self.yaw_goal) * turned,
             self.pitch_goal + (self.pitch - self.pitch_goal) * turned,
         )
-        return _State(time_ns, tuple(moved), tuple(velocity), yaw, pitch, self.yaw_goal, self.pitch_goal, self.wish)
+        return _State(time_ns, position, velocity, yaw, pitch, self.yaw_goal, self.pitch_goal, self.wish)
 
     def settled(self) -> _State:
-        """The same, without the last bit of motion that an exponential never loses."""
+        """Drop the last bit of motion, which an exponential never loses."""
         if not any(self.wish) and max(map(abs, self.velocity)) < STILL_M_S:
             self.velocity = (0.0, 0.0, 0.0)
         if max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD:
@@ -84,11 +93,12 @@ class _State:
 
 
 class Walker:
-    """A head at eye height that turns and walks as it is told, smoothly.
+    """A head at eye height that turns and walks smoothly on command.
 
-    Every input has its time; `advance` says that nothing more came until then. The path depends on these alone, to the last bit: it is
-    computed on a grid of its own, however often it is asked for. Angles: yaw to the left, pitch up, radians; pitch within 89 degrees.
-    Times must not run backwards: an earlier one counts as the latest known.
+    Every input has its time; `advance` says that no more came until then. The path depends on these
+    alone, to the last bit: it is computed on a grid of its own, however often it is sampled.
+    Angles: yaw to the left, pitch up, radians; pitch within 89 degrees. Times must not run
+    backwards: an earlier one counts as the latest known.
     """
 
     def __init__(self, time_ns: int, position_m: tuple[float, float, float] = (0.0, EYE_HEIGHT_M, 0.0)) -> None:
@@ -98,7 +108,7 @@ class Walker:
         self._place(time_ns)
 
     def turn(self, time_ns: int, yaw_rad: float, pitch_rad: float) -> None:
-        """So much further to the left and up."""
+        """Turn this much further to the left and up."""
         state = self._told(time_ns)
         state.yaw_goal += yaw_rad
         state.pitch_goal = _clamped(state.pitch_goal + pitch_rad)
@@ -106,7 +116,10 @@ class Walker:
     def walk(
         self, time_ns: int, right: float = 0.0, up: float = 0.0, forward: float = 0.0, *, fast: bool = False
     ) -> None:
-        """From now on in this direction, -1..1 each, level with the ground whatever the pitch; zeros to stop."""
+        """Walk in this direction from now on, -1..1 each, level with the ground whatever the pitch.
+
+        Zeros stop.
+        """
         length = max(1.0, math.hypot(right, forward))
         pace = WALK_M_S * (FASTER if fast else 1.0)
         wish = (pace * right / length, pace * up, pace * forward / length)
@@ -115,7 +128,7 @@ class Walker:
             self._told(time_ns).wish = wish
 
     def recentre(self, time_ns: int) -> None:
-        """At once back to where it began, looking ahead; it goes on walking if told so."""
+        """Jump back to the start, looking ahead; walking goes on."""
         wish = self._states[-1].wish
         self._now_ns = max(time_ns, self._now_ns)
         self._states.clear()
@@ -123,7 +136,7 @@ class Walker:
         self._states[-1].wish = wish
 
     def advance(self, now_ns: int) -> None:
-        """Nothing more was told until now."""
+        """Note that no input came until now."""
         if now_ns - self._now_ns > DEAF_NS:
             self._told(self._now_ns).wish = (0.0, 0.0, 0.0)
         self._now_ns = max(now_ns, self._now_ns)
@@ -135,8 +148,11 @@ class Walker:
             self._states.popleft()
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """world_from_head: as it was, for the last quarter of a second (HELD before that); what is to come is PREDICTED as if nothing more
-        were told, for 50 ms at most: it goes on turning and walking as its lags have it, so it never overshoots when the hand stops."""
+        """Return world_from_head, exact for the last quarter of a second (HELD before that).
+
+        The future is PREDICTED as if no input came, for 50 ms at most: turning and walking go on as
+        their lags have it, so the head never overshoots when the hand stops.
+        """
         if time_ns > self._now_ns:
             pose, origin = (
                 self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)).pose(),
@@ -155,7 +171,7 @@ class Walker:
         return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)
 
     def _told(self, time_ns: int) -> _State:
-        """A state at that instant, for its wishes to be changed."""
+        """Return a state at that instant, for its input to be changed."""
         if time_ns > self._now_ns:
             self.advance(time_ns)
         self._states.append(self._states[-1].after(self._now_ns))
@@ -167,7 +183,7 @@ class Walker:
 
 
 def _in_world(wish: tuple[float, float, float], yaw: float) -> tuple[float, float, float]:
-    """Right, up, forward at that heading to x, y, z."""
+    """Return right, up, forward at that heading as x, y, z."""
     right, up, forward = wish
     sine, cosine = math.sin(yaw), math.cos(yaw)
     return right * cosine - forward * sine, up, -right * sine - forward * cosine

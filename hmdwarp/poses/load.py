@@ -1,4 +1,4 @@
-"""Load a head trace: a file in any known format, or the name of a recording that comes with the program."""
+"""Load a head trace: a file in any known format, or a shipped recording by name."""
 
 from __future__ import annotations
 
@@ -16,18 +16,14 @@ from .track import PoseTrack
 
 @attrs.frozen(eq=False)
 class LoadedTrace:
-    """A trace and everything that was found out about its file.
-
-    time_unit: of the file's clock, in words. rate_hz: one over the median step that this unit implies. segments: the recordings
-    the file holds, one of them taken. defects: all that was wrong, and what was done.
-    """
+    """A trace and all that is known of its file."""
 
     track: PoseTrack
     path: Path
     format: str
-    defects: list[Defect]
-    segments: list[Segment]
-    time_unit: str
+    defects: list[Defect]  # everything that was wrong, and its repair
+    segments: list[Segment]  # recordings within the file, of which one was taken
+    time_unit: str  # of the file's clock, in words
 
     @property
     def rate_hz(self) -> float:
@@ -38,8 +34,10 @@ class LoadedTrace:
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
     """Read a head trace.
 
-    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording. options: overrides.
-    Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or format.
+    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording.
+    options: overrides what the file says or leaves open.
+    Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
+    format.
     """
     from .formats._find import find_format
     from .reading.head import read_head
@@ -57,7 +55,10 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
 
 
 def trace_path(name_or_path: str | Path) -> Path:
-    """The file meant: shipped recordings first, if it is a bare name. Errors: TraceError, UnknownNameError."""
+    """Return the path of a trace; a bare name means a shipped recording first.
+
+    Errors: TraceError, UnknownNameError.
+    """
     text = str(name_or_path)
     if not text or "\x00" in text:
         raise TraceError(f"{text!r} is no file name")

@@ -1,4 +1,4 @@
-"""A recording as a head that is there now, for as long as anybody looks: forwards, then backwards, and so on."""
+"""A recording as a live head without end: forwards, then backwards, and so on."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from .track import PoseTrack
 
 
 class LoopedSource:
-    """As PoseSource, on the clock `now_ns`. From its end a track is played back to its beginning: nothing jumps there.
+    """PoseSource over a track, on the clock `now_ns`.
 
-    restart(): from the beginning of the track, now.
+    At its end the track is played back to its beginning, so that nothing jumps there.
     """
 
     def __init__(self, track: PoseTrack, now_ns: Callable[[], int]) -> None:
@@ -21,23 +21,26 @@ class LoopedSource:
         self._begun_ns = now_ns()
 
     def start(self) -> None:
-        """Nothing to get ready."""
+        """Do nothing: a track is ready."""
 
     def restart(self) -> None:
-        """The track begins at this instant."""
+        """Begin the track at this instant."""
         self._begun_ns = self._now_ns()
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """As the track has it; before its beginning, as it begins. read_ns: the clock when it was asked."""
+        """Return the track's pose; before its beginning, its first.
+
+        read_ns: the clock at the call.
+        """
         sample = self.track.at(self.track.start_ns + folded(time_ns - self._begun_ns, self.track.duration_ns))
         return attrs.evolve(sample, time_ns=time_ns, read_ns=self._now_ns())
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing: a track holds no device."""
 
 
 def folded(since_ns: int, length_ns: int) -> int:
-    """0 to length and back again, without end; 0 before the beginning."""
+    """Return 0 to length and back again, without end; 0 before the beginning."""
     if since_ns <= 0 or length_ns <= 0:
         return 0
     turn, at_ns = divmod(since_ns, length_ns)

@@ -1,4 +1,4 @@
-"""What a user may state about a trace file instead of leaving it to be found out."""
+"""What a user may state about a trace file instead of leaving it to detection."""
 
 from __future__ import annotations
 
@@ -15,18 +15,15 @@ QUAT_ORDERS = ("xyzw", "wxyz")
 class TraceOptions:
     """Overrides for reading a trace; None leaves the matter to the file.
 
-    format: name of a trace format. quat_order: xyzw or wxyz. up: see `reading.axes.parse_axes`. scale: metres per unit of the
-    file's positions. rate: samples per second, in place of the file's clock. segment: which recording, counted from 1, of a
-    file that holds several.
-    Errors: InputError for values that can be wrong without looking at a file.
+    Errors: InputError for an order, axes or numbers out of range.
     """
 
-    format: str | None = None
-    quat_order: str | None = None
-    up: str | None = None
-    scale: float | None = None
-    rate: float | None = None
-    segment: int | None = None
+    format: str | None = None  # name of a trace format
+    quat_order: str | None = None  # xyzw or wxyz
+    up: str | None = None  # see `reading.axes.parse_axes`
+    scale: float | None = None  # metres per unit of the file's positions
+    rate: float | None = None  # samples per second, in place of the file's clock
+    segment: int | None = None  # which recording of the file, from 1
 
     def __attrs_post_init__(self) -> None:
         if self.quat_order is not None and self.quat_order not in QUAT_ORDERS:

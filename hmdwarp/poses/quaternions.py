@@ -1,7 +1,7 @@
 """Quaternion arithmetic on arrays (..., 4), xyzw, unit unless said otherwise.
 
-SciPy's Rotation objects cost more than the arithmetic for one pose and several copies for 10^7 of them; the tests compare
-every function here against them.
+SciPy's Rotation objects cost more than the arithmetic for one pose and several copies for 10^7 of
+them; the tests compare every function here against them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def multiply(a: Array, b: Array) -> Array:
-    """The rotation b followed by a, (..., 4)."""
+    """Return the rotation b followed by a, (..., 4)."""
     ax, ay, az, aw = np.moveaxis(a, -1, 0)
     bx, by, bz, bw = np.moveaxis(b, -1, 0)
     return np.stack(
@@ -31,29 +31,30 @@ def multiply(a: Array, b: Array) -> Array:
 
 
 def conjugate(q: Array) -> Array:
-    """The inverse rotation."""
+    """Return the inverse rotation."""
     return q * np.array([-1.0, -1.0, -1.0, 1.0])
 
 
 def angle_between(a: Array, b: Array) -> Array:
-    """Angle in radians, 0..pi, of the rotation from a to b; exact to the last bits near 0 and near pi, unlike acos.
+    """Return the angle in radians, 0..pi, of the rotation from a to b.
 
-    Source: Kahan's formula for the angle between vectors (2006, How Futile are Mindless Assessments of Roundoff, section 12),
-    applied to unit quaternions, whose angle is half that of the rotation.
+    Exact to the last bits near 0 and near pi, unlike acos.
+    Source: Kahan's formula for the angle between vectors (2006, How Futile are Mindless Assessments
+    of Roundoff, section 12), applied to unit quaternions, whose angle is half that of the rotation.
     """
     apart, together = np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)
     return 4 * np.arctan2(np.minimum(apart, together), np.maximum(apart, together))
 
 
 def from_rotation_vector(v: Array) -> Array:
-    """exp: rotation vectors (..., 3) in radians to quaternions."""
+    """Return the exponential: rotation vectors (..., 3) in radians to quaternions."""
     angle = np.linalg.norm(v, axis=-1, keepdims=True)
     # sinc keeps all digits at angle 0; numpy's is sin(pi x)/(pi x).
     return np.concatenate([0.5 * np.sinc(angle / (2 * np.pi)) * v, np.cos(angle / 2)], axis=-1)
 
 
 def to_rotation_vector(q: Array) -> Array:
-    """log: quaternions to rotation vectors (..., 3) of length 0..pi."""
+    """Return the logarithm: quaternions to rotation vectors (..., 3) of length 0..pi."""
     q = np.where(q[..., 3:] < 0, -q, q)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
     half = np.arctan2(sine, q[..., 3:])
@@ -63,14 +64,14 @@ def to_rotation_vector(q: Array) -> Array:
 
 
 def rotate(q: Array, v: Array) -> Array:
-    """Vectors (..., 3) turned by q."""
+    """Return vectors (..., 3) rotated by q."""
     u, w = q[..., :3], q[..., 3:]
     t = 2 * np.cross(u, v)
     return v + w * t + np.cross(u, t)
 
 
 def make_continuous(q: Array) -> int:
-    """Flip signs in place so that neighbours lie in one hemisphere; returns how many neighbours had opposite signs."""
+    """Flip signs in place so that neighbours lie in one hemisphere; return how many differed."""
     if len(q) < 2:
         return 0
     flipped = np.einsum("ij,ij->i", q[1:], q[:-1]) < 0
@@ -82,9 +83,10 @@ def make_continuous(q: Array) -> int:
 
 
 def slerp(a: Sequence[float], b: Sequence[float], share: float) -> list[float]:
-    """One quaternion on the shorter arc from a (share 0) to b (share 1), in plain floats: 2 us instead of SciPy's 60.
+    """Return one quaternion on the shorter arc from a (share 0) to b (share 1), in plain floats.
 
-    Any angle from 0 to 180 degrees; at exactly 180 both arcs are equally short and the one through a + b is taken.
+    2 us instead of SciPy's 60. Any angle from 0 to 180 degrees; at exactly 180 both arcs are
+    equally short and the one through a + b is taken.
     """
     ax, ay, az, aw = a
     bx, by, bz, bw = b
@@ -103,7 +105,7 @@ def slerp(a: Sequence[float], b: Sequence[float], share: float) -> list[float]:
 
 
 def slerp_many(a: Array, b: Array, share: Array) -> Array:
-    """`slerp` for arrays: a, b (n, 4), share (n,)."""
+    """Return `slerp` of arrays: a, b (n, 4), share (n,)."""
     b = np.where(np.einsum("ij,ij->i", a, b)[:, None] < 0, -b, b)
     angle = 2 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
     sine = np.sin(angle)

@@ -10,7 +10,7 @@ from ..geometry import Pose
 
 
 class Origin(enum.IntEnum):
-    """How a pose was obtained. The integers are what vectorised sampling stores."""
+    """How a pose was obtained; vectorised sampling stores the integers."""
 
     MEASURED = 0
     INTERPOLATED = 1
@@ -20,12 +20,10 @@ class Origin(enum.IntEnum):
 
 @attrs.frozen(eq=False)
 class PoseSample:
-    """`pose` is world_from_head at `time_ns`: the instant that was asked for, not that of the sample it came from.
-
-    read_ns: when a live source read it from its device, on the same clock; None for a recorded one, which nobody had to hurry for.
-    """
+    """`pose` is world_from_head at `time_ns`, the requested instant."""
 
     time_ns: int
     pose: Pose
     origin: Origin
+    # when a live source read it from its device, on the same clock; None for recordings
     read_ns: int | None = None

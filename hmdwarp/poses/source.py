@@ -1,4 +1,4 @@
-"""Where head poses come from, as the loop sees it."""
+"""Sources of head poses, as the loop sees them."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class PoseSource(Protocol):
         """Get ready; called once before the first `head_at`."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """world_from_head at an instant of this source's clock."""
+        """Return world_from_head at an instant of this source's clock."""
 
     def close(self) -> None:
-        """Let go of devices; may be called twice."""
+        """Release devices; may be called twice."""
 
 
 class RecordedSource:
@@ -29,11 +29,11 @@ class RecordedSource:
         self.track = track
 
     def start(self) -> None:
-        """Nothing to get ready."""
+        """Do nothing: a recording is ready."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """`PoseTrack.at`: interpolated, HELD outside the recording and within its gaps."""
+        """Return `PoseTrack.at`: interpolated, HELD outside the recording and within its gaps."""
         return self.track.at(time_ns)
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing: a recording holds no device."""

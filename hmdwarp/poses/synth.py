@@ -1,12 +1,15 @@
-"""Made-up heads: seeded head motion with the statistics of people, for recordings that anybody may have.
+"""Synthetic heads: seeded motion with the statistics of people, for recordings anyone may ship.
 
-A head turns in gaze shifts along minimum-jerk profiles (Flash and Hogan 1985, The coordination of arm movements, eq. 6; fitted
-to heads by Chen et al. 2012, Submovement composition of head movement). How long a shift takes grows linearly with its
-amplitude, so its peak speed grows with amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981,
-Dynamics of head movement trajectories). Between shifts it drifts in slow submovements, as heads do that follow something.
-It turns about the neck, not about the eyes; it sways as standing people do and bobs at each step as walking ones do.
+A head turns in gaze shifts along minimum-jerk profiles (Flash and Hogan 1985, The coordination of
+arm movements, eq. 6; fitted to heads by Chen et al. 2012, Submovement composition of head
+movement). The duration of a shift grows linearly with its amplitude, so its peak speed grows with
+amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981, Dynamics
+of head movement trajectories). Between shifts it drifts in slow submovements, as heads do that
+follow something. It turns about the neck, not about the eyes; it sways like a standing person and
+bobs at each step of a walking one.
 
-All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions and machines.
+All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions
+and machines.
 """
 
 from __future__ import annotations
@@ -28,10 +31,12 @@ from .track import PoseTrack
 Array = NDArray[np.float64]
 
 EYE_HEIGHT_M = 1.6
-# From the top of the neck to between the eyes: up and forward, as in the neck models of mobile VR (0.075 m and 0.080 m).
+# From the top of the neck to between the eyes: up and forward, as in the neck models of mobile VR
+# (0.075 m and 0.080 m).
 NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
-# A shift of A degrees takes 0.28 s + 5.8 ms/degree: 10 degrees peak at 55 deg/s, 30 at 124, 90 at 210. Chosen, with the pauses and
-# the drift of `_look_around`, to meet the speeds of 264 recorded heads (30/113/191 deg/s at p50/p95/p99).
+# A shift of A degrees takes 0.28 s + 5.8 ms/degree: 10 degrees peak at 55 deg/s, 30 at 124, 90 at
+# 210. Chosen, with the pauses and the drift of `_look_around`, to meet the speeds of 264 recorded
+# heads (30/113/191 deg/s at p50/p95/p99).
 SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
 PEAK_OF_MINIMUM_JERK = 1.875  # peak speed over mean speed
 DECIMALS = (6, 8)  # 1 um and 1e-8: rounder than the last bit in which two machines' sines may differ
@@ -50,29 +55,31 @@ class Shift:
 
 @attrs.frozen(eq=False)
 class Motion:
-    """Angles in degrees (yaw to the left, pitch up, roll to the right shoulder's left) and the neck's place in metres, over time."""
+    """Angles in degrees and the neck's place in metres, over time."""
 
-    yaw: Array
-    pitch: Array
-    roll: Array
+    yaw: Array  # to the left
+    pitch: Array  # up
+    roll: Array  # the right shoulder's left
     place: Array
 
 
 @attrs.frozen
 class Kind:
-    """A kind of made-up motion: `build(rng, seconds, t)` gives it at the instants t; seconds and seed are the recording's."""
+    """A kind of synthetic motion."""
 
     name: str
     summary: str
-    seconds: float
-    seed: int
+    seconds: float  # length of the shipped recording
+    seed: int  # of the shipped recording
+    # (rng, seconds, t) -> the motion at the instants t
     build: Callable[[random.Random, float, Array], Motion]
 
 
 def synthesise(kind: str, seed: int | None = None, seconds: float | None = None, rate_hz: float = RATE_HZ) -> PoseTrack:
-    """A made-up head track: standing at (0, 1.6, 0), looking to -z.
+    """Return a synthetic head track: standing at (0, 1.6, 0), looking to -z.
 
-    kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz: samples per second.
+    kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz:
+    samples per second.
     Errors: UnknownNameError; InputError for a length or rate out of range.
     """
     if kind not in KINDS:
@@ -89,29 +96,33 @@ def synthesise(kind: str, seed: int | None = None, seconds: float | None = None,
     motion = KINDS[kind].build(random.Random(seed), seconds, t)
     orientation = _orientation(motion)
     position = motion.place + quaternions.rotate(orientation, NECK_TO_EYES_M[None])
-    made = f"made up by 'hmdwarp trace synth {kind} --seed {seed} --seconds {seconds:g} --rate {rate_hz:g}'; {KINDS[kind].summary}"
+    how = f"hmdwarp trace synth {kind} --seed {seed} --seconds {seconds:g} --rate {rate_hz:g}"
+    made = f"made up by '{how}'; {KINDS[kind].summary}"
     return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
 
 
 def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
-    """Native CSV, rounded to `DECIMALS`, so that the same seed gives the same bytes everywhere."""
+    """Write native CSV, rounded to `DECIMALS`: the same seed gives the same bytes everywhere."""
     from .formats.native import write_native
 
     write_native(track, stream, DECIMALS)
 
 
 def shift_seconds(amplitude_deg: float, vigour: float = 1.0) -> float:
-    """How long a gaze shift takes; vigour above 1 is hurried."""
+    """Return the duration of a gaze shift; vigour above 1 is hurried."""
     return (SHIFT_BASE_S + SHIFT_PER_DEG_S * abs(amplitude_deg)) / vigour
 
 
 def peak_speed(amplitude_deg: float, vigour: float = 1.0) -> float:
-    """Peak speed of a gaze shift in deg/s."""
+    """Return the peak speed of a gaze shift in deg/s."""
     return PEAK_OF_MINIMUM_JERK * abs(amplitude_deg) / shift_seconds(amplitude_deg, vigour)
 
 
 def minimum_jerk(share: Array) -> Array:
-    """0 to 1 along 10 s^3 - 15 s^4 + 6 s^5, at rest at both ends; share is clipped to 0..1."""
+    """Return 0 to 1 along 10 s^3 - 15 s^4 + 6 s^5, at rest at both ends.
+
+    share is clipped to 0..1.
+    """
     s = np.clip(share, 0.0, 1.0)
     return s * s * s * (10.0 + s * (6.0 * s - 15.0))
 
@@ -124,7 +135,7 @@ def _sum_of(shifts: list[Shift], t: Array) -> Array:
 
 
 def _orientation(motion: Motion) -> Array:
-    """Yaw, then pitch, then roll, each about the axis the one before has turned."""
+    """Return yaw, then pitch, then roll, each about the axis the one before has turned."""
     turns = []
     for angle, axis in ((motion.yaw, 1), (motion.pitch, 0), (motion.roll, 2)):
         vector = np.zeros((len(angle), 3))
@@ -140,7 +151,10 @@ def _between(rng: random.Random, low: float, high: float) -> float:
 
 
 def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_hz: float) -> Array:
-    """A sum of sines with random phases, of peak `amplitude` at most; frequencies spread over the band, amplitudes as 1/f. 0 at t = 0."""
+    """Return a sum of sines with random phases, of peak `amplitude` at most; 0 at t = 0.
+
+    Frequencies spread over the band, amplitudes as 1/f.
+    """
     out, weights, count = np.zeros_like(t), 0.0, 4
     for i in range(count):
         hz = low_hz * (high_hz / low_hz) ** ((i + _between(rng, 0.2, 0.8)) / count)
@@ -151,9 +165,11 @@ def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_h
 
 
 def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
-    """Where a standing person's neck is: about a centimetre of sway, more forwards than sideways; more with `size` above 1.
+    """Return a standing person's neck: about a centimetre of sway, more forwards than sideways.
 
-    Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control during standing and walking.
+    size: above 1 for more.
+    Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control
+    during standing and walking.
     """
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
@@ -162,7 +178,7 @@ def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
 
 
 def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float, float]) -> list[Shift]:
-    """Slow submovements one after the other, between -span and span degrees, at mean speeds from a range in deg/s."""
+    """Return slow submovements between -span and span degrees, at mean speeds in deg/s."""
     shifts, now, angle = [], 0.0, 0.0
     while now < seconds:
         target = _between(rng, -span, span)
@@ -174,10 +190,10 @@ def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float,
 
 
 def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = math.inf) -> Iterator[float]:
-    """Yaw targets within +-span degrees, each at least `least` from the one before.
+    """Return yaw targets within +-span degrees, each at least `least` from the one before.
 
-    mean: how much further than `least` a shift goes on average (exponentially, small ones being the most common); by default
-    targets lie anywhere within the span.
+    mean: how much further than `least` a shift goes on average (exponentially, small ones being the
+    most common); by default targets lie anywhere within the span.
     """
     angle = 0.0
     while True:
@@ -185,7 +201,8 @@ def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = m
             target = _between(rng, -span, span)
         else:
             reach = least - mean * math.log(1 - rng.random())
-            # Heads come back to the front: the further out, the likelier the next shift leads inwards.
+            # Heads come back to the front: the further out, the likelier the next shift leads
+            # inwards.
             outwards = rng.random() < 0.5 - 0.4 * abs(angle) / span
             target = angle + math.copysign(reach, angle if outwards else -angle)
         if abs(target) <= span and abs(target - angle) >= least:
@@ -251,10 +268,11 @@ _LEAD_S = 0.35
 
 
 def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
-    """Laps of two ellipses that touch where the walk begins, one to the left, one to the right; each step lifts and sways the head.
+    """Return laps of two ellipses that touch at the start, one to the left, one to the right.
 
-    Constant pace in the ellipse's parameter is the two-thirds power law of human curved motion (Lacquaniti et al. 1983); the head
-    turns ahead of the path (Grasso et al. 1996, 0.2 to 0.5 s).
+    Each step lifts and sways the head. Constant pace in the ellipse's parameter is the two-thirds
+    power law of human curved motion (Lacquaniti et al. 1983); the head turns ahead of the path
+    (Grasso et al. 1996, 0.2 to 0.5 s).
     """
     place, _ = _path(t, seconds)
     going = _path_pace(t, seconds)
@@ -279,13 +297,17 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
 
 
 def _path_pace(t: Array, seconds: float) -> Array:
-    """0 standing, 1 walking: sets off after half a second within 1.5 s, stops the same way."""
+    """Return the pace: 0 standing, 1 walking.
+
+    Starts after 0.5 s within 1.5 s, stops the same way.
+    """
     return minimum_jerk((t - 0.5) / 1.5) * minimum_jerk((seconds - 0.3 - t) / 1.5)
 
 
 def _path(t: Array, seconds: float) -> tuple[Array, Array]:
-    """(n, 3) place of the neck and heading in degrees along the two ellipses."""
-    # The pace, integrated on a fine fixed grid, so that the path does not depend on the sampling rate.
+    """Return (n, 3) place of the neck and heading in degrees along the two ellipses."""
+    # The pace, integrated on a fine fixed grid, so that the path does not depend on the sampling
+    # rate.
     grid = np.arange(0.0, seconds + 2.0, 1 / 1000)
     laps = np.concatenate([[0.0], np.cumsum(_path_pace(grid, seconds))[:-1]]) / 1000 / _LAP_S
     lap = np.interp(t, grid, laps)
@@ -300,7 +322,7 @@ def _path(t: Array, seconds: float) -> tuple[Array, Array]:
 
 
 def _glances(rng: random.Random, seconds: float) -> list[Shift]:
-    """Looks aside and back."""
+    """Return looks aside and back."""
     shifts, now = [], _between(rng, 2.0, 3.0)
     while now < seconds - 2:
         amount = _between(rng, 15, 45) * (1 if rng.random() < 0.5 else -1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Iterable
 from typing import Any
 
 import attrs
@@ -20,9 +21,10 @@ _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
-    """The longest step still interpolated: 100 ms, or four median steps where that is more (slow recordings).
+    """Return the longest step that is still interpolated.
 
-    Recorded heads turn at up to 300 deg/s: 100 ms is 30 degrees, about as far as an arc between two poses may be guessed.
+    100 ms, or four median steps where that is more (slow recordings). Recorded heads turn at up to
+    300 deg/s: 100 ms is 30 degrees, about as far as an arc between two poses may be guessed.
     """
     if len(time_ns) < 2:
         return SHORTEST_GAP_NS
@@ -36,42 +38,45 @@ def _times(value: ArrayLike) -> NDArray[np.int64]:
     return array.astype(np.int64, copy=False)
 
 
+def _texts(value: Iterable[str]) -> tuple[str, ...]:
+    return tuple(value)
+
+
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(value, dtype=np.float64)
 
 
 @attrs.frozen(eq=False)
 class Samples:
-    """Many poses at once: time_ns (n,), position_m (n, 3), orientation_xyzw (n, 4), origin (n,) of `Origin` values."""
+    """Many poses at once."""
 
-    time_ns: NDArray[np.int64]
-    position_m: NDArray[np.float64]
-    orientation_xyzw: NDArray[np.float64]
-    origin: NDArray[np.int8]
+    time_ns: NDArray[np.int64]  # (n,)
+    position_m: NDArray[np.float64]  # (n, 3)
+    orientation_xyzw: NDArray[np.float64]  # (n, 4)
+    origin: NDArray[np.int8]  # (n,) values of `Origin`
 
 
 @attrs.frozen(eq=False)
 class PoseTrack:
     """world_from_head over time, OpenXR axes, metres.
 
-    time_ns: (n,) int64, strictly increasing. position_m: (n, 3). orientation_xyzw: (n, 4), normalised here (a norm off by
-    more than 1e-2 is refused) and made continuous in sign. name: what to call it. origin: where it came from, in words.
-    notes: things a reader should know. epoch_ns: what the file's own clock said at time 0 of this track.
-    max_gap_ns: steps longer than this are gaps, by default `gap_limit_ns`. jumps: indices i where the head is not where
-    sample i left it when sample i + 1 comes (teleports).
     Nothing is interpolated across a gap or a jump unless asked: there the last pose is HELD.
     Errors: TraceError naming the first sample that breaks a rule.
     """
 
-    time_ns: NDArray[np.int64] = attrs.field(converter=_times)
-    position_m: NDArray[np.float64] = attrs.field(converter=_floats)
+    time_ns: NDArray[np.int64] = attrs.field(converter=_times)  # (n,) int64, strictly increasing
+    position_m: NDArray[np.float64] = attrs.field(converter=_floats)  # (n, 3)
+    # (n, 4), normalised here (a norm off by more than 1e-2 is refused) and made continuous in sign
     orientation_xyzw: NDArray[np.float64] = attrs.field(converter=_floats)
     name: str = ""
-    origin: str = ""
-    notes: tuple[str, ...] = attrs.field(default=(), converter=tuple)
-    epoch_ns: int = 0
+    origin: str = ""  # where the motion comes from, in words
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # what a reader should know
+    epoch_ns: int = 0  # the file's own clock at time 0 of this track
+    # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
+    # indices i with a teleport between samples i and i + 1
     jumps: tuple[int, ...] = attrs.field(default=(), converter=lambda given: tuple(int(i) for i in given))
+    # (n - 1,) whether a gap or jump follows each sample
     broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
@@ -129,7 +134,7 @@ class PoseTrack:
         return 1e9 / float(np.median(np.diff(self.time_ns))) if len(self) > 1 else 0.0
 
     def index_at(self, time_ns: int) -> int:
-        """Index of the last sample at or before `time_ns`; -1 before the first."""
+        """Return the index of the last sample at or before `time_ns`; -1 before the first."""
         time_ns, times = operator.index(time_ns), self.time_ns
         if time_ns < times[0]:
             return -1
@@ -138,14 +143,15 @@ class PoseTrack:
         return int(times.searchsorted(time_ns, side="right")) - 1
 
     def pose(self, index: int) -> Pose:
-        """The pose of one sample."""
+        """Return the pose of one sample."""
         return Pose(self.position_m[index], self.orientation_xyzw[index])
 
     def at(self, time_ns: int, across_gaps: bool = False) -> PoseSample:
-        """The head at an instant (ns): SLERP and linear between two samples.
+        """Return the head at an instant (ns): SLERP and linear between two samples.
 
-        On a sample: MEASURED. Between two: INTERPOLATED. Before the first, after the last and within a gap or jump (unless
-        across_gaps): HELD at the nearest end or at the last sample before.
+        On a sample: MEASURED. Between two: INTERPOLATED. Before the first, after the last and
+        within a gap or jump (unless across_gaps): HELD at the nearest end or at the last sample
+        before.
         """
         time_ns = operator.index(time_ns)
         i = self.index_at(time_ns)
@@ -163,7 +169,7 @@ class PoseTrack:
         return PoseSample(time_ns, Pose(position, quaternions.slerp(a, b, share)), Origin.INTERPOLATED)
 
     def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:
-        """`at` for many instants (n,) at once; the same rules."""
+        """Return `at` for many instants (n,) at once, by the same rules."""
         asked = _times(time_ns)
         i = np.clip(np.searchsorted(self.time_ns, asked, side="right") - 1, 0, len(self) - 1)
         j = np.minimum(i + 1, len(self) - 1)
@@ -181,7 +187,10 @@ class PoseTrack:
         return Samples(asked, position, q / np.linalg.norm(q, axis=1, keepdims=True), origin)
 
     def without_repeats(self) -> PoseTrack:
-        """The same motion with repeated poses (a tracker slower than the recorder) left out: for differentiating, not for replay."""
+        """Return the motion without repeated poses (of a tracker slower than the recorder).
+
+        For differentiating, not for replay.
+        """
         new = np.ones(len(self), bool)
         new[1:] = (self.orientation_xyzw[1:] != self.orientation_xyzw[:-1]).any(axis=1)
         new[1:] |= (self.position_m[1:] != self.position_m[:-1]).any(axis=1)
@@ -198,7 +207,10 @@ class PoseTrack:
         )
 
     def evolve(self, **changes: Any) -> PoseTrack:
-        """A copy with some fields changed; the gap limit follows the new times unless it is given too."""
+        """Return a copy with some fields changed.
+
+        The gap limit follows the new times unless it is passed too.
+        """
         fields = ("time_ns", "position_m", "orientation_xyzw", "name", "origin", "notes", "epoch_ns", "jumps")
         return PoseTrack(**{f: getattr(self, f) for f in fields} | changes)
 

@@ -1,26 +1,46 @@
-"""Scenes: triangles, textures and baked light in plain arrays, and what each scene calls for. No GPU here.
+"""Scenes: triangles, textures and baked light in plain arrays, and the effects they call for.
 
-Every public module of `library` is one scene; a new one is one new file there.
+Every public module of `library` is one scene; a new scene is one new file there.
 """
 
 from ._content import Body, Deformation, Material, Motion
-from ._declared import is_cutout
 from ._load import load_scene
-from ._model import Background, Mesh, Scene, SceneSource, Texture, scenes
-from .effects import SceneEffect
+from ._mesh import Mesh, Texture
+from ._mirrors import SceneMirror
+from ._reduce import reduced, unlit
+from ._scene import Background, Scene, SceneSource, is_cutout, scenes
+from .deformations import Joint, Skinned, Waving
+from .effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
+from .motions import Spinning, Thrown, Track
+from .shapes import Ball, Quad, checker
 
 __all__ = [
+    "EVERY_EFFECT",
     "Background",
+    "Ball",
     "Body",
     "Deformation",
+    "Joint",
     "Material",
     "Mesh",
     "Motion",
+    "Quad",
     "Scene",
     "SceneEffect",
+    "SceneMirror",
     "SceneSource",
+    "Skinned",
+    "Spinning",
     "Texture",
+    "Thrown",
+    "Track",
+    "Waving",
+    "asked_effects",
+    "checker",
+    "effect_names",
     "is_cutout",
     "load_scene",
+    "reduced",
     "scenes",
+    "unlit",
 ]

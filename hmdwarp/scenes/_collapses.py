@@ -1,61 +1,41 @@
-"""Which vertices of a soup of faces may be collapsed onto which neighbours, at what cost; the cheapest that do not touch each other go."""
+"""Edge collapses: which vertices may collapse onto which neighbours, and at what cost.
+
+The cheapest collapses that do not touch each other are made at the same time.
+"""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from ._decimate import Array, Indices, Soup
+from ._soup import Array, Indices, Mask, Soup
 
-CHEAPEST = (
-    0.3,
-    0.6,
-    1.0,
-)  # of what could go, this share may go in a round, or dear ones would while cheap ones wait for neighbours;
-ENOUGH = (
-    0.015  # unless fewer vertices than this share of all faces would go at all: most of the cheap ones may be folds
-)
+# Share of the possible collapses that may go in a round, or dear ones would go while cheap ones
+# wait for neighbours. The next share is tried if fewer vertices than ENOUGH of all faces would go:
+# most of the cheap ones may be folds.
+CHEAPEST = (0.3, 0.6, 1.0)
+ENOUGH = 0.015
 LEAST_COSINE = 0.35  # between a face before and after: none turns by more than 70 degrees at a time
 LEAST_COMPACTNESS = 0.02  # twice the area over the longest edge squared, unless it was less before
 
 
-def edges_of(soup: Soup) -> Indices:
-    """Every side of every face as (from, to, the corner across, wedge from, wedge to): (3 m, 5)."""
-    f, w = soup.faces, soup.wedges
-    sides = [(f[:, k], f[:, (k + 1) % 3], f[:, (k + 2) % 3], w[:, k], w[:, (k + 1) % 3]) for k in range(3)]
-    return np.concatenate([np.stack(side, axis=1) for side in sides])
-
-
-def is_seam(soup: Soup, edges: Indices) -> NDArray[np.bool_]:
-    """Which sides do not run on smoothly into exactly one other face: borders, creases, seams of texture or light."""
-    count = len(soup.positions)
-    low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
-    _, edge, sides = np.unique(low * count + high, return_inverse=True, return_counts=True)
-    wedges = np.sort(edges[:, 3:], axis=1)
-    _, smooth, same = np.unique(wedges[:, 0] * len(soup.places) + wedges[:, 1], return_inverse=True, return_counts=True)
-    return (sides[edge.reshape(-1)] != 2) | (same[smooth.reshape(-1)] != 2)
-
-
 @attrs.frozen(eq=False)
 class _Moves:
-    """Vertices u that may go to v, one each row, and of all of them their wedges. cost: in metres^4, as the quadrics.
-
-    wedge_from, wedge_to: (k,) of all rows one after the other; first: (n,) where each row's begin.
-    """
+    """Possible collapses of a vertex u onto v, one per row, with the wedges that move."""
 
     u: Indices
     v: Indices
+    # In metres^4, as the quadrics.
     cost: Array
+    # (n,) where each row's wedges begin in the next two.
     first: Indices
+    # (k,) wedges of all rows in sequence.
     wedge_from: Indices
     wedge_to: Indices
 
-    def only(self, chosen: NDArray) -> _Moves:
-        """Those rows."""
+    def only(self, chosen: Mask | Indices) -> _Moves:
+        """Return those rows."""
         row = np.repeat(np.arange(len(self.u)), np.diff([*self.first, len(self.wedge_from)]))
         kept = np.isin(row, np.flatnonzero(chosen) if chosen.dtype == bool else chosen)
         counts = np.diff([*self.first, len(self.wedge_from)])[chosen]
@@ -65,8 +45,11 @@ class _Moves:
         )
 
 
-def one_round(soup: Soup, too_many: int) -> float | None:
-    """Collapse some vertices, so that at most about `too_many` faces go; what the dearest cost. None: nothing more can be collapsed."""
+def collapse_round(soup: Soup, too_many: int) -> float | None:
+    """Collapse some vertices, so that at most about `too_many` faces go.
+
+    Returns the highest cost of a collapse; None if nothing more can be collapsed.
+    """
     moves = _allowed(soup)
     if not len(moves.u):
         return None
@@ -84,11 +67,11 @@ def one_round(soup: Soup, too_many: int) -> float | None:
 
 
 def _allowed(soup: Soup) -> _Moves:
-    """Moves along edges that open no crack and keep the surface one sheet, with their costs."""
+    """Return moves along edges that open no crack and keep the surface one sheet."""
     from scipy import sparse
 
     count, wedges = len(soup.positions), len(soup.places)
-    edges = edges_of(soup)
+    edges = soup.edges()
     ways = np.concatenate([edges[:, [0, 1, 3, 4]], edges[:, [1, 0, 4, 3]]])
     edge_of_way = ways[:, 0] * count + ways[:, 1]
     order = np.lexsort((ways[:, 3], ways[:, 2], edge_of_way))
@@ -111,7 +94,7 @@ def _allowed(soup: Soup) -> _Moves:
 
 
 def _wedges_at(soup: Soup, count: int, wedges: int) -> Indices:
-    """How many wedges each position has."""
+    """Return the number of wedges of each position."""
     pairs = np.unique(soup.faces.ravel() * wedges + soup.wedges.ravel())
     return np.bincount(pairs // wedges, minlength=count)
 
@@ -130,10 +113,12 @@ def _quadric_at(quadrics: Array, places: Array) -> Array:
 
 @attrs.frozen(eq=False)
 class _Rings:
-    """The faces around the u of each move: face and corner of each, row the move it belongs to."""
+    """Faces around the u of each move."""
 
+    # The move that a face belongs to.
     row: Indices
     face: Indices
+    # The corner of the face at u.
     corner: Indices
 
 
@@ -146,8 +131,8 @@ def _rings(soup: Soup, u: Indices) -> _Rings:
     return _Rings(row, slot // 3, slot % 3)
 
 
-def _shape_kept(soup: Soup, moves: _Moves) -> NDArray[np.bool_]:
-    """Which moves neither turn a face over nor make a sliver of it."""
+def _shape_kept(soup: Soup, moves: _Moves) -> Mask:
+    """Return which moves neither turn a face over nor make a sliver of it."""
     ring = _rings(soup, moves.u)
     faces = soup.faces[ring.face]
     staying = (faces != moves.v[ring.row][:, None]).all(axis=1)
@@ -164,7 +149,7 @@ def _shape_kept(soup: Soup, moves: _Moves) -> NDArray[np.bool_]:
 
 
 def _normals(corners: Array) -> tuple[Array, Array]:
-    """(m, 3, 3) to unit normals and compactness, (m, 3) and (m,)."""
+    """Return unit normals (m, 3) and compactness (m,) of (m, 3, 3) corners."""
     a, b, c = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1], corners[:, 0] - corners[:, 2]
     across = np.cross(a, b)
     double_area = np.linalg.norm(across, axis=1)
@@ -172,9 +157,9 @@ def _normals(corners: Array) -> tuple[Array, Array]:
     return across / np.maximum(double_area, 1e-300)[:, None], double_area / np.maximum(longest, 1e-300)
 
 
-def _apart(soup: Soup, moves: _Moves, able: NDArray[np.bool_]) -> Indices:
-    """Of those that are able, the best of each neighbourhood, cheapest first: no two have a face in common."""
-    able = np.flatnonzero(able)
+def _apart(soup: Soup, moves: _Moves, possible: Mask) -> Indices:
+    """Return the best possible move of each neighbourhood, cheapest first: no two share a face."""
+    able = np.flatnonzero(possible)
     order = able[np.lexsort((moves.v[able], moves.u[able], moves.cost[able]))]
     _, best_of_vertex = np.unique(moves.u[order], return_index=True)
     best = order[best_of_vertex]
@@ -188,12 +173,18 @@ def _apart(soup: Soup, moves: _Moves, able: NDArray[np.bool_]) -> Indices:
 
 
 def _cost_class(cost: Array) -> Indices:
-    """Costs within a factor of two count as equal: strictly cheapest first, rows of vertices wait for each other (246 rounds, not 60)."""
+    """Return a class in which costs within a factor of two are equal.
+
+    Strictly cheapest first, rows of vertices wait for each other: 246 rounds instead of 60.
+    """
     return np.frexp(np.maximum(cost, 1e-30))[1].astype(np.int64)
 
 
 def _mixed(numbers: Indices) -> NDArray[np.uint64]:
-    """The same numbers every time, in no order. Source: Steele et al. 2014, Fast Splittable Pseudorandom Number Generators (mix64)."""
+    """Return a fixed pseudorandom number for each.
+
+    Source: Steele et al. 2014, Fast Splittable Pseudorandom Number Generators (mix64).
+    """
     mixed = numbers.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
     mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     return mixed ^ (mixed >> np.uint64(27))

@@ -1,80 +1,87 @@
-"""What a mesh may be besides static, opaque and matt: its material, the body it belongs to, how it deforms."""
+"""What a mesh may have beyond static, opaque, matt triangles: a material, a body, a deformation."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Protocol
 
 import attrs
+import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..geometry import RigidState
 
+NO_TINT = (1.0, 1.0, 1.0)
+
+
+def _rgb(value: Iterable[float]) -> tuple[float, ...]:
+    return tuple(map(float, value))
+
 
 @attrs.frozen
 class Material:
-    """What a surface does besides throwing back baked light.
+    """Surface properties besides baked light.
 
-    reflectivity: share of the light it mirrors when looked at straight on, 0 for matt; it rises to 1 at grazing angles (Schlick 1994).
-    curved: a mirror that is no plane. normal_map: index of a linear texture of tangent-space normals that disturb the reflection, -1 for
-    none; normal_scale: its x and y times this (as glTF's normalTexture.scale). see_through: drawn by its opacity times its texture's
-    alpha over what lies behind, whose light passes the rest of it by `tint` (the share of each linear colour; coloured glass).
-    head_locked: fixed to the head, positions in metres from between the eyes (head axes), seen by both eyes, drawn over everything by the
-    same opacity and never warped.
     Errors: SceneError for shares outside 0..1 and for contradictions.
     """
 
+    # Share of the light mirrored at normal incidence, 0 for matt. It rises to 1 at grazing angles
+    # (Schlick 1994).
     reflectivity: float = 0.0
+    # A mirror that is not a plane.
     curved: bool = False
+    # Index of a linear texture of tangent-space normals that disturb the reflection, -1 for none.
     normal_map: int = -1
+    # Factor on the x and y of the normals, as glTF's normalTexture.scale.
     normal_scale: float = 1.0
+    # Blended over what lies behind by opacity times the texture's alpha.
     see_through: bool = False
     opacity: float = 1.0
+    # Fixed to the head: positions in metres from between the eyes, in head axes. Both eyes see it;
+    # it is drawn over everything by its opacity and never warped.
     head_locked: bool = False
-    tint: tuple[float, float, float] = attrs.field(
-        default=(1.0, 1.0, 1.0), converter=lambda value: tuple(map(float, value))
-    )
+    # Share of each linear colour that a see-through surface lets pass, as coloured glass does.
+    tint: tuple[float, ...] = attrs.field(default=NO_TINT, converter=_rgb)
 
     def __attrs_post_init__(self) -> None:
         for name in ("reflectivity", "opacity"):
             if not 0 <= getattr(self, name) <= 1:
-                raise SceneError(f"material with {name} {getattr(self, name):g}: wanted 0 to 1")
+                raise SceneError(f"material with {name} {getattr(self, name):g}: expected 0 to 1")
         if not self.reflectivity and (self.curved or self.normal_map >= 0):
             raise SceneError(
-                "material with a normal map or a curved mirror, but reflectivity 0: give it a reflectivity or leave them out"
+                "material with a normal map or a curved mirror, but reflectivity 0: set a reflectivity or remove them"
             )
         if len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
-            raise SceneError(f"material with tint {self.tint}: wanted three shares, each 0 to 1")
-        if self.tint != (1.0, 1.0, 1.0) and not self.see_through:
-            raise SceneError("material with a tint that nothing passes: make it see_through or leave the tint out")
+            raise SceneError(f"material with tint {self.tint}: expected three shares, each 0 to 1")
+        if self.tint != NO_TINT and not self.see_through:
+            raise SceneError("material with a tint but no light passing through: make it see_through or omit the tint")
         if self.see_through and self.head_locked:
-            raise SceneError(
-                "material that is see-through and head-locked: what is head-locked lets through by its opacity anyway"
-            )
+            raise SceneError("material both see-through and head-locked: head-locked surfaces already use the opacity")
         if self.reflectivity and (self.see_through or self.head_locked):
-            raise SceneError("material that mirrors and is see-through or head-locked: wanted one of these")
+            raise SceneError("material that mirrors and is see-through or head-locked: expected one of these")
 
 
 class Motion(Protocol):
-    """How a rigid body moves: a pure function of the scene's clock."""
+    """Motion of a rigid body: a pure function of the scene's clock."""
 
     def state(self, time_ns: int) -> RigidState:
-        """Where it is then, and how it moves."""
+        """Return the pose and its derivatives at `time_ns`."""
 
 
 @attrs.frozen(eq=False)
 class Body:
-    """Something that moves as a whole; meshes belong to it by number."""
+    """A rigid body; meshes belong to it by number."""
 
     name: str
     motion: Motion
 
 
 class Deformation(Protocol):
-    """How the vertices of one mesh move by themselves (a flag, a skinned figure): a pure function of the scene's clock."""
+    """Motion of each vertex of one mesh, such as a flag: a pure function of the scene's clock."""
 
-    def positions(self, time_ns: int) -> NDArray:
-        """(n, 3) metres relative to the scene's origin."""
+    def positions(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 3) metres relative to the scene's origin."""
 
-    def velocities(self, time_ns: int) -> NDArray:
-        """(n, 3) m/s in world axes."""
+    def velocities(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 3) m/s in world axes."""

@@ -1,9 +1,10 @@
-"""Somebody's GLB, OBJ or PLY as a scene: node transforms applied, textures and colours kept, a plain light baked in."""
+"""A user's GLB, OBJ or PLY as a scene: transforms applied, colours kept, a plain light baked in."""
 
 from __future__ import annotations
 
 import logging
 import warnings
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,59 +14,50 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ..geometry import Pose
-from ._content import Material
+from ._content import Body, Material
 from ._gltf_file import GltfFile
-from ._gltf_scene import rich_parts
-from ._model import Background, Mesh, Scene, Texture
+from ._gltf_scene import RichFile
+from ._mesh import Mesh, Texture
+from ._scene import Background, Scene
 
 if TYPE_CHECKING:
     import trimesh
 
+Array = NDArray[np.float64]
 SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
 GREY = 0.5
-_UNCHOSEN = (102, 102, 102)  # trimesh's diffuse colour where a file names none; its own exporter writes it as Kd 0.4
+# Diffuse colour that trimesh assumes where a file names none; its own exporter writes it as Kd 0.4.
+_TRIMESH_DEFAULT = (102, 102, 102)
 _KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
 _STANDING_M = 1.6
 
 
 def scene_from_file(path: Path) -> Scene:
-    """The file's triangles as a Scene; what was survivable (a missing picture, degenerate parts) is said in its notes.
+    """Return the file's triangles as a Scene; its notes say what had to be left out or replaced.
 
-    The file's units are taken as metres and +y as up, as glTF has it. The viewer stands at `viewpoint` (see viewpoint_of).
-    Far from the origin the float64 offset is kept apart (origin_m), so that no digits are lost on the GPU.
-    Errors: SceneError, one line, for a file that is missing, empty, corrupt, without triangles, or with positions that are not finite.
+    Units are metres and +y is up, as in glTF. viewpoint_of chooses where the viewer stands. The
+    origin is kept apart in float64 (origin_m), so that far from it no digits are lost on the GPU.
+    Errors: SceneError, one line, for a file that is missing, empty, corrupt, without triangles, or
+    with positions that are not finite.
     """
     if _is_rich(path):
         return _rich_scene(path)
     notes: list[str] = []
     parts = [part for part in _parts_of(path, notes) if len(part.faces)]
-    if not parts:
-        raise SceneError(f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)")
+    _check_any(path, parts)
     for part in parts:
         _check_shape(path, part)
         _check_finite(path, part)
-    low, high = (np.array([getattr(part.vertices, end)(axis=0) for part in parts]) for end in ("min", "max"))
-    low, high = low.min(axis=0), high.max(axis=0)
-    origin = np.round((low + high) / 2)  # whole metres, so that a scene drawn at the origin keeps its own numbers
     textures: list[Texture] = []
-    meshes = [_mesh(part, f"{path.stem}-{i}", origin, textures, notes) for i, part in enumerate(parts)]
-    viewpoint, bounds = viewpoint_of(low, high)
-    summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
-    return Scene(
-        path.stem,
-        summary,
-        meshes,
-        textures,
-        SKY,
-        origin_m=origin,
-        viewpoint=viewpoint,
-        walk_bounds_m=bounds,
-        notes=dict.fromkeys(notes),
-    )
+
+    def meshes_in(origin: Array) -> list[Mesh]:
+        return [_mesh(part, f"{path.stem}-{i}", origin, textures, notes) for i, part in enumerate(parts)]
+
+    return _assembled(path, [part.vertices for part in parts], meshes_in, textures, notes)
 
 
 def _rich_scene(path: Path) -> Scene:
-    """A GLB with animations, skins, mirrors or what one sees through, see _gltf_scene."""
+    """Return a GLB with animations, skins, mirrors or see-through surfaces as a Scene."""
     import trimesh
 
     def is_closed(positions: NDArray, triangles: NDArray) -> bool:
@@ -73,47 +65,76 @@ def _rich_scene(path: Path) -> Scene:
 
     try:
         with np.errstate(all="ignore"):
-            parts = rich_parts(path, _normals, is_closed)
-            if not parts.drafts:
-                raise SceneError(
-                    f"{path}: no triangles in it; wanted a mesh (a point cloud or an empty scene cannot be drawn)"
-                )
-            standing = [draft.positions for draft in parts.drafts if not draft.look.material.head_locked]
-            low, high = (
-                np.array([getattr(one, end)(axis=0) for one in standing or [np.zeros((1, 3))]])
-                for end in ("min", "max")
-            )
-            low, high = low.min(axis=0), high.max(axis=0)
-            origin = np.round((low + high) / 2)
-            meshes = [draft.mesh(origin, _light_on) for draft in parts.drafts]
-            viewpoint, bounds = viewpoint_of(low, high)
-            summary = f"{path.name}: {sum(len(m.triangles) for m in meshes)} triangles"
-            told = {"bodies": parts.bodies, "origin_m": origin, "notes": dict.fromkeys(parts.notes)}
-            return Scene(
-                path.stem, summary, meshes, parts.textures, SKY, viewpoint=viewpoint, walk_bounds_m=bounds, **told
+            file = RichFile(path, _normals, is_closed)
+            _check_any(path, file.drafts)
+            standing = [draft.positions for draft in file.drafts if not draft.look.material.head_locked]
+
+            def meshes_in(origin: Array) -> list[Mesh]:
+                return [draft.mesh(origin, _light_on) for draft in file.drafts]
+
+            return _assembled(
+                path, standing or [np.zeros((1, 3))], meshes_in, file.textures, file.notes, bodies=file.bodies
             )
     except (SceneError, MemoryError):
         raise
-    except Exception as error:  # a damaged file may have anything where something else is wanted
-        reason = " ".join(str(error).split())[:120]
+    except Exception as error:  # a damaged file may hold any value where another is due
+        raise _unreadable(path, error) from error
+
+
+def _assembled(
+    path: Path,
+    clouds: Sequence[Array],
+    meshes_in: Callable[[Array], list[Mesh]],
+    textures: list[Texture],
+    notes: list[str],
+    bodies: Sequence[Body] = (),
+) -> Scene:
+    """Return the scene around these (n, 3) points; meshes_in makes its meshes for an origin."""
+    low = np.array([points.min(axis=0) for points in clouds]).min(axis=0)
+    high = np.array([points.max(axis=0) for points in clouds]).max(axis=0)
+    origin = np.round((low + high) / 2)  # whole metres, so that a scene near the origin keeps its own numbers
+    meshes = meshes_in(origin)
+    viewpoint, bounds = viewpoint_of(low, high)
+    return Scene(
+        path.stem,
+        f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
+        meshes,
+        textures,
+        SKY,
+        bodies,
+        origin_m=origin,
+        viewpoint=viewpoint,
+        walk_bounds_m=bounds,
+        notes=dict.fromkeys(notes),
+    )
+
+
+def _check_any(path: Path, found: Sequence[object]) -> None:
+    if not found:
         raise SceneError(
-            f"{path}: not a readable GLB file ({type(error).__name__}: {reason}); export it again"
-        ) from error
+            f"{path}: no triangles in it; expected a mesh (a point cloud or an empty scene cannot be drawn)"
+        )
+
+
+def _unreadable(path: Path, error: Exception) -> SceneError:
+    reason = " ".join(str(error).split())[:120] or type(error).__name__
+    kind = path.suffix.removeprefix(".").upper()
+    return SceneError(f"{path}: not a readable {kind} file ({type(error).__name__}: {reason}); export it again")
 
 
 def _is_rich(path: Path) -> bool:
     try:
         return path.suffix.lower() == ".glb" and path.is_file() and GltfFile.read(path).is_rich()
     except (SceneError, OSError, AttributeError, TypeError):
-        return False  # whatever is wrong with it is said by those who read it
+        return False  # trimesh's reader reports what is wrong with it
 
 
-def viewpoint_of(low: NDArray, high: NDArray) -> tuple[Pose, NDArray]:
-    """Where a viewer stands in a box (3,) low to high of somebody's scene, looking along -z, and the (2, 3) box to walk in.
+def viewpoint_of(low: Array, high: Array) -> tuple[Pose, Array]:
+    """Return a viewer's pose in a box (3,) low to high, and the (2, 3) box to walk in.
 
-    Something of a room's size (3 m or more across both ways and 2 m high) is stood in: at its middle, 1.6 m above its floor.
-    Anything else is an object: it is looked at from outside, from the +z side at the height of its middle, far enough away
-    that it fills about 50 degrees.
+    The viewer looks along -z. In a box of a room's size (3 m or more across both ways and 2 m high)
+    the viewer stands in its middle, 1.6 m above the floor. Anything else is an object, seen from
+    the +z side at the height of its middle, at a distance where it fills about 50 degrees.
     """
     middle, size = (low + high) / 2, high - low
     if size[0] >= 3 and size[2] >= 3 and size[1] >= 2:
@@ -127,16 +148,16 @@ def viewpoint_of(low: NDArray, high: NDArray) -> tuple[Pose, NDArray]:
 
 
 def _parts_of(path: Path, notes: list[str]) -> list[trimesh.Trimesh]:
-    """Every mesh of the file in world coordinates."""
+    """Return every mesh of the file in world coordinates."""
     import trimesh
 
     if not path.is_file():
-        raise SceneError(f"{path}: no such scene file; wanted a .glb, .obj or .ply file, or the name of a scene")
+        raise SceneError(f"{path}: no such scene file; expected a .glb, .obj or .ply file, or the name of a scene")
     if path.stat().st_size == 0:
-        raise SceneError(f"{path}: the file is empty; wanted a .glb, .obj or .ply file")
+        raise SceneError(f"{path}: the file is empty; expected a .glb, .obj or .ply file")
     kind = path.suffix.lower().removeprefix(".")
     if kind not in ("glb", "obj", "ply"):
-        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; wanted .glb, .obj or .ply")
+        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected .glb, .obj or .ply")
     quiet, before = logging.getLogger("trimesh"), logging.getLogger("trimesh").level
     quiet.setLevel(logging.CRITICAL)
     try:
@@ -146,11 +167,8 @@ def _parts_of(path: Path, notes: list[str]) -> list[trimesh.Trimesh]:
             found = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
     except MemoryError:
         raise
-    except Exception as error:  # trimesh's readers raise whatever their parsing trips over
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise SceneError(
-            f"{path}: not a readable {kind.upper()} file ({type(error).__name__}: {reason}); export it again"
-        ) from error
+    except Exception as error:  # trimesh's parsers let any exception through
+        raise _unreadable(path, error) from error
     finally:
         quiet.setLevel(before)
     notes += {"obj": _missing_pictures, "ply": _missing_ply_pictures}.get(kind, lambda _: [])(path)
@@ -158,7 +176,7 @@ def _parts_of(path: Path, notes: list[str]) -> list[trimesh.Trimesh]:
 
 
 def _missing_pictures(path: Path) -> list[str]:
-    """One note per material library or picture that an OBJ names and that is not there; its surfaces are drawn grey or plain."""
+    """Return a note for each material library or picture that an OBJ names and that is missing."""
     notes = []
     for library in _named_in(path, "mtllib"):
         if not (path.parent / library).is_file():
@@ -171,7 +189,7 @@ def _missing_pictures(path: Path) -> list[str]:
 
 
 def _missing_ply_pictures(path: Path) -> list[str]:
-    """The same for the pictures that a PLY names in its header, as MeshLab and others write them."""
+    """Return the same for pictures named in a PLY's header, as MeshLab and others write them."""
     names = []
     with path.open("rb") as file:
         for line in file:
@@ -190,11 +208,11 @@ def _named_in(path: Path, keyword: str) -> list[str]:
 
 
 def _check_shape(path: Path, part: Any) -> None:
-    """trimesh hands on what a damaged file says, vertices of two numbers for instance."""
+    # trimesh passes on what a damaged file says, vertices of two numbers for instance.
     for name, array in (("vertices", part.vertices), ("faces", part.faces)):
         if np.ndim(array) != 2 or np.shape(array)[1] != 3:
             raise SceneError(
-                f"{path}: {name} of shape {np.shape(array)}; wanted three numbers each; export the file again"
+                f"{path}: {name} of shape {np.shape(array)}; expected three numbers each; export the file again"
             )
 
 
@@ -210,13 +228,13 @@ def _check_finite(path: Path, part: Any) -> None:
         )
 
 
-def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes: list[str]) -> Mesh:
+def _mesh(part: Any, name: str, origin: Array, textures: list[Texture], notes: list[str]) -> Mesh:
     vertices, faces = np.asarray(part.vertices, np.float64), np.asarray(part.faces)
     normals = _normals(vertices, faces)
     colour, uv, texture = _surface(part, len(vertices), textures, notes, name)
-    double_sided = bool(getattr(getattr(part.visual, "material", None), "doubleSided", False)) or not _is_closed(part)
+    gltf_material = getattr(part.visual, "material", None)
+    double_sided = bool(getattr(gltf_material, "doubleSided", False)) or not _is_closed(part)
     lit = _light_on(normals, double_sided)
-    material = _see_through(getattr(part.visual, "material", None))
     return Mesh(
         name,
         vertices - origin,
@@ -226,36 +244,35 @@ def _mesh(part: Any, name: str, origin: NDArray, textures: list[Texture], notes:
         faces,
         texture,
         double_sided,
-        material,
+        _dissolve(gltf_material),
         albedo=colour,
     )
 
 
-def _see_through(material: Any) -> Material:
-    """What an OBJ's `d` (dissolve) says; nothing for other files' materials."""
-    said = (getattr(material, "kwargs", None) or {}).get("d")
-    said = said[0] if isinstance(said, list) and said else said
+def _dissolve(material: Any) -> Material:
+    """Return a see-through material where an OBJ's `d` (dissolve) is below 1, else a plain one."""
+    value = (getattr(material, "kwargs", None) or {}).get("d")
     try:
-        share = float(said)
+        share = float(value[0] if isinstance(value, list) and value else value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         return Material()
     return Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
 
 
-def _light_on(normals: NDArray, double_sided: bool) -> NDArray:
-    """A plain light on (n, 3) unit normals; on a single sheet from both sides."""
+def _light_on(normals: Array, double_sided: bool) -> Array:
+    """Return (n,) a plain light on unit normals; a single sheet is lit from both sides."""
     if double_sided:
         return 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT)
     return 0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0)
 
 
 def _is_closed(part: Any) -> bool:
-    """Closed surfaces may be culled from behind; anything else may be a single sheet, seen from both sides."""
+    """Return whether it may be culled from behind; an open surface may be seen from both sides."""
     return bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
 
 
-def _normals(vertices: NDArray, faces: NDArray) -> NDArray:
-    """Area-weighted vertex normals, unit; +y where a vertex has no triangle of any area."""
+def _normals(vertices: Array, faces: NDArray) -> Array:
+    """Return area-weighted unit vertex normals; +y where a vertex has no triangle of any area."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     across = np.cross(b - a, c - a)
     total = np.zeros_like(vertices)
@@ -265,10 +282,11 @@ def _normals(vertices: NDArray, faces: NDArray) -> NDArray:
     return np.where(length > 0, total / np.where(length > 0, length, 1), (0.0, 1.0, 0.0))
 
 
-def _surface(
-    part: Any, count: int, textures: list[Texture], notes: list[str], name: str
-) -> tuple[NDArray, NDArray, int]:
-    """Linear colour (n, 3), uv (n, 2) and texture index of a part: its picture, else its vertex colours, else its material, else grey."""
+def _surface(part: Any, count: int, textures: list[Texture], notes: list[str], name: str) -> tuple[Array, Array, int]:
+    """Return linear colour (n, 3), uv (n, 2) and texture index of a part.
+
+    Its picture comes first, else its vertex colours, else its material's colour, else grey.
+    """
     visual, uv = part.visual, np.zeros((count, 2))
     material = getattr(visual, "material", None)
     picture = _picture_of(material)
@@ -281,18 +299,18 @@ def _surface(
     base = _base_colour(material)
     if picture is not None and found_uv is not None:
         textures.append(Texture(name, picture))
-        chosen = base is not None and tuple(getattr(material, "diffuse", ())[:3]) != _UNCHOSEN
-        return np.tile(base if chosen else (1.0, 1.0, 1.0), (count, 1)), uv, len(textures) - 1
+        chosen = base if tuple(getattr(material, "diffuse", ())[:3]) != _TRIMESH_DEFAULT else None
+        return np.tile(np.ones(3) if chosen is None else chosen, (count, 1)), uv, len(textures) - 1
     colours = getattr(visual, "vertex_colors", None) if visual.kind in ("vertex", "face") else None
     if colours is None:
         colours = (getattr(visual, "vertex_attributes", None) or {}).get("color")
     if colours is not None and np.shape(colours)[0] == count:
-        return linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), uv, -1
-    return np.tile(base if base is not None else (GREY, GREY, GREY), (count, 1)), uv, -1
+        return np.asarray(linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), np.float64), uv, -1
+    return np.tile(np.full(3, GREY) if base is None else base, (count, 1)), uv, -1
 
 
 def _picture_of(material: Any) -> NDArray[np.uint8] | None:
-    """The base colour picture of a PBR or simple material as (h, w, 3) bytes."""
+    """Return the base colour picture of a PBR or simple material as (h, w, 3) bytes."""
     picture = getattr(material, "baseColorTexture", None)
     if picture is None:
         picture = getattr(material, "image", None)
@@ -304,11 +322,18 @@ def _picture_of(material: Any) -> NDArray[np.uint8] | None:
         return None
 
 
-def _base_colour(material: Any) -> NDArray[np.float64] | None:
-    """Linear base colour: glTF factors are linear already (trimesh keeps them as bytes), an OBJ's Kd is sRGB by custom."""
+def _base_colour(material: Any) -> Array | None:
+    """Return the linear base colour.
+
+    trimesh keeps glTF's linear factors as bytes; an OBJ's Kd is sRGB.
+    """
     factor = getattr(material, "baseColorFactor", None)
     if factor is not None:
         factor = np.asarray(factor)
         return (factor[:3] / 255.0 if factor.dtype.kind in "ui" else factor[:3]).astype(np.float64)
     diffuse = getattr(material, "diffuse", None)
-    return None if diffuse is None else linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
+    return (
+        None
+        if diffuse is None
+        else np.asarray(linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0), np.float64)
+    )

@@ -1,8 +1,8 @@
-"""What the materials of a GLB say of a surface: how it looks, whether it mirrors, what it lets through."""
+"""Materials of a GLB: colour and texture of a surface, what it mirrors and what it lets through."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,120 +11,125 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ._content import Material
 from ._gltf_file import GltfFile, is_mirror
-from ._model import Texture
-
-if TYPE_CHECKING:
-    from ._gltf_scene import RichParts
+from ._mesh import Texture
 
 Array = NDArray[np.float64]
 
 
 @attrs.frozen(eq=False)
 class Look:
-    """How a primitive looks: linear colour (3,), texture and normal map by index (-1: none), material."""
+    """Appearance of a primitive."""
 
+    # (3,) linear.
     colour: Array
+    # Index of its texture, -1 for none.
     texture: int
     material: Material
     double_sided: bool
+    # Name of the attribute with its texture coordinates.
     texcoords: str
 
 
-def look_of(file: GltfFile, parts: RichParts, looks: dict, primitive: dict, locked: bool) -> Look | None:
-    """How a primitive looks; None for what is wholly cut away."""
-    key = (primitive.get("material"), locked)
-    if key not in looks:
-        told = file.one("materials", key[0], "a mesh") if key[0] is not None else {}
-        looks[key] = _look(file, parts, told, f"material '{told.get('name') or key[0]}'", locked)
-    return looks[key]
-
-
-def _look(file: GltfFile, parts: RichParts, told: dict, name: str, locked: bool) -> Look | None:
-    plain = told.get("pbrMetallicRoughness") or {}
-    factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
-    if factor.shape != (4,) or not np.isfinite(factor).all():
-        raise file.wrong(
-            f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again"
-        )
-    mode, base = told.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
-    image = _image(file, parts, base, name)
-    alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
-    if mode == "MASK":
-        cutoff = float(told.get("alphaCutoff", 0.5))
-        if image is None and alpha < cutoff:
-            return None
-        image, alpha = (None if image is None else _cut(image, alpha, cutoff)), 1.0
-    elif mode != "BLEND" and image is not None:
-        image = image[..., :3]
-    # What is cut out of nothing, or blended without letting anything pass, is a surface like any other.
-    sees_through = mode in ("MASK", "BLEND") and (
-        alpha < 1 or (image is not None and image.shape[2] == 4 and image[..., 3].min() < 255)
-    )
-    material = _material(file, parts, told, name, _Asked(alpha, sees_through, locked, factor[:3]))
-    texture = _filed(parts, name, image, srgb=True)
-    shown = np.clip(factor[:3], 0, None)
-    return Look(shown, texture, material, bool(told.get("doubleSided")), f"TEXCOORD_{base.get('texCoord', 0)}")
-
-
 @attrs.frozen(eq=False)
-class _Asked:
+class _Blend:
     alpha: float
-    sees_through: bool
-    locked: bool
+    see_through: bool
+    head_locked: bool
     colour: Array
 
 
-def _material(file: GltfFile, parts: RichParts, told: dict, name: str, asked: _Asked) -> Material:
-    if asked.locked:
-        return Material(head_locked=True, opacity=asked.alpha)
-    extensions, extras = (told.get(key) or {} for key in ("extensions", "extras"))
-    passes = float(np.clip((extensions.get("KHR_materials_transmission") or {}).get("transmissionFactor", 0.0), 0, 1))
-    reflects = _reflectivity(file, told, name, asked.colour)
-    if passes > 0 or asked.sees_through:
-        if reflects:
-            parts.notes.append(f"{file.path}: {name} mirrors and is see-through; it does not mirror")
-        tint = tuple(np.clip(asked.colour, 0, 1)) if passes > 0 else (1.0, 1.0, 1.0)
-        return Material(see_through=True, opacity=asked.alpha * (1 - passes), tint=tint)
-    if not reflects:
-        return Material()
-    normal = _filed(
-        parts, f"{name}-normal", _image(file, parts, told.get("normalTexture") or {}, name, channels=3), srgb=False
-    )
-    return Material(reflectivity=reflects, normal_map=normal, curved=bool(extras.get("curved", False)))
+class Looks:
+    """Looks of all materials of a file, each made once, and the textures they use."""
 
+    def __init__(self, file: GltfFile, notes: list[str]) -> None:
+        self._file, self._notes = file, notes
+        self._made: dict[tuple, Look | None] = {}
+        self.textures: list[Texture] = []
 
-def _reflectivity(file: GltfFile, told: dict, name: str, colour: Array) -> float:
-    """What the file says by `reflectivity` in a material's extras; else that of a polished metal, whose base colour it is."""
-    said = (told.get("extras") or {}).get("reflectivity")
-    if said is None:
-        return float(np.clip(colour, 0, 1).mean()) if is_mirror(told) else 0.0
-    if not isinstance(said, int | float) or not 0 <= said <= 1:
-        raise file.wrong(f"{name}: reflectivity {said!r} in its extras; wanted a share of 0 to 1")
-    return float(said)
+    def look_of(self, primitive: dict, head_locked: bool) -> Look | None:
+        """Return the look of a primitive; None if it is wholly cut away."""
+        key = (primitive.get("material"), head_locked)
+        if key not in self._made:
+            material = self._file.item("materials", key[0], "a mesh") if key[0] is not None else {}
+            self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
+        return self._made[key]
 
+    def _look(self, gltf: dict, name: str, head_locked: bool) -> Look | None:
+        plain = gltf.get("pbrMetallicRoughness") or {}
+        factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
+        if factor.shape != (4,) or not np.isfinite(factor).all():
+            raise self._file.error(
+                f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again"
+            )
+        mode, base = gltf.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
+        image = self._image(base, name)
+        alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
+        if mode == "MASK":
+            cutoff = float(gltf.get("alphaCutoff", 0.5))
+            if image is None and alpha < cutoff:
+                return None
+            image, alpha = (None if image is None else _cut(image, alpha, cutoff)), 1.0
+        elif mode != "BLEND" and image is not None:
+            image = image[..., :3]
+        # A mask without holes, or a blend that lets nothing pass, is a surface like any other.
+        see_through = mode in ("MASK", "BLEND") and (
+            alpha < 1 or (image is not None and image.shape[2] == 4 and int(image[..., 3].min()) < 255)
+        )
+        material = self._material(gltf, name, _Blend(alpha, see_through, head_locked, factor[:3]))
+        texture = self._add(name, image, srgb=True)
+        colour = np.clip(factor[:3], 0, None)
+        return Look(colour, texture, material, bool(gltf.get("doubleSided")), f"TEXCOORD_{base.get('texCoord', 0)}")
 
-def _image(file: GltfFile, parts: RichParts, told: dict, name: str, channels: int = 4) -> NDArray[np.uint8] | None:
-    """(h, w, channels) bytes; None, with a note, for a picture that cannot be read."""
-    if "index" not in told:
-        return None
-    texture = file.one("textures", told["index"], name)
-    if "KHR_texture_transform" in (told.get("extensions") or {}):
-        parts.notes.append(f"{file.path}: {name} shifts or scales its texture (KHR_texture_transform); drawn without")
-    try:
-        return file.image(texture.get("source"), name)[..., :channels]
-    except SceneError as error:
-        parts.notes.append(f"{error}; drawn plain")
-        return None
+    def _material(self, gltf: dict, name: str, blend: _Blend) -> Material:
+        if blend.head_locked:
+            return Material(head_locked=True, opacity=blend.alpha)
+        extensions, extras = (gltf.get(key) or {} for key in ("extensions", "extras"))
+        transmission = (extensions.get("KHR_materials_transmission") or {}).get("transmissionFactor", 0.0)
+        passes = float(np.clip(transmission, 0, 1))
+        reflectivity = self._reflectivity(gltf, name, blend.colour)
+        if passes > 0 or blend.see_through:
+            if reflectivity:
+                self._notes.append(f"{self._file.path}: {name} mirrors and is see-through; it does not mirror")
+            tint = tuple(np.clip(blend.colour, 0, 1)) if passes > 0 else (1.0, 1.0, 1.0)
+            return Material(see_through=True, opacity=blend.alpha * (1 - passes), tint=tint)
+        if not reflectivity:
+            return Material()
+        image = self._image(gltf.get("normalTexture") or {}, name, channels=3)
+        normal_map = self._add(f"{name}-normal", image, srgb=False)
+        return Material(reflectivity=reflectivity, normal_map=normal_map, curved=bool(extras.get("curved", False)))
+
+    def _reflectivity(self, gltf: dict, name: str, colour: Array) -> float:
+        """Return `reflectivity` of the extras, else the base colour of a polished metal."""
+        share = (gltf.get("extras") or {}).get("reflectivity")
+        if share is None:
+            return float(np.clip(colour, 0, 1).mean()) if is_mirror(gltf) else 0.0
+        if not isinstance(share, int | float) or not 0 <= share <= 1:
+            raise self._file.error(f"{name}: reflectivity {share!r} in its extras; expected a share of 0 to 1")
+        return float(share)
+
+    def _image(self, info: dict[str, Any], name: str, channels: int = 4) -> NDArray[np.uint8] | None:
+        """Return (h, w, channels) bytes; None, with a note, if the image cannot be decoded."""
+        if "index" not in info:
+            return None
+        texture = self._file.item("textures", info["index"], name)
+        if "KHR_texture_transform" in (info.get("extensions") or {}):
+            self._notes.append(
+                f"{self._file.path}: {name} shifts or scales its texture (KHR_texture_transform); drawn without"
+            )
+        try:
+            return self._file.image(texture.get("source"), name)[..., :channels]
+        except SceneError as error:
+            self._notes.append(f"{error}; drawn plain")
+            return None
+
+    def _add(self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool) -> int:
+        if image is None:
+            return -1
+        self.textures.append(Texture(name, image, srgb=srgb))
+        return len(self.textures) - 1
 
 
 def _cut(image: NDArray[np.uint8], alpha: float, cutoff: float) -> NDArray[np.uint8]:
     out = image.copy()
     out[..., 3] = np.where(image[..., 3] / 255 * alpha >= cutoff, 255, 0)
     return out
-
-
-def _filed(parts: RichParts, name: str, image: NDArray[np.uint8] | None, *, srgb: bool) -> int:
-    if image is None:
-        return -1
-    parts.textures.append(Texture(name, image, srgb=srgb))
-    return len(parts.textures) - 1

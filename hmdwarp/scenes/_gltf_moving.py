@@ -1,4 +1,4 @@
-"""What moves in a GLB as the scene wants it: rigid bodies, vertices driven by a node that is not rigid, skins over joints."""
+"""Moving content of a GLB: rigid bodies, vertices driven by a non-rigid node, skins over joints."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ from ._gltf_file import GltfFile
 from ._gltf_nodes import Nodes
 
 Array = NDArray[np.float64]
-# A chain of nodes is rigid if lengths change by less than that along the way: float32 rotations are off by 1e-7 each.
+# A chain of nodes is rigid if lengths change by less than this share: float32 rotations are off by
+# 1e-7 each.
 RIGID = 1e-5
-MOST_OFF = 0.01  # by which weights may miss a sum of 1: half a byte's step for each of four is 0.008
+# Weights may miss a sum of 1 by this much: half a byte's step for each of four is 0.008.
+MOST_OFF = 0.01
 
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class NodeMotion:
-    """A node whose size and shape stay as they are at time 0; the body's origin is the node's, and so are its axes, without scale."""
+    """Motion of a rigid node; the body has the node's origin and axes, without its scale."""
 
     nodes: Nodes
     node: int
 
     @cached_property
     def _without_turn(self) -> Array:
-        """3x3: takes the turn out of world_from_node at time 0 and leaves size and shape: the polar part of it, inverted."""
+        """3x3 inverse of the node's size and shape at time 0: the polar part of world_from_node."""
         left, sizes, right = np.linalg.svd(self.nodes.at(self.node, 0)[0][:3, :3])
-        flip = np.diag(
-            [1.0, 1.0, np.sign(np.linalg.det(left @ right))]
-        )  # a mirrored node keeps its mirroring in its shape
+        # A mirrored node keeps its mirroring in its shape.
+        flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
         return np.linalg.inv(right.T @ flip @ np.diag(sizes) @ right)
 
     def state(self, time_ns: int) -> RigidState:
-        """Where it is then, and how it moves."""
+        """Return the pose and its derivatives at `time_ns`."""
         placed, moving = self.nodes.at(self.node, time_ns)
         rotation = Rotation.from_matrix(placed[:3, :3] @ self._without_turn)
         across = moving[:3, :3] @ np.linalg.inv(placed[:3, :3])
@@ -46,7 +47,7 @@ class NodeMotion:
 
 
 def is_rigid(nodes: Nodes, node: int) -> bool:
-    """Whether it can be a body: at all key times, and between them, it is a turned and moved copy of itself."""
+    """Return whether the node keeps its size and shape at all key times and midway between them."""
     start = nodes.at(node, 0)[0][:3, :3]
     if abs(np.linalg.det(start)) < 1e-12:
         return False
@@ -62,40 +63,42 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
 
 @attrs.frozen(eq=False)
 class Driven:
-    """Vertices that nodes take along: by linear blend skinning over several, or all by one that grows or shears.
-
-    rest: (n, 3) as the file has them. joints: nodes. inverse: (j, 4, 4) joint_from_rest. which, weights: (n, k). origin: of the scene.
-    """
+    """Vertices driven by nodes: a skin (linear blend skinning), or all by one non-rigid node."""
 
     nodes: Nodes
+    # (n, 3) as in the file.
     rest: Array
+    # Indices of the driving nodes.
     joints: Sequence[int]
+    # (j, 4, 4) joint_from_rest.
     inverse: Array
+    # (n, k) indices into joints, and their weights.
     which: NDArray[np.int64]
     weights: Array
+    # Origin of the scene.
     origin: Array
 
-    def _blended(self, time_ns: int, which: int) -> Array:
+    def _blended(self, time_ns: int, derivative: int) -> Array:
         pairs = zip(self.joints, self.inverse, strict=True)
-        matrices = np.array([self.nodes.at(joint, time_ns)[which] @ inverse for joint, inverse in pairs])
+        matrices = np.array([self.nodes.at(joint, time_ns)[derivative] @ inverse for joint, inverse in pairs])
         blended = np.einsum("nk,nkij->nij", self.weights, matrices[self.which][..., :3, :])
         return np.einsum("nij,nj->ni", blended[:, :, :3], self.rest) + blended[:, :, 3]
 
     def positions(self, time_ns: int) -> Array:
-        """(n, 3) metres relative to the scene's origin."""
+        """Return (n, 3) metres relative to the scene's origin."""
         return self._blended(time_ns, 0) - self.origin
 
     def velocities(self, time_ns: int) -> Array:
-        """(n, 3) m/s in world axes."""
+        """Return (n, 3) m/s in world axes."""
         return self._blended(time_ns, 1)
 
     def seen_from(self, origin: Array) -> Driven:
-        """The same in a scene with that origin."""
+        """Return the same in a scene with that origin."""
         return attrs.evolve(self, origin=np.array(origin, np.float64))
 
 
 def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
-    """All vertices by one node."""
+    """Return a deformation in which one node drives all vertices."""
     count = len(rest)
     return Driven(
         nodes, rest, [node], np.eye(4)[None], np.zeros((count, 1), np.int64), np.ones((count, 1)), np.zeros(3)
@@ -103,38 +106,47 @@ def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
 
 
 def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Array) -> Driven:
-    """A primitive with joints and weights under a skin. Errors: SceneError, naming the skin, for one that does not fit."""
-    told = file.one("skins", skin, "a node")
-    name = f"skin '{told.get('name') or skin}'"
-    joints = told.get("joints", [])
+    """Return a primitive under a skin.
+
+    Errors: SceneError, naming the skin, if joints or weights do not fit.
+    """
+    found = file.item("skins", skin, "a node")
+    name = f"skin '{found.get('name') or skin}'"
+    joints = found.get("joints", [])
     for joint in joints:
-        file.one("nodes", joint, name)
+        file.item("nodes", joint, name)
     attributes = primitive.get("attributes", {})
     if "JOINTS_0" not in attributes or "WEIGHTS_0" not in attributes:
-        raise file.wrong(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0); export it again")
+        raise file.error(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0); export it again")
     sets = [k for k in range(4) if f"JOINTS_{k}" in attributes]
-    which = np.concatenate([file.numbers(attributes[f"JOINTS_{k}"], name, 4) for k in sets], axis=1).astype(np.int64)
-    weights = np.concatenate([file.numbers(attributes.get(f"WEIGHTS_{k}"), name, 4) for k in sets], axis=1).astype(
-        np.float64
-    )
+
+    def columns(kind: str) -> NDArray:
+        return np.concatenate([file.numbers(attributes.get(f"{kind}_{k}"), name, 4) for k in sets], axis=1)
+
+    which, weights = columns("JOINTS").astype(np.int64), columns("WEIGHTS").astype(np.float64)
     if len(which) != len(rest) or len(weights) != len(rest):
-        raise file.wrong(
-            f"{name}: {len(rest)} positions, {len(which)} joints, {len(weights)} weights; wanted as many of each"
+        raise file.error(
+            f"{name}: {len(rest)} positions, {len(which)} joints, {len(weights)} weights; expected as many of each"
         )
     _check_weights(file, name, weights)
     used = weights > 0
     if (which[used] >= len(joints)).any():
-        raise file.wrong(f"{name}: a vertex wants joint {int(which[used].max())}, there are {len(joints)}")
+        raise file.error(f"{name}: a vertex uses joint {int(which[used].max())}, there are {len(joints)}")
     which[~used] = 0
-    inverse = np.tile(np.eye(4), (len(joints), 1, 1))
-    if "inverseBindMatrices" in told:
-        found = file.numbers(told["inverseBindMatrices"], name, 16).astype(np.float64)
-        if len(found) < len(joints) or not np.isfinite(found).all():
-            raise file.wrong(
-                f"{name}: {len(found)} inverse bind matrices for {len(joints)} joints, or not finite; export it again"
-            )
-        inverse = found[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
+    inverse = _inverse_bind_matrices(file, found, name, len(joints))
     return Driven(nodes, rest, joints, inverse, which, weights / weights.sum(axis=1, keepdims=True), np.zeros(3))
+
+
+def _inverse_bind_matrices(file: GltfFile, skin: dict, name: str, count: int) -> Array:
+    """Return (count, 4, 4) joint_from_rest; the identity where the skin lacks them."""
+    if "inverseBindMatrices" not in skin:
+        return np.tile(np.eye(4), (count, 1, 1))
+    found = file.numbers(skin["inverseBindMatrices"], name, 16).astype(np.float64)
+    if len(found) < count or not np.isfinite(found).all():
+        raise file.error(
+            f"{name}: {len(found)} inverse bind matrices for {count} joints, or not finite; export it again"
+        )
+    return found[:count].reshape(-1, 4, 4).transpose(0, 2, 1)
 
 
 def _check_weights(file: GltfFile, name: str, weights: Array) -> None:
@@ -143,5 +155,5 @@ def _check_weights(file: GltfFile, name: str, weights: Array) -> None:
     )
     if bad.any():
         vertex = int(np.argmax(bad))
-        told = ", ".join(f"{value:.4g}" for value in weights[vertex])
-        raise file.wrong(f"{name}: weights {told} of vertex {vertex}; wanted 0 or more each, with sum 1")
+        found = ", ".join(f"{value:.4g}" for value in weights[vertex])
+        raise file.error(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each, with sum 1")

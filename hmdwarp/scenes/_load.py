@@ -1,19 +1,20 @@
-"""One way in for every scene: a registered name, or somebody's file."""
+"""One way in for every scene: a registered name or a user's file."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from ..registry import unknown_name
-from ._model import Scene, scenes
+from ._scene import Scene, scenes
 
 FILE_ENDINGS = (".glb", ".obj", ".ply")
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """The scene of that registered name, else the GLB, OBJ or PLY file at that path.
+    """Load the scene registered under a name, else the GLB, OBJ or PLY file at a path.
 
-    Errors: UnknownNameError (with the nearest known name) for what is neither; SceneError for a file that cannot be used.
+    Errors: UnknownNameError (with the nearest known name) for what is neither; SceneError for a
+    file that cannot be used.
     """
     text = str(name_or_path)
     if text in scenes.names():

@@ -1,4 +1,4 @@
-"""A scene with fewer triangles, for a client that draws for itself; made once, then found again in the user's cache folder."""
+"""Scenes with fewer triangles, for a client that draws for itself; kept in a cache folder."""
 
 from __future__ import annotations
 
@@ -19,39 +19,43 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ._content import Deformation, Material
 from ._decimate import decimated
-from ._model import Mesh, Scene
+from ._mesh import Mesh
+from ._scene import Scene
 
-VERSION = 2  # of what decimated() makes of the same meshes: counted up with every change of its results
+VERSION = 2  # of the results of decimated(); counted up with every change of them
 UNKNOWN_ALBEDO = 0.5
-LEAST_TRIANGLES = 2000  # a client draws so many in no time, and a fifth of ten would leave things out
+LEAST_TRIANGLES = 2000  # cheap to draw for any client, and a fifth of ten triangles would leave things out
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB
 
 Triangles = list[NDArray[np.uint32]]
 
 
-def reduced(scene: Scene, share: float, folder: Path | None = None) -> Scene:
-    """What of the scene hides what is behind it, with about `share` of its triangles: matt, its light as baked.
+def reduced(scene: Scene, share: float, folder: Path | None = None, *, least: int = LEAST_TRIANGLES) -> Scene:
+    """Return the scene's surfaces with about `share` of their triangles, matt, with baked light.
 
-    No scene is brought below LEAST_TRIANGLES. Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies
-    and deformations move as before.
-    folder: where results are kept, the user's cache folder if None. One that cannot be read or written costs the time to reduce again,
-    about 3 s for 75,000 triangles, and is no error. Errors: SceneError for a share that is not above 0 and at most 1.
+    Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies and
+    deformations move as before.
+    folder: where results are kept, the user's cache folder if None. A folder that cannot be read or
+    written is no error; the scene is reduced again, in about 3 s for 75,000 triangles.
+    least: number of triangles that no scene is reduced below.
+    Errors: SceneError for a share that is not above 0 and at most 1.
     """
     if not 0 < share <= 1:
-        raise SceneError(f"share {share:g} of a scene's triangles: wanted more than 0 and at most 1")
+        raise SceneError(f"share {share:g} of a scene's triangles: expected more than 0 and at most 1")
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
-    share = max(share, min(1.0, LEAST_TRIANGLES / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
+    share = max(share, min(1.0, least / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
     triangles = (
-        [mesh.triangles for mesh in surfaces] if share == 1 else _remembered(surfaces, share, folder or cache_folder())
+        [mesh.triangles for mesh in surfaces] if share == 1 else _cached(surfaces, share, folder or cache_folder())
     )
     meshes = [_with_triangles(mesh, kept) for mesh, kept in zip(surfaces, triangles, strict=True) if len(kept)]
     return attrs.evolve(scene, meshes=meshes)
 
 
 def unlit(scene: Scene) -> Scene:
-    """The same as if every surface were in light of 1: its texture times its material's colour.
+    """Return the scene under light of 1: every surface's texture times its material's colour.
 
-    Where a mesh does not know its albedo, it is its baked colour at a luminance of 0.5: the hue is the material's and the light's together.
+    Where a mesh lacks an albedo, its baked colour at a luminance of 0.5 replaces it: hue of
+    material and light together.
     """
     return attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes])
 
@@ -64,18 +68,18 @@ def _albedo(mesh: Mesh) -> NDArray:
 
 
 def cache_folder() -> Path:
-    """Where this user's programs keep what they can make again."""
+    """Return the folder where programs of this user keep what they can make again."""
     if sys.platform == "win32":
         base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
     elif sys.platform == "darwin":
         base = "~/Library/Caches"
     else:
         base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home folder is no error here)
+    return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home is no error)
 
 
-def _remembered(meshes: Sequence[Mesh], share: float, folder: Path) -> Triangles:
-    """decimated(), read from the cache if it is there and fits the meshes."""
+def _cached(meshes: Sequence[Mesh], share: float, folder: Path) -> Triangles:
+    """Return decimated(), from the cache if it holds a result that fits the meshes."""
     path = folder / f"{_key(meshes, share)}.npz"
     found = _read(path, meshes)
     if found is None:
@@ -86,7 +90,7 @@ def _remembered(meshes: Sequence[Mesh], share: float, folder: Path) -> Triangles
 
 
 def _key(meshes: Sequence[Mesh], share: float) -> str:
-    """Of everything that decides about the result."""
+    """Return a digest of all that the result depends on."""
     digest = hashlib.sha256(f"{VERSION} {share!r} {len(meshes)}".encode())
     for index, mesh in enumerate(meshes):
         arrays = (mesh.positions, mesh.normals, mesh.uv, mesh.light, mesh.triangles)
@@ -98,12 +102,10 @@ def _key(meshes: Sequence[Mesh], share: float) -> str:
 
 
 def _read(path: Path, meshes: Sequence[Mesh]) -> Triangles | None:
-    """None for a file that is not there, or is not what _write() makes for these meshes."""
+    """Return what _write stored; None for a missing file, or one that does not fit these meshes."""
     try:
-        with (
-            path.open("rb") as file,
-            np.load(file, allow_pickle=False) as stored,
-        ):  # given a path it forgets to close what is no archive
+        # Given a path, np.load forgets to close a file that is no archive.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             triangles, counts = stored["triangles"], stored["counts"]
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
         return None
@@ -121,7 +123,7 @@ def _read(path: Path, meshes: Sequence[Mesh]) -> Triangles | None:
 
 
 def _write(path: Path, triangles: Triangles) -> None:
-    """Under its name only when it is whole: another run may read at the same time."""
+    """Write a file that gets its name only when whole: another run may read at the same time."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
     try:
@@ -137,26 +139,30 @@ def _write(path: Path, triangles: Triangles) -> None:
 
 
 @attrs.frozen(eq=False)
-class _Some:
-    """The vertices that are left of a deformation."""
+class _Subset:
+    """A deformation of some of its vertices."""
 
     whole: Deformation
-    kept: NDArray[np.int64]
+    kept: NDArray[np.integer]
 
-    def positions(self, time_ns: int) -> NDArray:
+    def positions(self, time_ns: int) -> NDArray[np.float64]:
         return self.whole.positions(time_ns)[self.kept]
 
-    def velocities(self, time_ns: int) -> NDArray:
+    def velocities(self, time_ns: int) -> NDArray[np.float64]:
         return self.whole.velocities(time_ns)[self.kept]
 
 
 def _with_triangles(mesh: Mesh, triangles: NDArray[np.uint32]) -> Mesh:
-    """The mesh with these of its vertices' triangles, and without the vertices they do not use."""
+    """Return the mesh with these triangles, without the vertices that they do not use."""
     kept, which = np.unique(triangles, return_inverse=True)
-    albedo = None if mesh.albedo is None else mesh.albedo[kept]
-    deformation = None if mesh.deformation is None else _Some(mesh.deformation, kept)
-    fields = {name: getattr(mesh, name)[kept] for name in ("positions", "normals", "uv", "light")}
-    triangles = which.reshape(-1, 3)
     return attrs.evolve(
-        mesh, **fields, triangles=triangles, albedo=albedo, deformation=deformation, material=Material()
+        mesh,
+        positions=mesh.positions[kept],
+        normals=mesh.normals[kept],
+        uv=mesh.uv[kept],
+        light=mesh.light[kept],
+        triangles=which.reshape(-1, 3),
+        albedo=None if mesh.albedo is None else mesh.albedo[kept],
+        deformation=None if mesh.deformation is None else _Subset(mesh.deformation, kept),
+        material=Material(),
     )

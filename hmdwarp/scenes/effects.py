@@ -1,4 +1,4 @@
-"""What a scene calls for beyond static, opaque, matt geometry, and how an experiment forces or forbids one of it."""
+"""Effects beyond static, opaque, matt geometry: those of a scene, and those a run compensates."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ..registry import unknown_name
 
 
 class SceneEffect(enum.Flag):
-    """Effects a scene declares from its own content; the frame carries them and the plan alone looks at them.
+    """Effects that follow from a scene's content; the frame carries them, only the plan reads them.
 
-    Each has an entry of its name, in small letters, in client/effects.
+    Each has an entry of its name, in lower case, in client/effects.
     """
 
     NONE = 0
@@ -25,20 +25,21 @@ class SceneEffect(enum.Flag):
 
 
 EVERY_EFFECT = ~SceneEffect.NONE
-_BY_NAME = {effect.name.lower(): effect for effect in EVERY_EFFECT}
+_BY_NAME = {str(effect.name).lower(): effect for effect in EVERY_EFFECT}
 AUTO, NONE, FORBID = "auto", "none", "no-"
 
 
 def effect_names(effects: SceneEffect) -> list[str]:
-    """As they are written on the command line and in summary.json."""
-    return [effect.name.lower() for effect in effects]
+    """Return their names as on the command line and in summary.json."""
+    return [str(effect.name).lower() for effect in effects]
 
 
 def asked_effects(text: str, declared: SceneEffect) -> SceneEffect:
-    """What a run compensates: what the scene declares, changed by `text`.
+    """Return the effects that a run compensates: those the scene declares, changed by `text`.
 
-    text: "auto" changes nothing, "none" forbids all; else names with commas between, each forced, or forbidden by "no-" before it.
-    A forced effect that the scene has nothing of costs its pass and changes no picture.
+    text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each forced,
+    or forbidden by "no-" before it. Forcing an effect without content costs its pass and changes no
+    picture.
     Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
     """
     forced = forbidden = SceneEffect.NONE
@@ -53,7 +54,7 @@ def asked_effects(text: str, declared: SceneEffect) -> SceneEffect:
             forced |= _effect(word)
     if both := forced & forbidden:
         raise InputError(
-            f"effects '{text}': {', '.join(effect_names(both))} both forced and forbidden; say one of the two"
+            f"effects '{text}': {', '.join(effect_names(both))} both forced and forbidden; choose one of the two"
         )
     return (declared | forced) & ~forbidden
 

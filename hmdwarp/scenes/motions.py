@@ -1,9 +1,12 @@
-"""How rigid bodies move: spinning, along a track, thrown. Each is a pure function of the scene's clock, in float64."""
+"""Motions of rigid bodies: spinning, thrown, along a track.
+
+They are pure functions of the scene's clock, in float64.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -20,35 +23,42 @@ GRAVITY_M_S2 = (0.0, -9.81, 0.0)
 def _vector(value: ArrayLike) -> Array:
     array = np.array(value, np.float64)
     if array.shape != (3,) or not np.isfinite(array).all():
-        raise SceneError(f"motion: wanted three finite numbers, found {value!r}")
+        raise SceneError(f"motion: expected three finite numbers, found {value!r}")
     return array
+
+
+def _array(value: ArrayLike) -> Array:
+    return np.array(value, np.float64)
 
 
 def _positive_seconds(_: object, attribute: attrs.Attribute, value: float) -> None:
     if not (np.isfinite(value) and value > 0):
-        raise SceneError(f"motion: {attribute.name} {value!r}: wanted a time above 0")
+        raise SceneError(f"motion: {attribute.name} {value!r}: expected a time above 0")
 
 
 @attrs.frozen(eq=False)
 class Spinning:
-    """Turns for ever about an axis through its own origin.
+    """Endless rotation about an axis through the body's own origin.
 
-    at: world_from_body at time 0. axis: in world axes, any length. rad_s: right-handed, negative for the other way round.
     Errors: SceneError for an axis of length 0 and for numbers that are not finite.
     """
 
+    # World_from_body at time 0.
     at: Pose
+    # In world axes, of any length.
     axis: Array = attrs.field(converter=_vector)
+    # Right-handed; negative for the other direction.
     rad_s: float = attrs.field(converter=float)
 
     def __attrs_post_init__(self) -> None:
         if not np.isfinite(self.rad_s) or not np.linalg.norm(self.axis) > 0:
             raise SceneError(
-                f"spinning about axis {self.axis} at {self.rad_s:g} rad/s: wanted an axis longer than 0 and a finite speed"
+                f"spinning about axis {self.axis} at {self.rad_s:g} rad/s: "
+                "expected an axis longer than 0 and a finite speed"
             )
 
     def state(self, time_ns: int) -> RigidState:
-        """Where it is then, and how it moves."""
+        """Return the pose and its derivatives at `time_ns`."""
         spin = self.axis / np.linalg.norm(self.axis) * self.rad_s
         turned = Rotation.from_rotvec(spin * (time_ns * 1e-9)) * self.at.rotation
         return RigidState(Pose(self.at.position_m, turned.as_quat()), angular_velocity_rad_s=spin)
@@ -56,20 +66,21 @@ class Spinning:
 
 @attrs.frozen(eq=False)
 class Thrown:
-    """Flies under gravity from where it is thrown, tumbling, and is thrown again every `period_s`.
+    """Tumbling flight under gravity, repeated every `period_s`.
 
-    start: world_from_body when it is thrown, at time 0 first. velocity_m_s then; spin_rad_s: a rotation vector a second, in world axes.
     Errors: SceneError for a period that is not above 0 and for numbers that are not finite.
     """
 
+    # World_from_body at each throw, the first one at time 0.
     start: Pose
     velocity_m_s: Array = attrs.field(converter=_vector)
     period_s: float = attrs.field(converter=float, validator=_positive_seconds)
+    # Rotation vector per second, in world axes.
     spin_rad_s: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
     gravity_m_s2: Array = attrs.field(default=GRAVITY_M_S2, converter=_vector)
 
     def state(self, time_ns: int) -> RigidState:
-        """Where it is then, and how it moves."""
+        """Return the pose and its derivatives at `time_ns`."""
         flown = np.mod(time_ns * 1e-9, self.period_s)
         position = self.start.position_m + flown * (self.velocity_m_s + 0.5 * flown * self.gravity_m_s2)
         turned = Rotation.from_rotvec(self.spin_rad_s * flown) * self.start.rotation
@@ -79,49 +90,55 @@ class Thrown:
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class Track:
-    """Through key poses at key times: positions on a cubic spline, or evenly from each to the next, as orientations always are.
+    """Path through key poses at key times; orientations are interpolated evenly (SLERP).
 
-    times_s: (k,) increasing, 2 keys at least. positions_m: (k, 3). turns: (k,) SciPy rotations, None to stay unturned. loops: it
-    begins anew after the last key, which a spline wants to be the first again; else it stands still before the first and after the last.
-    smooth: on the spline.
-    Errors: SceneError for key times that do not increase, numbers that are not finite, counts that differ, and a loop that does not close.
+    Errors: SceneError for key times that do not increase, numbers that are not finite, counts that
+    differ, and a smooth loop that does not close.
     """
 
-    times_s: Array = attrs.field(converter=lambda value: np.array(value, np.float64))
-    positions_m: Array = attrs.field(converter=lambda value: np.array(value, np.float64))
+    # (k,) increasing, at least 2 keys.
+    times_s: Array = attrs.field(converter=_array)
+    # (k, 3).
+    positions_m: Array = attrs.field(converter=_array)
+    # (k,) SciPy rotations; None keeps the body unturned.
     turns: Rotation | None = None
+    # Starts again after the last key, else stands still before the first and after the last. A
+    # smooth loop must end in the pose it starts from.
     loops: bool = True
+    # Positions on a cubic spline, else straight from key to key.
     smooth: bool = True
 
     def __attrs_post_init__(self) -> None:
         times, places = self.times_s, self.positions_m
         if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
             raise SceneError(
-                f"track: {times.shape} key times and {places.shape} positions: wanted (k,) and (k, 3), 2 keys at least"
+                f"track: {times.shape} key times and {places.shape} positions: "
+                "expected (k,) and (k, 3), 2 keys at least"
             )
         bad = ~(np.isfinite(times) & np.isfinite(places).all(axis=1))
         if bad.any():
             raise SceneError(f"track: key {int(np.argmax(bad))} is not made of finite numbers")
-        rendered = np.diff(times) <= 0
-        if rendered.any():
-            key = int(np.argmax(rendered)) + 1
+        backwards = np.diff(times) <= 0
+        if backwards.any():
+            key = int(np.argmax(backwards)) + 1
             raise SceneError(
-                f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: key times must increase"
+                f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: "
+                "key times must increase"
             )
         if self.turns is not None and len(self.turns) != len(times):
-            raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: wanted as many")
+            raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: expected as many")
         if self.loops and self.smooth and not self._closes():
-            raise SceneError(
-                "track: the last key of a loop must be the pose of the first, give or take 1 um and 1 urad"
-            )
+            raise SceneError("track: the last key of a loop must be the pose of the first, within 1 um and 1 urad")
 
     def _closes(self) -> bool:
         apart = np.abs(self.positions_m[-1] - self.positions_m[0]).max()
-        return apart <= 1e-6 and (self.turns is None or (self.turns[0].inv() * self.turns[-1]).magnitude() <= 1e-6)
+        return bool(apart <= 1e-6) and (
+            self.turns is None or (self.turns[0].inv() * self.turns[-1]).magnitude() <= 1e-6
+        )
 
     @cached_property
-    def _path(self) -> Callable[..., Array]:
-        """Position at a time in s, and with a second argument its derivatives."""
+    def _path(self) -> Any:
+        """Piecewise polynomial of SciPy: position at a time in s; a second argument derives it."""
         from scipy.interpolate import CubicSpline, PPoly
 
         if not self.smooth:
@@ -129,7 +146,7 @@ class Track:
             return PPoly(np.stack([steps, self.positions_m[:-1]]), self.times_s)
         places = self.positions_m
         if self.loops:
-            places = np.concatenate([places[:-1], places[:1]])  # SciPy wants a period to close to the last bit
+            places = np.concatenate([places[:-1], places[:1]])  # SciPy demands a period closed to the last bit
         return CubicSpline(self.times_s, places, bc_type="periodic" if self.loops else "natural")
 
     @cached_property
@@ -137,7 +154,7 @@ class Track:
         return None if self.turns is None else Slerp(self.times_s, self.turns)
 
     def state(self, time_ns: int) -> RigidState:
-        """Where it is then, and how it moves."""
+        """Return the pose and its derivatives at `time_ns`."""
         first, last = self.times_s[0], self.times_s[-1]
         seconds = time_ns * 1e-9
         at = first + np.mod(seconds - first, last - first) if self.loops else np.clip(seconds, first, last)

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
     from ..frames.frame import EyeImage
     from ..geometry import Mirror
-    from ..scenes import Mesh
-    from ..scenes._mirrors import SceneMirror
+    from ..scenes import Mesh, SceneMirror
     from .parts import DrawContext
     from .targets import Target
     from .upload import SceneBuffers

@@ -139,10 +139,10 @@ def test_one_s_own_file(tmp_path):
 def test_unknown_names_and_absent_files(tmp_path):
     with pytest.raises(UnknownNameError, match="did you mean 'rift-dk1'"):
         load_headset("rift-dk")
-    with pytest.raises(InputError, match="is not there"):
+    with pytest.raises(InputError, match="does not exist"):
         load_headset(str(tmp_path / "none.toml"))
     (tmp_path / "folder.toml").mkdir()
-    with pytest.raises(InputError, match="is not there"):
+    with pytest.raises(InputError, match="does not exist"):
         load_headset(str(tmp_path / "folder.toml"))
 
 

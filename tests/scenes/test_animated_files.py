@@ -21,7 +21,10 @@ TURNS = ((0, 0, 0, 1), (0, HALF, 0, HALF), (0, 1, 0, 0))
 
 
 def write_glb(path, channels: dict[str, tuple], *, change=None) -> None:
-    """A still box, and a box node 'lift' (below a turned node 'yard') with these channels: path to times and values."""
+    """A still box, and a box node 'lift' below a turned node 'yard'.
+
+    channels: times and values of lift's properties. change: edits the JSON.
+    """
     scene = trimesh.Scene()
     scene.add_geometry(trimesh.creation.box((1, 1, 1)), node_name="still", geom_name="still")
     scene.add_geometry(trimesh.creation.box((1, 2, 1)), node_name="lift", geom_name="lift")
@@ -78,8 +81,8 @@ def test_an_animated_node_moves_as_its_keys_say(tmp_path):
     for second, place, turn in ((0, PLACES[0], 0), (0.5, (1, 1, 0), 45), (2, (2, 2, 0), 135), (3.5, (1, 1, 0), 45)):
         state = scene.bodies[0].motion.state(round(second * S))
         assert np.allclose(state.pose.position_m, quarter.apply(place) + (10, 0, 0), atol=1e-6)
-        wanted = quarter * Rotation.from_euler("y", turn, degrees=True)
-        assert (state.pose.rotation.inv() * wanted).magnitude() < 1e-6
+        expected = quarter * Rotation.from_euler("y", turn, degrees=True)
+        assert (state.pose.rotation.inv() * expected).magnitude() < 1e-6
     state = scene.bodies[0].motion.state(S // 2)
     assert np.allclose(state.velocity_m_s, quarter.apply((2, 0, 0)), atol=1e-6)
     assert np.allclose(state.angular_velocity_rad_s, (0, np.pi / 2, 0), atol=1e-6)
@@ -98,7 +101,7 @@ def test_animations_of_the_same_thing_do_not_add_up(tmp_path):
     write_glb(tmp_path / "lift.glb", {"translation": (TIMES, PLACES)}, change=change)
     scene = load_scene(tmp_path / "lift.glb")
     assert len(scene.bodies) == 1
-    assert any("moves translation of node 'lift' as one before it does; left out" in note for note in scene.notes)
+    assert any("moves translation of node 'lift' as an earlier one does; left out" in note for note in scene.notes)
 
 
 def test_a_node_that_grows_is_no_rigid_body(tmp_path):
@@ -146,10 +149,10 @@ def no_such_node(header):
             "translation of node 'lift': a key is not made of finite numbers",
         ),
         ({"rotation": (TIMES, np.zeros((3, 4)))}, None, "rotation of node 'lift': key 0 is no rotation"),
-        ({"translation": (TIMES, PLACES[:2])}, None, "3 key times and 2 values; wanted 1 for each"),
-        ({"translation": (TIMES, PLACES)}, wrong_type, "whole numbers; wanted floats"),
+        ({"translation": (TIMES, PLACES[:2])}, None, "3 key times and 2 values; expected 1 for each"),
+        ({"translation": (TIMES, PLACES)}, wrong_type, "integers; expected floats"),
         ({"translation": (TIMES, PLACES)}, cut_off, "reaches beyond the file's"),
-        ({"translation": (TIMES, PLACES)}, no_such_node, "wants number 99 of 3 nodes"),
+        ({"translation": (TIMES, PLACES)}, no_such_node, "uses number 99 of 3 nodes"),
     ],
 )
 def test_broken_keys_are_one_clear_line(tmp_path, channels, change, message):

@@ -1,4 +1,4 @@
-"""What every registered scene promises, and what room promises on top."""
+"""Promises of every registered scene, and of the room besides."""
 
 from __future__ import annotations
 
@@ -54,7 +54,8 @@ def test_normals_and_winding_agree(scene):
         area = np.linalg.norm(across, axis=1)
         mean = mesh.normals[mesh.triangles].mean(axis=1)
         agree = np.einsum("ij,ij->i", across, mean) > 0
-        # A corner's normal is a mean over its neighbours: at thin rims and sharp bends it may point away from one of its triangles.
+        # A corner's normal is a mean over its neighbours: at thin rims and sharp bends it may point
+        # away from one of its triangles.
         assert area[~agree].sum() <= 0.03 * area.sum(), mesh.name
 
 
@@ -88,7 +89,7 @@ def test_room_has_near_and_far_things(room):
 
 
 def test_little_stands_where_a_head_walks_in_the_room(room):
-    # Between chest and crown, inside the walk, only thin things: the leaves and the microphone beside the viewer.
+    # Between chest and crown, inside the walk, only thin things stand: leaves and a microphone.
     area = 0.0
     low, high = room.walk_bounds_m
     for mesh in room.meshes:
@@ -118,7 +119,7 @@ def mesh_with(**changes) -> Mesh:
         ({"positions": [(0, 0, 0), (0, np.nan, 0), (1, 1, 1)]}, "positions of vertex 1"),
         ({"normals": np.full((3, 3), np.inf)}, "normals of vertex 0"),
         ({"uv": np.ones((2, 2))}, "3 positions but 2 uv"),
-        ({"light": np.ones(3)}, r"wanted an \(n, 3\) array"),
+        ({"light": np.ones(3)}, r"expected an \(n, 3\) array"),
         ({"triangles": [(0, 1, 3)]}, "vertex 3, but there are only 3"),
     ],
 )
@@ -128,7 +129,7 @@ def test_impossible_meshes_are_refused_by_name(changes, message):
 
 
 def test_a_mesh_with_an_unknown_texture_and_a_texture_of_the_wrong_type_are_refused():
-    with pytest.raises(SceneError, match="wants texture 2, the scene has 0"):
+    with pytest.raises(SceneError, match="uses texture 2, the scene has 0"):
         Scene("bent", "", (mesh_with(texture=2),))
     with pytest.raises(SceneError, match="float64"):
         Texture("bent", np.zeros((2, 2, 3)))

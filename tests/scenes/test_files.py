@@ -1,4 +1,4 @@
-"""Somebody's files: what comes in is what was written, and what is broken is one clear line."""
+"""Users' files arrive as written, and broken ones are refused in one clear line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.scenes import Scene, load_scene
-from hmdwarp.scenes._files import viewpoint_of
 from hmdwarp.server import Server
 
 # Red above green on the left, blue above yellow on the right, in 8 x 8 pixels.
@@ -108,8 +107,8 @@ def picture_file(folder) -> None:
 @pytest.mark.parametrize(
     ("material", "tint"), [("", 1.0), ("Kd 1 1 1\n", 1.0), ("Kd 0.4 0.4 0.4\n", 1.0), ("Kd 0.8 0.8 0.8\n", 0.6038)]
 )
-def test_a_texture_is_tinted_only_by_a_colour_somebody_chose(tmp_path, material, tint):
-    """Kd is sRGB; without one, or with the 0.4 that trimesh writes where there is none, the picture alone counts."""
+def test_a_texture_is_tinted_only_by_a_colour_that_was_chosen(tmp_path, material, tint):
+    """Kd is sRGB; without one, or with trimesh's default of 0.4, the picture alone counts."""
     picture_file(tmp_path)
     (tmp_path / "a.mtl").write_text(f"newmtl a\n{material}map_Kd picture.png\n")
     (tmp_path / "a.obj").write_text(
@@ -157,7 +156,7 @@ def test_a_ply_keeps_its_vertex_colours_in_linear_light(tmp_path, encoding):
     trimesh.Trimesh(vertices, faces, vertex_colors=colours, process=False).export(tmp_path / "a.ply", encoding=encoding)
     mesh = load_scene(tmp_path / "a.ply").meshes[0]
     expected = linear_from_srgb(colours[:, :3] / 255)
-    # The same plain light falls on all four corners of a flat square: colours are kept up to that factor.
+    # The same light falls on all corners of a flat square: colours are kept up to that factor.
     factor = mesh.light[0, 0] / expected[0, 0]
     assert 0.3 < factor < 1.5
     assert np.allclose(mesh.light, expected * factor, atol=1e-6)
@@ -194,7 +193,7 @@ def test_a_missing_or_empty_file_is_named(tmp_path, ending):
 
 def test_another_kind_of_file_is_refused(tmp_path):
     (tmp_path / "a.stl").write_text("solid a\nendsolid a\n")
-    with pytest.raises(SceneError, match=r"cannot read '\.stl' scenes; wanted \.glb, \.obj or \.ply"):
+    with pytest.raises(SceneError, match=r"cannot read '\.stl' scenes; expected \.glb, \.obj or \.ply"):
         load_scene(tmp_path / "a.stl")
 
 
@@ -259,11 +258,19 @@ def test_damaged_and_random_files_load_or_fail_with_one_line(tmp_path, ending, d
         one_line_error(path)
 
 
-def test_a_room_is_stood_in_and_an_object_is_looked_at():
-    inside, bounds = viewpoint_of(np.array([-3.0, 0, -4]), np.array([3.0, 2.8, 2]))
-    assert np.allclose(inside.position_m, (0, 1.6, -1))
-    assert (bounds[0] >= (-3, 0, -4)).all()
-    assert (bounds[1] <= (3, 2.8, 2)).all()
-    outside, _ = viewpoint_of(np.full(3, -0.1), np.full(3, 0.1))
+def box_file(path, low, high) -> Scene:
+    """The scene of a box between these corners."""
+    box = trimesh.creation.box(bounds=np.array([low, high], float))
+    box.export(path)
+    return load_scene(path)
+
+
+def test_a_room_is_stood_in_and_an_object_is_looked_at(tmp_path):
+    room = box_file(tmp_path / "room.ply", (-3, 0, -4), (3, 2.8, 2))
+    assert np.allclose(room.viewpoint.position_m, (0, 1.6, -1))
+    assert (room.walk_bounds_m[0] >= (-3, 0, -4)).all()
+    assert (room.walk_bounds_m[1] <= (3, 2.8, 2)).all()
+    outside = box_file(tmp_path / "object.ply", (-0.1, -0.1, -0.1), (0.1, 0.1, 0.1)).viewpoint
     assert outside.position_m[2] > 0.1
+    # PLY keeps float32: 1e-7 of 0.1 m.
     assert 2 * np.degrees(np.arctan(0.1 / (outside.position_m[2] - 0.1))) == pytest.approx(50)

@@ -1,4 +1,4 @@
-"""Which meshes are mirrors, and what a mirror that is none gets told."""
+"""Meshes become mirrors, and those that cannot be drawn are refused."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ import pytest
 
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Pose, RigidState
-from hmdwarp.scenes import Mesh, Scene, SceneEffect, Texture, load_scene
-from hmdwarp.scenes._content import Body, Material
-from hmdwarp.scenes.library._shapes import Ball, Quad
+from hmdwarp.scenes import Ball, Body, Material, Mesh, Quad, Scene, SceneEffect, Texture, load_scene
 
 GREY = Texture("grey", np.full((2, 2, 3), 90, np.uint8))
 
@@ -71,7 +69,7 @@ def bent_up(mesh: Mesh) -> Mesh:
             "without a normal: its normals differ by up to .* deg",
         ),
         (bent_up(mirror()), "without a normal: its vertices leave a plane by 100 mm"),
-        (attrs.evolve(mirror(), normals=-mirror().normals), "without a normal: some triangles face the other way"),
+        (attrs.evolve(mirror(), normals=-mirror().normals), "without a normal: some triangles face away"),
         (
             attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivity=0.5)),
             r"differ by up to .*\(curved=True\)",
@@ -79,7 +77,7 @@ def bent_up(mesh: Mesh) -> Mesh:
         (attrs.evolve(mirror(curved=True), positions=np.zeros((4, 3))), "a curved mirror of no size"),
     ],
 )
-def test_a_mirror_without_a_normal_is_told(mesh, message):
+def test_a_mirror_without_a_normal_is_refused(mesh, message):
     with pytest.raises(SceneError, match=message):
         scene_of(mesh)
 
@@ -89,20 +87,20 @@ class Still:
         return RigidState(Pose())
 
 
-def test_a_mirror_that_moves_is_told():
+def test_a_mirror_that_moves_is_refused():
     with pytest.raises(SceneError, match="a mirror that moves"):
         scene_of(attrs.evolve(mirror(), body=1), bodies=(Body("cart", Still()),))
 
 
-def test_too_many_mirrors_are_told():
-    with pytest.raises(SceneError, match="9 mirrors: wanted at most 8"):
+def test_too_many_mirrors_are_refused():
+    with pytest.raises(SceneError, match="9 mirrors: expected at most 8"):
         scene_of(*(mirror((0, 0, -k)) for k in range(9)))
 
 
 def test_the_gallery_has_a_floor_a_wall_mirror_and_a_ball():
     gallery = load_scene("gallery")
-    wanted = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
-    assert gallery.effects == wanted
+    expected = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
+    assert gallery.effects == expected
     assert [found.shape.is_curved for found in gallery.mirrors] == [False, False, True]
     assert gallery.triangle_count <= 40_000
 

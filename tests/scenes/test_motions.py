@@ -1,4 +1,4 @@
-"""Motions and deformations: where things are, how fast they say they are, and what a broken one is told."""
+"""Motions and deformations: positions agree with velocities, and broken ones are refused."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Pose
-from hmdwarp.scenes import Body, Mesh, Scene, load_scene
-from hmdwarp.scenes.deformations import Joint, Skinned, Waving
-from hmdwarp.scenes.motions import Spinning, Thrown, Track
+from hmdwarp.scenes import Body, Joint, Mesh, Scene, Skinned, Spinning, Thrown, Track, Waving, load_scene
 
 S = 1_000_000_000
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (0, 0, 0)], np.float64)
@@ -27,7 +25,10 @@ MOTIONS = {
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("time_ns", [0, 123_456_789, 700 * S // 1000, 2_700_000_000, 3_700_000_000])
 def test_a_motion_is_as_fast_as_it_says(name, time_ns):
-    """Central differences over 2 x 10 us: of positions within h^2 / 6 times the third derivative, far below 1e-5 m/s."""
+    """Central differences over 2 x 10 us are off by h^2 / 6 times the third derivative.
+
+    That is far below 1e-5 m/s.
+    """
     motion, step = MOTIONS[name], 10_000
     before, now, after = (motion.state(time_ns + k * step) for k in (-1, 0, 1))
     seconds = 2 * step * 1e-9
@@ -41,7 +42,7 @@ def test_a_motion_is_as_fast_as_it_says(name, time_ns):
 
 
 @pytest.mark.parametrize("name", ["spinning", "thrown"])
-def test_what_spins_or_flies_is_foretold_exactly(name):
+def test_spinning_and_flying_are_predicted_exactly(name):
     motion = MOTIONS[name]
     for time_ns, age_ns in ((0, S), (200_000_000, 800_000_000), (S, 250_000_000)):
         assert motion.state(time_ns).after(age_ns).isclose(motion.state(time_ns + age_ns).pose)
@@ -87,17 +88,17 @@ def test_a_track_that_ends_stands_still_there():
         (lambda: Track([0, 1, 2, 3, 4], SQUARE, Rotation.from_rotvec(np.eye(5, 3))), "the last key of a loop"),
         (lambda: Spinning(Pose(), (0, 0, 0), 1.0), "an axis longer than 0"),
         (lambda: Spinning(Pose(), (0, 0, 1), np.nan), "a finite speed"),
-        (lambda: Thrown(Pose(), (0, 1, 0), 0.0), "period_s 0.0: wanted a time above 0"),
+        (lambda: Thrown(Pose(), (0, 1, 0), 0.0), "period_s 0.0: expected a time above 0"),
         (lambda: Thrown(Pose(), (0, np.nan, 0), 1.0), "three finite numbers"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value")  # inf * 0 in making the broken key
-def test_a_broken_motion_is_told_what_is_wrong_with_it(broken, message):
+def test_a_broken_motion_is_refused(broken, message):
     with pytest.raises(SceneError, match=message):
         broken()
 
 
-# --- what deforms -------------------------------------------------------------------------------------------------------------------
+# --- what deforms ---
 
 
 def arm() -> Skinned:
@@ -128,7 +129,7 @@ def test_a_deformation_is_as_fast_as_it_says(made, time_ns):
 
 
 def test_a_skin_follows_its_bones():
-    """Ends that hang on one joint alone keep their shape; the forearm is turned by both joints, about the moved elbow."""
+    """Ends that hang on one joint keep their shape; both joints turn the forearm."""
     skin, time_ns = arm(), 400_000_000
     found = skin.positions(time_ns)
     shoulder, elbow = (joint.turn(time_ns)[0] for joint in skin.joints)
@@ -148,17 +149,17 @@ def test_cloth_is_held_at_its_edge():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"weights": np.full((21, 2), 0.4)}, r"weights \[0.4 0.4\] of vertex 0: wanted 0 or more each, with sum 1"),
-        ({"weights": np.tile((1.5, -0.5), (21, 1))}, "of vertex 0: wanted 0 or more"),
+        ({"weights": np.full((21, 2), 0.4)}, r"weights \[0.4 0.4\] of vertex 0: expected 0 or more each, with sum 1"),
+        ({"weights": np.tile((1.5, -0.5), (21, 1))}, "of vertex 0: expected 0 or more"),
         ({"weights": np.full((21, 2), np.nan)}, "of vertex 0"),
-        ({"weights": np.ones((21, 1))}, r"weights \(21, 1\): wanted \(n, k\) for both"),
-        ({"which": np.tile((0, 2), (21, 1))}, "vertex 0 wants joint 2, there are 2"),
-        ({"which": np.tile((0, -1), (21, 1))}, "vertex 0 wants joint 0"),
-        ({"joints": (arm().joints[1],)}, "joint 'elbow' hangs from joint 0: wanted -1 or one before it"),
+        ({"weights": np.ones((21, 1))}, r"weights \(21, 1\): expected \(n, k\) for both"),
+        ({"which": np.tile((0, 2), (21, 1))}, "vertex 0 uses joint 2, there are 2"),
+        ({"which": np.tile((0, -1), (21, 1))}, "vertex 0 uses joint 0"),
+        ({"joints": (arm().joints[1],)}, "joint 'elbow', number 0, hangs from joint 0: expected -1 or one before it"),
         ({"rest": np.full((21, 3), np.inf)}, "finite numbers"),
     ],
 )
-def test_a_broken_skin_is_told_what_is_wrong_with_it(change, message):
+def test_a_broken_skin_is_refused(change, message):
     with pytest.raises(SceneError, match=message):
         attrs.evolve(arm(), **change)
 
@@ -167,21 +168,21 @@ def test_a_broken_skin_is_told_what_is_wrong_with_it(change, message):
     ("change", "message"),
     [
         ({"away": np.ones(3)}, "15 points and distances of shape"),
-        ({"period_s": 0.0}, "period 0 s: wanted both above 0"),
+        ({"period_s": 0.0}, "period 0 s: expected both above 0"),
         ({"out": (0, 0, 0)}, "longer than 0"),
     ],
 )
-def test_broken_cloth_is_told_what_is_wrong_with_it(change, message):
+def test_broken_cloth_is_refused(change, message):
     with pytest.raises(SceneError, match=message):
         attrs.evolve(cloth(), **change)
 
 
-def test_a_joint_wants_a_period():
-    with pytest.raises(SceneError, match="joint 'knee': wanted finite angles and a period above 0, found period 0 s"):
+def test_a_joint_needs_a_period():
+    with pytest.raises(SceneError, match="joint 'knee': expected finite angles and a period above 0, found period 0 s"):
         Joint("knee", -1, (0, 0, 0), (1, 0, 0), period_s=0.0)
 
 
-# --- what a scene makes of them -------------------------------------------------------------------------------------------------------
+# --- what a scene makes of them ---
 
 
 def triangle(**settings) -> Mesh:
@@ -192,18 +193,18 @@ def triangle(**settings) -> Mesh:
 def test_a_body_beyond_the_table_and_a_body_that_deforms_are_refused():
     with pytest.raises(SceneError, match="mesh 'triangle' belongs to body 2, the scene has 1"):
         Scene("bent", "", [triangle(body=2)], bodies=[Body("one", MOTIONS["spinning"])])
-    with pytest.raises(SceneError, match="belongs to body 1 and deforms by itself: wanted one of the two"):
+    with pytest.raises(SceneError, match="belongs to body 1 and deforms by itself: expected only one"):
         triangle(body=1, deformation=cloth())
 
 
 def test_the_workshop_closes_its_loops():
-    """What is foretold from one key pose is what comes, except where the ball is thrown anew."""
+    """A prediction over 30 ms is right, except where the ball is thrown anew."""
     scene = load_scene("workshop")
     assert [body.name for body in scene.bodies] == ["fan", "cart", "ball"]
     for body in scene.bodies:
         for time_ns in (0, 350_000_000, 5 * S):
-            told, is_there = body.motion.state(time_ns).after(30_000_000), body.motion.state(time_ns + 30_000_000).pose
-            assert told.isclose(is_there, 5e-3)
+            predicted = body.motion.state(time_ns).after(30_000_000)
+            assert predicted.isclose(body.motion.state(time_ns + 30_000_000).pose, 5e-3)
 
 
 def test_the_parade_stays_in_its_place():

@@ -1,4 +1,4 @@
-"""A scene with fewer triangles: how many, that outlines, seams and bodies stay, and that the cache never does harm."""
+"""A reduced scene keeps outlines, seams and bodies, and its cache never does harm."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import attrs
 import numpy as np
 import pytest
 
+import hmdwarp.scenes
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Body, Material, Mesh, Scene, _reduce, load_scene
-from hmdwarp.scenes._decimate import decimated
-from hmdwarp.scenes._reduce import reduced, unlit
-from hmdwarp.scenes.library._surfaces import Surface, box, join, patch
+from hmdwarp.scenes import Body, Material, Mesh, Scene, load_scene, unlit
 from hmdwarp.scenes.library.spheres import BALLS
+
+from .surfaces import Surface, box, join, patch
 
 
 def mesh_of(surface: Surface, light=(0.5, 0.5, 0.5), **fields) -> Mesh:
@@ -45,9 +45,12 @@ FEW = 6  # of a sheet's 384 triangles; two would do, but the last slivers do not
 SHEET = patch((0, 0, 0), (4, 0, 0), (0, 3, 0))
 
 
+def reduced(scene: Scene, share: float, folder=None) -> Scene:
+    return hmdwarp.scenes.reduced(scene, share, folder, least=0)
+
+
 @pytest.fixture(autouse=True)
 def _a_cache_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.setattr(_reduce, "LEAST_TRIANGLES", 0)
     for name in ("XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
         monkeypatch.setenv(name, str(tmp_path / "home"))
 
@@ -76,7 +79,7 @@ def test_a_box_of_six_patches_stays_closed():
 
 
 def test_small_things_go_before_walls_are_bent():
-    """A wall with a shelf of boxes that have no triangle to spare: a third of the triangles leaves the wall whole."""
+    """A third of the triangles leaves a wall whole: boxes that have none to spare go."""
     boxes = [box((0.3 * k, 0, 0.5), (0.02 + 0.001 * k,) * 3, cell_m=1) for k in range(40)]
     bend = SHEET.positions + np.sin(3 * SHEET.positions[:, :1]) * (0, 0, 0.3)
     wall = Surface(bend, SHEET.normals, SHEET.uv, SHEET.triangles)
@@ -125,20 +128,20 @@ def test_a_reduced_ball_keeps_its_shape(balls):
     for mesh, ball in zip(kept.meshes, BALLS, strict=False):
         middles = mesh.positions[mesh.triangles].mean(axis=1)
         distance = np.linalg.norm(middles - ball.centre, axis=1)
-        # The triangles go where most area is, so the smallest ball gets fewest: about 370 of its 9216. Of 370 equal ones each has edges of
-        # 0.28 radii and its middle 0.013 radii inside; three times that and a little, for they are not equal.
+        # The triangles go where most area is, so the smallest ball gets fewest: about 370 of its
+        # 9216. Of 370 equal ones each has edges of 0.28 radii and its middle 0.013 radii inside;
+        # three times that and a little, for they are not equal.
         assert distance.min() > 0.95 * ball.radius
         assert distance.max() < ball.radius
         assert area(mesh) == pytest.approx(4 * np.pi * ball.radius**2, rel=0.03)
 
 
-def test_the_same_every_time():
-    meshes = [mesh_of(SHEET, SHEET.positions**2), mesh_of(box((0, 0, 0), (1, 2, 3), cell_m=0.2))]
-    for one, other in zip(decimated(meshes, 0.3), decimated(meshes, 0.3), strict=True):
-        assert np.array_equal(one, other)
+def test_the_same_every_time(tmp_path):
+    scene = scene_of(mesh_of(SHEET, SHEET.positions**2), mesh_of(box((0, 0, 0), (1, 2, 3), cell_m=0.2)))
+    assert same(reduced(scene, 0.3, tmp_path / "once"), reduced(scene, 0.3, tmp_path / "again"))
 
 
-def test_what_one_sees_through_or_wears_is_left_out():
+def test_see_through_and_head_locked_meshes_are_left_out():
     glass = mesh_of(SHEET, material=Material(see_through=True))
     hud, mirror = (
         mesh_of(SHEET, material=Material(head_locked=True)),
@@ -170,55 +173,50 @@ def test_a_flag_waves_with_the_vertices_it_has_left():
 
 @pytest.mark.parametrize("share", [0, -0.2, 1.5, float("nan")])
 def test_a_share_that_is_none_is_refused(share):
-    with pytest.raises(SceneError, match="wanted more than 0 and at most 1"):
+    with pytest.raises(SceneError, match="expected more than 0 and at most 1"):
         reduced(load_scene("planes"), share)
 
 
-def test_a_scene_of_few_triangles_keeps_them_all(monkeypatch):
-    monkeypatch.setattr(_reduce, "LEAST_TRIANGLES", 2000)
+def test_a_scene_of_few_triangles_keeps_them_all():
     scene = load_scene("planes")
-    assert reduced(scene, 0.2).triangle_count == scene.triangle_count
+    assert hmdwarp.scenes.reduced(scene, 0.2).triangle_count == scene.triangle_count
 
 
 def test_nothing_to_reduce():
     assert reduced(scene_of(), 0.2).meshes == ()
 
 
-# --- the cache ---------------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def counted(monkeypatch):
-    """How often decimated() ran."""
-    runs = []
-    monkeypatch.setattr(_reduce, "decimated", lambda meshes, share: runs.append(share) or decimated(meshes, share))
-    return runs
+# --- the cache ---
 
 
 def same(one: Scene, other: Scene) -> bool:
     return all(np.array_equal(a.triangles, b.triangles) for a, b in zip(one.meshes, other.meshes, strict=True))
 
 
-def test_made_once_then_found(tmp_path, counted):
+def test_a_result_is_kept_and_read_again(tmp_path):
+    """Proven by another result in its place: that one comes back."""
     scene = scene_of(mesh_of(SHEET))
     first = reduced(scene, 0.2, tmp_path)
-    assert same(first, reduced(scene, 0.2, tmp_path))
-    assert counted == [0.2]
-    reduced(scene, 0.3, tmp_path)
+    (path,) = tmp_path.iterdir()
+    np.savez(path, triangles=np.array([(0, 1, 17)], np.uint32), counts=np.array([1]))
+    assert reduced(scene, 0.2, tmp_path).triangle_count == 1 < first.triangle_count
+
+
+def test_each_share_and_each_scene_has_its_own_result(tmp_path):
+    for scene, share in ((scene_of(mesh_of(SHEET)), 0.2), (scene_of(mesh_of(SHEET)), 0.3)):
+        reduced(scene, share, tmp_path)
     reduced(scene_of(mesh_of(SHEET, (0.4, 0.5, 0.5))), 0.2, tmp_path)
-    assert counted == [0.2, 0.3, 0.2]
-    assert not [path for path in tmp_path.iterdir() if path.suffix != ".npz"]
+    assert [path.suffix for path in tmp_path.iterdir()] == [".npz"] * 3
 
 
-def test_found_in_the_users_cache_folder(tmp_path, counted):
+def test_results_are_kept_in_the_users_cache_folder(tmp_path):
     for _ in range(2):
         reduced(scene_of(mesh_of(SHEET)), 0.2)
-    assert len(counted) == 1
     assert len(list(tmp_path.rglob("*.npz"))) == 1
 
 
 @pytest.mark.parametrize("damage", ["empty", "cut", "noise", "other", "beyond"])
-def test_a_damaged_cache_is_made_again(tmp_path, counted, damage):
+def test_a_damaged_cache_is_made_again(tmp_path, damage):
     scene = scene_of(mesh_of(SHEET))
     first = reduced(scene, 0.2, tmp_path)
     (path,) = tmp_path.glob("*.npz")
@@ -230,19 +228,17 @@ def test_a_damaged_cache_is_made_again(tmp_path, counted, damage):
     else:
         path.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "noise": b"\x07" * len(whole)}[damage])
     assert same(first, reduced(scene, 0.2, tmp_path))
-    assert len(counted) == 2
-    assert same(first, reduced(scene, 0.2, tmp_path))
-    assert len(counted) == 2
+    with np.load(path) as stored:
+        assert len(stored["triangles"]) == first.triangle_count
 
 
-def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, counted):
-    (tmp_path / "taken").write_text("a file where a folder is wanted")
+def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
+    (tmp_path / "taken").write_text("a file in the place of a folder")
     for _ in range(2):
         assert reduced(scene_of(mesh_of(SHEET)), 0.05, tmp_path / "taken").triangle_count
-    assert len(counted) == 2
 
 
-# --- without light -------------------------------------------------------------------------------------------------------------
+# --- without light ---
 
 
 def test_unlit_is_the_material_alone():

@@ -16,8 +16,7 @@ from hmdwarp.frames.frame import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.scenes import Body, Material, Mesh, Scene, Texture, load_scene
-from hmdwarp.scenes.library._shapes import Quad
+from hmdwarp.scenes import Body, Material, Mesh, Quad, Scene, Texture, load_scene
 from hmdwarp.server import Server
 
 SIZE = (96, 70)

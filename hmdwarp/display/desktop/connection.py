@@ -1,4 +1,4 @@
-"""The connection to an X server: notices when it breaks, where Xlib would end the program on the spot."""
+"""The connection to an X server: notices when it breaks, where Xlib would end the program at once."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ _ExitHandler = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
 class Connection:
-    """broken: whether the server is gone (logged out, ssh ended, crashed). Nothing of the window may be touched then, not even to free it.
+    """A connection. broken: whether the server is gone (logged out, ssh ended, crashed).
 
-    Xlib 1.7 or later (2020) lets a program stay when that happens; an older one exits with status 1 as it always did, and Wayland
-    tells glfw by closing the window.
+    Then nothing of the window may be touched, not even to free it. Xlib 1.7 or later (2020) lets a
+    program survive that; an older one exits with status 1 as it always did, and Wayland tells glfw
+    by closing the window.
     """
 
     def __init__(self, glfw: ModuleType) -> None:

@@ -1,4 +1,7 @@
-"""The window as a display: pictures in it, a head led by mouse and keys, commands by keys and panel."""
+"""The window as a display.
+
+Pictures in it, a head led by mouse and keys, commands by keys and panel.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +32,9 @@ NO_PANEL = f"no panel of controls: {HOW_TO_GET_THE_PANEL}"
 
 
 class DesktopDisplay:
-    """As display.Display. Its clock is time.monotonic_ns, of its head and of its pictures.
+    """display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
 
-    Errors: MachineError that says why there is no window; InputError for a headset that is not known.
+    Errors: MachineError that says why there is no window; InputError for an unknown headset.
     """
 
     name = "desktop"
@@ -105,25 +108,25 @@ class DesktopDisplay:
 
     @property
     def rate_hz(self) -> float:
-        """Of the screen the window is on; 60 where it does not say."""
+        """Rate of the screen the window is on; 60 where it does not say."""
         return self._pacer.rate_hz
 
     def now_ns(self) -> int:
-        """time.monotonic_ns."""
+        """Return time.monotonic_ns."""
         return time.monotonic_ns()
 
     def look(self, view: str) -> None:
-        """Another view from now on."""
+        """Switch to another view."""
         self._shown = shown(view, self._headset, self._size_asked)
         self.eyes, self.size, self.headset = self._shown.eyes, self._shown.size, self._shown.headset
 
     def restart(self) -> None:
-        """A recorded head begins anew; a led one goes on."""
+        """Begin a recorded head anew; a led one goes on."""
         if isinstance(self.source, LoopedSource):
             self.source.restart()
 
     def wait(self) -> Tick | None:
-        """Until it is time for the next picture; None while the window is minimised."""
+        """Wait until it is time for the next picture; None while the window is minimised."""
         self._read_inputs()
         self._refuse_if_over()
         self._obey()
@@ -140,7 +143,7 @@ class DesktopDisplay:
         return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
-        """Draw the eyes' pictures, what is written over them and the panel, and swap."""
+        """Draw the eyes' pictures, the text over them and the panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
         size, column = self._window.framebuffer_size, self._panel.column if self._panel is not None else 0
         self._overlay.draw(canvases, self._shown.count, self._shown.aspect, size, column, label)
@@ -154,12 +157,12 @@ class DesktopDisplay:
         return handed_over_ns
 
     def commands(self) -> Sequence[Command]:
-        """Those that change the run; the window's own are done already."""
+        """Return the requests that change the run; the window's own are done already."""
         asked, self._pending = self._pending, []
         return [command for command in asked if not self._do(command)]
 
     def tell(self, status: Status) -> None:
-        """What the title line and the panel show."""
+        """Show a Status in the title line and the panel."""
         self._status = status
         panel = self._panel is not None and self._panel.on
         status.values.update(
@@ -167,11 +170,11 @@ class DesktopDisplay:
         )
 
     def reopen(self) -> bool:
-        """A window is closed, never lost."""
+        """Return False: a window is closed, never lost."""
         return False
 
     def close(self) -> None:
-        """Let go of everything, in the opposite order."""
+        """Release everything, in the opposite order."""
         while self._closers:
             self._closers.pop()()
 
@@ -183,7 +186,10 @@ class DesktopDisplay:
         return self.now_ns()
 
     def _on_plate(self, x: float, y: float) -> tuple[float, float] | None:
-        """Of a place in the window's own units from the top left, which on some desktops are not pixels."""
+        """Return the panel's (u, v) at a place in the window's own units from the top left.
+
+        On some desktops these units are not pixels.
+        """
         (w, h), (fw, fh) = self._glfw.get_window_size(self._window.handle), self._window.framebuffer_size
         return self._overlay.on_plate(x * fw / max(w, 1), fh - y * fh / max(h, 1))
 
@@ -250,7 +256,7 @@ class DesktopDisplay:
         self._window.end()
 
     def _make_panel(self) -> bool:
-        """Whether there is one, made when it is first wanted."""
+        """Make the panel when it is first wanted; return whether there is one."""
         self._panel = self._hands.panel = make_panel(self._window.handle, self._window.gl, controls=self._controls)
         return self._panel is not None
 
@@ -261,7 +267,7 @@ class DesktopDisplay:
 
 
 def _column() -> int:
-    """How wide the panel is on a usual screen, 0 where its package is missing."""
+    """Return how wide the panel is on a usual screen, 0 where its package is missing."""
     if not installed():
         return 0
     from .panel_style import WIDTH

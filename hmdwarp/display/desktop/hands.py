@@ -1,4 +1,4 @@
-"""What mouse and keyboard do in a window: they lead the head and ask for commands."""
+"""Mouse and keyboard of a window: they lead the head and request commands."""
 
 from __future__ import annotations
 
@@ -26,10 +26,13 @@ class Greedy(Protocol):
 
 
 class Hands:
-    """Listens to one window and leads `walker`. now_ns: the clock that inputs are timed by, when they are read.
+    """Listens to one window and leads `walker`.
 
-    A click catches the mouse, the key of "quit" lets it go; so does another window that comes to the front, which takes the held keys as
-    well. panel: takes its part of the input first. commands: what was asked for, oldest first; whoever obeys empties it.
+    now_ns: the clock that inputs are timed by, when they are read. A click catches the mouse, the
+    key of "quit" releases it; so does another window that comes to the front, which takes the held
+    keys as well.
+    panel: takes its part of the input first. commands: requests, oldest first; the caller empties
+    it.
     """
 
     def __init__(self, window: object, walker: Walker, now_ns: Callable[[], int], keys: Keys) -> None:
@@ -48,9 +51,9 @@ class Hands:
         glfw.set_window_focus_callback(window, self._focus)
 
     def point(self, pointing: Pointing | None) -> None:
-        """From now on the mouse points at a plate, and nobody walks; None: it is the head's again, if it was before.
+        """Point with the mouse at a panel from now on, without walking; None gives the head back.
 
-        pointing: where on the plate a place of the window is, in its own units from the top left.
+        pointing: where on the panel a place of the window is, in its own units from the top left.
         """
         if (pointing is None) == (self._pointing is None):
             return
@@ -69,18 +72,21 @@ class Hands:
         return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
 
     def catch(self) -> None:
-        """The mouse is ours: it turns the head and does not leave the window."""
+        """Catch the mouse: it turns the head and does not leave the window."""
         glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_DISABLED)
         if glfw.raw_mouse_motion_supported():  # as the hand moved, without the desktop's acceleration
             glfw.set_input_mode(self._window, glfw.RAW_MOUSE_MOTION, glfw.TRUE)
         self._at = glfw.get_cursor_pos(self._window)
 
     def let_go(self) -> None:
-        """The mouse is the desktop's again."""
+        """Release the mouse to the desktop."""
         glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_NORMAL)
 
     def lead(self) -> None:
-        """Tell the walker which way the held keys lead; after every poll, as it stops by itself when it hears nothing for long."""
+        """Tell the walker which way the held keys lead.
+
+        Call after every poll: the walker stops by itself without input.
+        """
         right, up, forward = direction(self._held)
         self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
 
@@ -115,7 +121,7 @@ class Hands:
         return self.panel is not None and self.panel.wants_mouse
 
     def _note(self, what: str, place: tuple[float, float] | None) -> None:
-        """Beside the plate nothing; of places it went by only the last, as there are hundreds in a second."""
+        """Note a pointer command; drop those off the panel, and keep only the last of a motion."""
         if place is None:
             return
         if what == "point" and self.commands and self.commands[-1].control == what:
@@ -154,12 +160,12 @@ class LedHead:
         self._walker, self._read_inputs = walker, read_inputs
 
     def start(self) -> None:
-        """As PoseSource.start: the window listens already."""
+        """Do nothing: the window listens already."""
 
     def head_at(self, time_ns: int):
-        """As PoseSource.head_at, with inputs as new as can be. read_inputs reads them and says when that was."""
+        """Return the head with inputs as new as can be; read_inputs reads them and returns when."""
         self._walker.advance(self._read_inputs())
         return self._walker.head_at(time_ns)
 
     def close(self) -> None:
-        """As PoseSource.close: the window is not ours."""
+        """Do nothing: the window is not ours."""

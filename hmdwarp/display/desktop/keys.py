@@ -1,4 +1,4 @@
-"""Keys of a glfw window to commands; for every window of the program, that beside a headset too."""
+"""Keys of a glfw window to commands, also for the window beside a headset."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import glfw
 from .. import Command
 from ..controls import MOVING, Control
 
-# A control's key is where a US keyboard has it, so that one finger finds the same control everywhere; the help writes what the user's own
-# keyboard has printed there.
+# A control's key is where a US keyboard has it, so that one finger finds the same control
+# everywhere; the help writes what the user's own keyboard has printed there.
 _NAMED = {"[": glfw.KEY_LEFT_BRACKET, "]": glfw.KEY_RIGHT_BRACKET, ".": glfw.KEY_PERIOD, ",": glfw.KEY_COMMA}
 # Right, up, forward.
 MOVES = {
@@ -28,12 +28,12 @@ _OTHERS = glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER
 
 
 def token(name: str) -> int:
-    """glfw's number of a key as controls write it."""
+    """Return glfw's number of a key as controls write it."""
     return _NAMED[name] if name in _NAMED else getattr(glfw, f"KEY_{name.upper().replace(' ', '_')}")
 
 
 class Keys:
-    """What the keys of these controls ask for."""
+    """The keys of some controls."""
 
     def __init__(self, controls: tuple[Control, ...]) -> None:
         self.controls = controls
@@ -44,10 +44,11 @@ class Keys:
                 self._of_key[token(control.back)] = (control, True)
 
     def command_of(self, key: int, action: int, mods: int) -> Command | None:
-        """What a key event asks for, None for nothing: glfw's key, action and modifiers as its callback gives them.
+        """Return what a key event requests, None for nothing.
 
-        Numbers go on while their key is held, and so do steps; everything else once a press. Shift steps back, where that key has no key
-        of its own for it. With Ctrl, Alt or Super a key is somebody else's.
+        Arguments as glfw's callback has them. Numbers and steps repeat while their key is held;
+        everything else acts once a press. Shift steps back, where no key of its own does. With
+        Ctrl, Alt or Super a key belongs to the desktop.
         """
         if key not in self._of_key or mods & _OTHERS or action == glfw.RELEASE:
             return None
@@ -58,7 +59,10 @@ class Keys:
         return Command(control.name, control.value, back=back or shifted)
 
     def help_text(self, named: Callable[[str], str] | None = None) -> str:
-        """Every control and every way to move, a line each: keys, tab, what they do. named: what the user calls a key."""
+        """Return every control and every way to move, a line each: keys, tab, what they do.
+
+        named: what the user calls a key.
+        """
         named = named or label
         rows = [(_keys_of(control, named), control.what) for control in self.controls if control.what]
         rows += [
@@ -68,13 +72,13 @@ class Keys:
 
 
 def direction(held: set[int]) -> tuple[int, int, int]:
-    """Right, up, forward, -1..1 each, of the keys held down; opposite ones cancel."""
+    """Return right, up, forward, -1..1 each, of the held keys; opposite ones cancel."""
     moves = [MOVES[key] for key in held if key in MOVES]
     return tuple(sum(axis) for axis in zip(*moves, strict=True)) if moves else (0, 0, 0)  # type: ignore[return-value]
 
 
 def label(name: str) -> str:
-    """What the user's keyboard has printed on that key. glfw must be running."""
+    """Return what the user's keyboard has printed on that key. glfw must be running."""
     printed = glfw.get_key_name(token(name), 0) if len(name) == 1 else None
     return printed.upper() if printed else name
 

@@ -12,9 +12,11 @@ WHOLE = 8  # pictures of whole work groups, and what video encoders like
 
 
 def viewports(framebuffer: Size, count: int, aspect: float) -> tuple[Rectangle, ...]:
-    """(x, y, w, h) of `count` equally large pictures side by side, the left one first, as large as they fit and in the middle.
+    """Return (x, y, w, h) of `count` equal pictures side by side, as large as they fit, centred.
 
-    framebuffer: (w, h) in pixels, not in the window's units. aspect: width over height of one picture; kept within a pixel.
+    The left eye comes first.
+    framebuffer: (w, h) in pixels, not in the window's units. aspect: width over height of one
+    picture; kept within a pixel.
     """
     width, height = framebuffer
     each = max(1, min(width // count, round(height * aspect)))
@@ -24,20 +26,26 @@ def viewports(framebuffer: Size, count: int, aspect: float) -> tuple[Rectangle, 
 
 
 def flat_size(aspect: float) -> Size:
-    """A picture of that aspect with as many pixels as one of 800x600, whole eights on each side."""
+    """Return a size of that aspect with as many pixels as 800x600, in multiples of eight."""
     width = math.sqrt(FLAT_AREA_PX * aspect)
     return max(WHOLE, round(width / WHOLE) * WHOLE), max(WHOLE, round(width / aspect / WHOLE) * WHOLE)
 
 
 def beside(framebuffer: Size, column: int) -> Size:
-    """What a panel of that many columns at the right leaves for pictures; where that were less than half, they lie under it."""
+    """Return what a panel of that many columns at the right leaves for pictures.
+
+    Where that were less than half, the pictures lie under it.
+    """
     width, height = framebuffer
     return (width - column, height) if 2 * column <= width else framebuffer
 
 
 def window_size(wanted: Size, room: Size, column: int = 0, least_height: int = 480, share: float = 0.9) -> Size:
-    """What a new window should measure for pictures of `wanted` pixels and a panel beside them: so much, but no less than is well seen,
-    and within `share` of the room on the screen; the pictures' aspect is kept."""
+    """Return the size of a new window for pictures of `wanted` pixels and a panel beside them.
+
+    It is no smaller than is readable, and within `share` of the room on the screen; the pictures'
+    aspect is kept.
+    """
     width, height = wanted
     most = share * room[0], share * room[1]
     column = column if 2 * column <= most[0] else 0

@@ -14,15 +14,17 @@ from types import ModuleType
 from ...errors import MachineError
 
 REMEDY = (
-    "run in a desktop session, or under a virtual screen (Debian, Ubuntu: sudo apt-get install xvfb, then put 'xvfb-run -a' before the "
+    "run in a desktop session, or under a virtual screen (Debian, Ubuntu: sudo apt-get install xvfb, then put "
+    "'xvfb-run -a' before the "
     "command); 'hmdwarp doctor' shows what is there"
 )
 
 
 def variant(environ: Mapping[str, str]) -> str:
-    """Which of glfw's two libraries fits, "x11" or "wayland"; "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone.
+    """Return which of glfw's two libraries fits, "x11" or "wayland".
 
-    A session of the one kind may have given only the other's display: ssh -X, Xvfb and containers do.
+    "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone. A session of the one kind may offer
+    only the other's display: ssh -X, Xvfb and containers do.
     """
     wayland, x11 = environ.get("WAYLAND_DISPLAY"), environ.get("DISPLAY")
     if "PYGLFW_LIBRARY_VARIANT" in environ or bool(wayland) == bool(x11):
@@ -31,7 +33,7 @@ def variant(environ: Mapping[str, str]) -> str:
 
 
 def choose_library() -> None:
-    """The one that fits, before glfw is imported."""
+    """Choose the library that fits, before glfw is imported."""
     fitting = variant(os.environ)
     if fitting:
         os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
@@ -40,8 +42,11 @@ def choose_library() -> None:
 
 
 def _load_the_panels_own() -> None:
-    """The panel's package is linked with a glfw of the same name and asks it for X11. Under Wayland it would find ours, which has none,
-    and not load; it finds its own if that was loaded before ours."""
+    """Load the panel's own glfw, which is linked under the same name and needs X11.
+
+    Under Wayland it would find ours, which lacks X11, and fail to load; it finds its own if that
+    was loaded first.
+    """
     found = importlib.util.find_spec("imgui_bundle")
     if found is not None and found.origin is not None:
         with contextlib.suppress(OSError):
@@ -49,7 +54,7 @@ def _load_the_panels_own() -> None:
 
 
 def start() -> ModuleType:
-    """glfw, running. Errors: MachineError that says why not."""
+    """Return glfw, running. Errors: MachineError that says why not."""
     if platform.system() == "Linux":
         if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             raise MachineError(f"no window: neither DISPLAY nor WAYLAND_DISPLAY is set; {REMEDY}")
@@ -65,7 +70,7 @@ def start() -> ModuleType:
 
 
 def last_error(glfw: ModuleType) -> str:
-    """Why glfw refused what it was just asked for."""
+    """Return why glfw refused the last call."""
     code, told = glfw.get_error()
     words = told.decode(errors="replace") if isinstance(told, bytes) else str(told or "no reason given")
     return f"{' '.join(words.split())}" if code else "no reason given"

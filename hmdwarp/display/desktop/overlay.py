@@ -1,4 +1,4 @@
-"""The whole of a window: the eyes' pictures, black around them, and text over them."""
+"""Everything in a window: the eyes' pictures, black around them, and text over them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ SAID_NS = 4_000_000_000  # how long a remark stays
 
 
 class Overlay:
-    """help: whether the keys are explained over the picture, in place of anything else there. controls: which keys. help_text: in which
-    words."""
+    """Pictures and text of one window.
+
+    help: whether the keys are explained over the picture, in place of any other text. controls:
+    which keys. help_text: its words.
+    """
 
     def __init__(
         self,
@@ -34,15 +37,18 @@ class Overlay:
         self._said, self._until_ns = "", 0
 
     def say(self, text: str) -> None:
-        """A remark over the picture, for a few seconds."""
+        """Show a remark over the picture for a few seconds."""
         self._said, self._until_ns = text, self._now_ns() + SAID_NS
 
     def draw(
         self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: Label
     ) -> None:
-        """Into the window's framebuffer, (w, h) pixels. canvases: the eyes' pictures, none for black. count: of eyes, where there are no
-        pictures. aspect: width over height of one picture. column: of it are left to a panel at the right.
-        label: over each picture; beside a plate nothing is said."""
+        """Draw into the window's framebuffer, (w, h) pixels.
+
+        canvases: the eyes' pictures, none for black. count: of eyes, where there are no pictures.
+        aspect: width over height of one picture. column: pixels left to a panel at the right.
+        label: over each picture; no remark appears beside a panel.
+        """
         self._screen.scissor = None
         self._screen.clear(0.0, 0.0, 0.0, 1.0)
         said = self._said if self._now_ns() < self._until_ns else ""
@@ -59,8 +65,12 @@ class Overlay:
         ]
 
     def on_plate(self, x: float, y: float) -> tuple[float, float] | None:
-        """What is at that place of the framebuffer, in pixels from the bottom left, of what lies over the pictures now: (u, v) on it,
-        origin bottom left; None beside it."""
+        """Return (u, v) on the panel over the pictures at a place of the framebuffer.
+
+        None beside it.
+
+        The place is in pixels from the bottom left; so is (u, v).
+        """
         for (left, low, w, h), notice in self._plates:
             if 0 <= x - left < w and 0 <= y - low < h:
                 u, v, one = notice.plate_from_place((w, h), None) @ (x - left, y - low, 1.0)

@@ -1,4 +1,4 @@
-"""When the next picture will be seen, told from when the last ones were."""
+"""When the next picture will be seen, from when the last ones were."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ TOO_FAST = 0.7  # of a period
 
 
 def known_rate(rate_hz: float) -> float:
-    """What a screen says of its rate; 0 or less, where it does not say, is taken for 60."""
+    """Return a screen's reported rate; 60 where that is 0 or less."""
     return rate_hz if rate_hz > 0 else UNKNOWN_HZ
 
 
 class Pacer:
-    """Told when each picture was begun and when its swap had come back. All times in ns on one clock.
+    """Estimates display times from when pictures were begun and when their swaps returned.
 
-    waits: whether the driver is asked to wait for the screen (vsync). Where it is asked and does not (software drivers, a setting of the
-    user's), `paced` turns true and whoever begins pictures waits until `due` instead: else a window would make pictures nobody sees.
+    All times in ns on one clock. waits: whether the driver should wait for the screen (vsync).
+    Where it does not (software drivers, a user's setting), `paced` turns true and the caller waits
+    until `due` instead: else a window would make pictures that are never visible.
     """
 
     def __init__(self, rate_hz: float, waits: bool) -> None:
@@ -30,7 +31,7 @@ class Pacer:
         self.set(rate_hz, waits)
 
     def set(self, rate_hz: float, waits: bool) -> None:
-        """Another screen, or other wishes. rate_hz: as known_rate takes it."""
+        """Follow another screen or setting. rate_hz: as known_rate takes it."""
         self.rate_hz = known_rate(rate_hz)
         self.period_ns = round(1e9 / self.rate_hz)
         self.waits = waits
@@ -39,14 +40,14 @@ class Pacer:
         self.pause()
 
     def pause(self) -> None:
-        """Nothing was shown for a while, on purpose: no refresh was missed, and how long pictures took before says nothing."""
+        """Note a deliberate pause: no refresh was missed, and earlier durations say nothing."""
         self._last_ns: int | None = None
         self._missed = 0
         self._intervals.clear()
         self._works.clear()
 
     def swapped(self, begun_ns: int, back_ns: int) -> None:
-        """A picture begun then is on its way to the screen: its swap, and what was drawn for it, was done at `back_ns`."""
+        """Note that a picture begun then is on its way, and that its swap was done at `back_ns`."""
         self._works.append(back_ns - begun_ns)
         if self._last_ns is not None:
             interval = back_ns - self._last_ns
@@ -61,17 +62,20 @@ class Pacer:
             self.paced = self._too_fast >= DISOBEYED
 
     def due(self, now_ns: int) -> int:
-        """When to begin the next picture: now, unless the driver does not wait and we must."""
+        """Return when to begin the next picture: now, unless the driver does not wait and we must."""
         if not self.paced or self._last_ns is None:
             return now_ns
         work = int(median(self._works))
         return max(now_ns, self._last_ns + self.period_ns - work)
 
     def expect(self, now_ns: int) -> int:
-        """When a picture begun now will be seen; asked once for each. Later than the one before in any case: pictures keep their order.
+        """Return when a picture begun now will be seen; call once for each.
 
-        With a driver that waits: at the swap as many whole periods after the last one as pictures take. Else: when it is done, and half a
-        period more, which is how long the screen takes to reach the middle of the picture on average.
+        Pictures keep their order.
+
+        With a driver that waits: at the swap as many whole periods after the last one as pictures
+        take. Else: when it is done, plus half a period, the screen's mean time to the middle of the
+        picture.
         """
         self._expected_ns = max(self._guess(now_ns), self._expected_ns + 1)
         return self._expected_ns
@@ -86,6 +90,6 @@ class Pacer:
         return now_ns + work + self.period_ns // 2
 
     def missed(self) -> int:
-        """Refreshes that went by without a new picture since the last time this was asked."""
+        """Return the refreshes without a new picture since the last call."""
         missed, self._missed = self._missed, 0
         return missed

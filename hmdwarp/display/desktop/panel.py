@@ -1,4 +1,4 @@
-"""The panel of controls and plots over a window, where its package is installed."""
+"""The control panel over a window: controls and plots, where its package is installed."""
 
 from __future__ import annotations
 
@@ -26,11 +26,13 @@ def make_panel(
     scale: float = 1.0,
     controls: tuple[Control, ...] = CONTROLS,
 ) -> Panel | None:
-    """A panel for a glfw window whose context `gl` is; None where its package is missing, for which HOW_TO_GET_THE_PANEL is the remedy.
+    """Return a panel for a glfw window whose context is `gl`; None where its package is missing.
 
-    Make it after the window has set its callbacks: they are chained, and every one of them is called as before. window: None for a
-    panel that nobody can touch, at that content scale. into: where it is shown; the window's own framebuffer by default.
-    clock: seconds, going on; glfw's by default, and without a window a sixtieth more at each call. controls: those it shows.
+    Then HOW_TO_GET_THE_PANEL is the remedy. Make it after the window has set its callbacks: they
+    are chained, and all of them are still called.
+    window: None for a panel without input, at that content scale. into: framebuffer, by default the
+    window's. clock: running seconds; glfw's by default, and without a window a sixtieth more at
+    each call. controls: those it shows.
     """
     if not installed():
         return None
@@ -45,10 +47,10 @@ def make_panel(
 
 
 def installed() -> bool:
-    """Whether the panel's package is there and can be loaded (it wants libX11).
+    """Tell whether the panel's package is there and loads (it needs libX11).
 
-    It brings a library of glfw of its own and names it in the environment, for the glfw package to take. That has its own already, and
-    the programs that are started from here are to keep theirs.
+    It brings a glfw library of its own and names it in the environment for the glfw package. That
+    one has its own already, and programs started from here keep theirs.
     """
     import glfw  # noqa: F401 (first)
 

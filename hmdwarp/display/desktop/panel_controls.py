@@ -38,7 +38,10 @@ class _Asked:
 
 
 class Controls:
-    """Draws the widgets and turns what is done to them into commands. label: what is printed on a key. controls: those there are."""
+    """Draws the widgets and turns input into commands.
+
+    label: what is printed on a key. controls: which ones.
+    """
 
     def __init__(self, label: Callable[[str], str], controls: tuple[Control, ...] = CONTROLS) -> None:
         self._label, self._controls = label, controls
@@ -47,7 +50,10 @@ class Controls:
         self._dragged: dict[str, float] = {}
 
     def draw(self, status: Status, scale: float, now_s: float) -> list[Command]:
-        """The rows for what changes the run; what was asked for. now_s: on any clock that goes on."""
+        """Draw the rows of controls that change the run; return the requests.
+
+        now_s: on any running clock.
+        """
         self._forget(status, now_s)
         if imgui.begin_table("controls", 3, imgui.TableFlags_.sizing_fixed_fit):
             imgui.table_setup_column("what", imgui.TableColumnFlags_.width_fixed, LABEL * scale)
@@ -99,7 +105,11 @@ class Controls:
         return wanted
 
     def _number(self, control: Control, value: object, _: Status) -> object | None:
-        """A slider. Latency follows the hand; any other number is taken when it is let go, as it may build the pipeline anew."""
+        """Draw a slider.
+
+        Latency follows the hand; any other number is taken on release, as it may rebuild the
+        pipeline.
+        """
         name, follows = control.name, control.name == "latency"
         if not isinstance(value, int | float):
             imgui.text(str(value))
@@ -138,7 +148,7 @@ class Controls:
         return wanted
 
     def actions(self, values: Mapping[str, object]) -> list[Command]:
-        """Buttons for what the display does by itself. values: which of its switches are on."""
+        """Draw buttons for what the display handles itself. values: which of its switches are on."""
         commands, across = [], 2
         width = (imgui.get_content_region_avail().x - (across - 1) * imgui.get_style().item_spacing.x) / across
         for number, control in enumerate(one for name in ACTIONS for one in self._controls if one.name == name):
@@ -152,7 +162,7 @@ class Controls:
 
 
 def _caption(at: imgui.ImVec2, width: float, text: str, key: str) -> None:
-    """Text at the left of a button, its key dim at the right."""
+    """Draw text at the left of a button, its key dim at the right."""
     padding = imgui.get_style().frame_padding
     draw = imgui.get_window_draw_list()
     draw.add_text((at.x + padding.x, at.y + padding.y), style.u32(style.TEXT), text)
@@ -161,7 +171,7 @@ def _caption(at: imgui.ImVec2, width: float, text: str, key: str) -> None:
 
 
 def button(text: str, width: float, lit: bool) -> bool:
-    """A button that may be lit; whether it was pressed."""
+    """Draw a button that may be lit; return whether it was pressed."""
     if lit:
         imgui.push_style_color(imgui.Col_.button, imgui.get_style_color_vec4(imgui.Col_.button_active))
     pressed = imgui.button(text, (width, 0))
@@ -171,13 +181,13 @@ def button(text: str, width: float, lit: bool) -> bool:
 
 
 def keys_of(control: Control, label: Callable[[str], str]) -> str:
-    """Its keys in a few letters, that for a step back first."""
+    """Return its keys in a few letters, the one for a step back first."""
     keys = [{"Escape": "Esc"}.get(key, label(key)) for key in (control.back, control.key) if key]
     return " ".join(keys)
 
 
 def keycap(text: str) -> None:
-    """A key as it looks on a keyboard, one for each word, right-aligned."""
+    """Draw a key as on a keyboard, one for each word, right-aligned."""
     pad = imgui.get_style().frame_padding
     words = text.split()
     gap = pad.x * 0.5

@@ -1,4 +1,4 @@
-"""What mouse and keyboard do, for Dear ImGui: the window's callbacks are chained, so that the window hears everything as before."""
+"""Mouse and keyboard for Dear ImGui, through chained callbacks, so that the window keeps its input."""
 
 from __future__ import annotations
 
@@ -40,9 +40,11 @@ Event = Callable[[imgui.IO], None]
 
 
 class PanelInput:
-    """Listens to a glfw window from now on; make it after the window has set callbacks of its own, which are called as before.
+    """Listens to a glfw window from now on.
 
-    To be told: left, where the panel begins, in framebuffer pixels; typing, whether keys are being typed into it; on, whether to listen.
+    Make it after the window has set callbacks of its own, which are still called. To be set: left,
+    where the panel begins, in framebuffer pixels; typing, whether keys are being typed into it; on,
+    whether to listen.
     """
 
     def __init__(self, window: Any) -> None:
@@ -73,31 +75,34 @@ class PanelInput:
 
     @property
     def scale(self) -> float:
-        """Of the content, as the desktop has it: 2 on a screen of twice the usual density."""
+        """Content scale of the desktop: 2 on a screen of twice the usual density."""
         return max(glfw.get_window_content_scale(self._window)) or 1.0
 
     @property
     def caught(self) -> bool:
-        """Whether the mouse turns the head just now, and is nobody else's."""
+        """Whether the mouse turns the head just now, and serves nothing else."""
         return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
 
     @property
     def cursor(self) -> tuple[float, float] | None:
-        """Where the mouse is, in framebuffer pixels from the top left; None outside of the window, or while the window has caught it."""
+        """The mouse in framebuffer pixels from the top left.
+
+        None outside, or while the window caught it.
+        """
         return None if self.caught else self._place  # glfw puts a mouse that is let go back to where it was caught
 
     @staticmethod
     def label(key: str) -> str:
-        """What the user's keyboard has printed on it."""
+        """Return what the user's keyboard has printed on the key."""
         return label(key)
 
     def take(self) -> list[Event]:
-        """What happened since the last time, oldest first; each is to be called with imgui's io."""
+        """Return the events since the last call, oldest first; call each with imgui's io."""
         events, self._events = self._events, []
         return events
 
     def _in_pixels(self, x: float, y: float) -> tuple[float, float]:
-        """A place in the window's own units, which on some desktops are not pixels."""
+        """Convert the window's own units, which on some desktops are not pixels."""
         (w, h), (fw, fh) = glfw.get_window_size(self._window), glfw.get_framebuffer_size(self._window)
         return x * fw / max(w, 1), y * fh / max(h, 1)
 
@@ -110,7 +115,8 @@ class PanelInput:
     def _moved(self, x: float, y: float) -> None:
         place = None if self.caught else self._in_pixels(x, y)
         self._place = place or self._place
-        # A place beside the panel is told too, or a slider would not follow a hand that slips off it.
+        # A place beside the panel is told too, or a slider would not follow a hand that slips off
+        # it.
         self._note(lambda io: io.add_mouse_pos_event(*((place[0] - self.left, place[1]) if place else NOWHERE)))
 
     def _entered(self, entered: int) -> None:
@@ -139,9 +145,10 @@ class PanelInput:
         self._note(lambda io: io.add_focus_event(bool(focused)))
 
     def close(self) -> None:
-        """Give the callbacks back, where nobody has replaced ours in the meantime."""
+        """Give the callbacks back, where they are still ours."""
         for setter, ours, before in self._before:
-            # None would do by glfw's manual, but its Python package then calls the number 0 at the next event.
+            # None would do by glfw's manual, but its Python package then calls the number 0 at the
+            # next event.
             now = setter(self._window, before or _nothing)
             if now is not ours:
                 setter(self._window, now)
@@ -149,11 +156,11 @@ class PanelInput:
 
 
 def _nothing(*_: object) -> None:
-    """Hears nothing."""
+    """Do nothing."""
 
 
 class NoInput:
-    """Nobody there: for a panel that is only looked at, in a picture for instance."""
+    """Input of a panel that is only looked at, in a picture for instance."""
 
     caught, cursor = False, None
 
@@ -163,12 +170,12 @@ class NoInput:
 
     @staticmethod
     def label(key: str) -> str:
-        """As a keyboard of the United States has it."""
+        """Return the key of a US keyboard."""
         return key
 
     def take(self) -> list[Event]:
-        """Nothing."""
+        """Return nothing."""
         return []
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Do nothing."""

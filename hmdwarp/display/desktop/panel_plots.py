@@ -1,4 +1,4 @@
-"""The numbers of the last refreshes as plots and bars, against a refresh's budget."""
+"""Figures of the last refreshes as plots and bars, against a refresh's budget."""
 
 from __future__ import annotations
 
@@ -21,22 +21,19 @@ AXIS = implot.AxisFlags_.no_decorations
 
 @attrs.frozen
 class Plot:
-    """One line over the last refreshes. limit: where a line is drawn across, None for nowhere; told: whether the number says it too.
-
-    over: above what the number is bad. least: the top of the axis at least, so that noise does not fill the plot.
-    """
+    """One line over the last refreshes."""
 
     name: str
     values: Sequence[float]
     unit: str = "ms"
-    limit: float | None = None
-    told: bool = False
-    over: float = math.inf
-    least: float = 1.0
+    limit: float | None = None  # where a line is drawn across, None for nowhere
+    told: bool = False  # whether the number names the limit too
+    over: float = math.inf  # above this the number is bad
+    least: float = 1.0  # lowest top of the axis, so that noise does not fill the plot
 
 
 def plots_of(status: Status) -> list[Plot]:
-    """What is plotted, from the top."""
+    """Return what is plotted, from the top."""
     budget = status.budget_ms or None
     bad = budget or math.inf
     latency = status.values.get("latency")
@@ -57,7 +54,7 @@ def plots_of(status: Status) -> list[Plot]:
 
 
 def draw_plots(status: Status, scale: float) -> None:
-    """All of them, one under the other."""
+    """Draw all of them, one under the other."""
     for plot in plots_of(status):
         values = np.fromiter(plot.values, np.float64, len(plot.values))
         # fmax passes over NaN; a tenth more keeps the line off the edge.
@@ -87,19 +84,19 @@ def _draw(plot: Plot, values: np.ndarray, top: float, scale: float) -> None:
 
 
 def calm(values: Iterable[float]) -> float | None:
-    """The mean of the last few that are numbers; None for none."""
+    """Return the mean of the last few numbers; None for none."""
     last = [value for value in list(values)[-CALM:] if not math.isnan(value)]
     return fmean(last) if last else None
 
 
 def said(value: float | None, plot: Plot) -> str:
-    """A number and its unit, in about three figures; "-" for none."""
+    """Return a number and its unit, in about three figures; "-" for none."""
     limit = f" of {plot.limit:.1f}" if plot.told and plot.limit else ""
     return "-" if value is None else f"{value:.{0 if abs(value) >= 100 else 1}f}{limit} {plot.unit}"
 
 
 def ceiling(most: float) -> float:
-    """The next round number: a steady axis, where the largest of the last values would breathe."""
+    """Return the next round number: a steady axis instead of one that follows the values."""
     if not (math.isfinite(most) and most > 0):
         return 1.0
     ten = 10.0 ** math.floor(math.log10(most))
@@ -107,7 +104,7 @@ def ceiling(most: float) -> float:
 
 
 def right_aligned(text: str, colour: style.Rgba) -> None:
-    """At the right end of the present line."""
+    """Draw at the right end of the present line."""
     imgui.same_line()
     room = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
@@ -115,14 +112,17 @@ def right_aligned(text: str, colour: style.Rgba) -> None:
 
 
 class Stages:
-    """The stages of the last refresh, end to end in one bar against the budget, and what each took. A stage keeps its colour."""
+    """The stages of the last refresh, end to end in one bar against the budget, with their times.
+
+    A stage keeps its colour.
+    """
 
     def __init__(self) -> None:
         self._order: list[str] = []
         self._calm: dict[str, float] = {}
 
     def draw(self, status: Status, scale: float) -> None:
-        """Both eyes' times."""
+        """Draw both eyes' times."""
         self._take(status.stage_ms)
         if not self._calm:
             imgui.text_disabled("not measured yet")
@@ -131,7 +131,7 @@ class Stages:
         self._legend()
 
     def _take(self, stage_ms: dict[str, float]) -> None:
-        """A stage that is gone is shown no longer; the others move slowly, so that they can be read."""
+        """Drop stages that are gone; move the others slowly, so that they can be read."""
         self._order += [name for name in stage_ms if name not in self._order]
         self._calm = {name: took + 0.7 * (self._calm.get(name, took) - took) for name, took in stage_ms.items()}
 

@@ -1,7 +1,7 @@
-"""Draws what Dear ImGui wants drawn, with moderngl: into a texture of its own, and that over the window's picture.
+"""Draws Dear ImGui's output with moderngl: into a texture of its own, then over the picture.
 
-The bundle's own renderers are left alone: the compiled one brings a second libGL with it, which knows of no context of ours, and the
-Python one asks PyOpenGL for twenty states a frame.
+The bundle's own renderers are not used: the compiled one brings a second libGL that knows no
+context of ours, and the Python one asks PyOpenGL for twenty states a frame.
 """
 
 from __future__ import annotations
@@ -21,23 +21,27 @@ from ...gpu.shaders import ShaderLibrary
 CORNER = np.dtype([("position_px", "<f4", 2), ("ink_uv", "<f4", 2), ("tint", "u1", 4)])  # ImDrawVert
 LEAST_BYTES = 1 << 18  # of each buffer: a panel in full has some 8000 corners
 
-# Over clear: the texture holds colours times alpha, so that it goes over a picture as the widgets themselves would have.
+# Over clear: the texture holds colours times alpha, so that it goes over a picture as the widgets
+# themselves would have.
 INTO_TEXTURE = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 OVER_PICTURE = (moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
 
 
 @attrs.frozen
 class Batch:
-    """Triangles with one texture: `count` of the corners' indices from `first` on, inside clip (left, top, right, bottom; pixels)."""
+    """Triangles with one texture: `count` indices of the corners from `first` on."""
 
     texture: moderngl.Texture
     first: int
     count: int
-    clip: tuple[float, float, float, float]
+    clip: tuple[float, float, float, float]  # left, top, right, bottom in pixels
 
 
 class PanelRenderer:
-    """paint() renews the picture, put() lays it over a framebuffer. Both leave flags, blending and framebuffer as a pass expects them."""
+    """paint() renews the picture, put() lays it over a framebuffer.
+
+    Both leave flags, blending and framebuffer as a pass expects them.
+    """
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
@@ -53,7 +57,10 @@ class PanelRenderer:
     # --- the picture ---
 
     def paint(self, data: imgui.ImDrawData, size: tuple[int, int]) -> int:
-        """Draw into the texture `picture` of that size, (w, h) in pixels. Gives how many rows from the top are in use."""
+        """Draw into the texture `picture` of that size, (w, h) in pixels.
+
+        Return the used rows from the top.
+        """
         for texture in data.textures:
             self._renew(texture)
         corners, indices, batches = gathered(data, self._atlases)
@@ -97,14 +104,18 @@ class PanelRenderer:
     # --- over the picture ---
 
     def put(self, into: moderngl.Framebuffer, corner: tuple[int, int], size: tuple[int, int]) -> None:
-        """Lay the top left part of the picture, of that size, over `into`; corner: (x, y) of its lower left pixel there."""
+        """Lay the top left part of the picture, of that size, over `into`.
+
+        corner: (x, y) of its lower left pixel there.
+        """
         if self.picture is None or min(size) < 1:
             return
         w, h = self.picture.size
         before = into.viewport
         with drawing_into(into, moderngl.BLEND):
             self._gl.blend_func = OVER_PICTURE
-            # The whole texture's place, so that its pixels and the framebuffer's coincide; what lies below the part is cut off.
+            # The whole texture's place, so that its pixels and the framebuffer's coincide; what
+            # lies below the part is cut off.
             into.viewport = (corner[0], corner[1] - (h - size[1]), w, h)
             into.scissor = (*corner, *size)
             self._write(*_whole(w, h))
@@ -118,7 +129,10 @@ class PanelRenderer:
     # --- the atlases of glyphs ---
 
     def _renew(self, texture: imgui.ImTextureData) -> None:
-        """Make, renew or drop our copy, as Dear ImGui asks for it since 1.92: glyphs are added when they are first wanted."""
+        """Make, renew or drop our copy, as Dear ImGui asks for it since 1.92.
+
+        Glyphs are added at first use.
+        """
         if texture.status == imgui.ImTextureStatus.want_create:
             made = self._gl.texture((texture.width, texture.height), 4, _pixels(texture))
             self._atlases[made.glo] = made
@@ -166,7 +180,7 @@ class _Growing:
         self.buffer = gl.buffer(reserve=LEAST_BYTES, dynamic=True)
 
     def write(self, values: np.ndarray) -> bool:
-        """Whether the buffer is another one now."""
+        """Write; return whether the buffer is another one now."""
         grows = values.nbytes > self.buffer.size
         if grows:
             self.buffer.release()
@@ -184,7 +198,7 @@ class _Growing:
 def gathered(
     data: imgui.ImDrawData, atlases: dict[int, moderngl.Texture]
 ) -> tuple[np.ndarray, np.ndarray, list[Batch]]:
-    """Copies of all corners and indices of a frame, as one array each, and the batches that use them."""
+    """Return copies of all corners and indices of a frame, one array each, and their batches."""
     corners, indices, batches = [], [], []
     first_corner = first_index = 0
     for drawn in data.cmd_lists:
@@ -207,7 +221,7 @@ def _batches(drawn: imgui.ImDrawList, first_index: int, atlases: dict[int, moder
 
 
 def _copied(vector, dtype: np.dtype) -> np.ndarray:
-    """The elements of one of Dear ImGui's vectors, which holds them until its next frame only."""
+    """Copy the elements of one of Dear ImGui's vectors, valid only until its next frame."""
     count = vector.size()
     if not count:
         return np.empty(0, dtype)
@@ -224,7 +238,10 @@ def _inside(clip: tuple[float, float, float, float], size: tuple[int, int]) -> t
 
 
 def _whole(w: int, h: int) -> tuple[np.ndarray, np.ndarray]:
-    """The two triangles of the whole picture, white. v is turned: row 0 of what was drawn is the bottom one."""
+    """Return the two triangles of the whole picture, white.
+
+    v is flipped: row 0 of what was drawn is the bottom one.
+    """
     corners = np.zeros(4, CORNER)
     corners["position_px"] = [(0, 0), (w, 0), (w, h), (0, h)]
     corners["ink_uv"] = [(0, 1), (1, 1), (1, 0), (0, 0)]

@@ -1,4 +1,4 @@
-"""The panel itself: when it is drawn anew, where it lies in the window, and what is in it from top to bottom."""
+"""The control panel: when it is redrawn, where it lies in the window, and its contents."""
 
 from __future__ import annotations
 
@@ -33,8 +33,9 @@ WINDOW = (
 class Panel:
     """Controls and plots, over the right edge of a framebuffer.
 
-    It is a display of Dear ImGui of its own, one column wide, so that what is open in it never reaches over the picture beside it.
-    heard: mouse and keyboard. into: where it is shown. clock: seconds, going on.
+    A Dear ImGui display of its own, one column wide, so that what is open in it never reaches over
+    the picture beside it. heard: mouse and keyboard. into: where it is shown. clock: running
+    seconds.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class Panel:
 
     @property
     def on(self) -> bool:
-        """Whether it is to be seen. Turned off, it draws and wants nothing, and forgets what the mouse does meanwhile."""
+        """Whether it is visible. Turned off, it draws and takes nothing, and forgets the mouse."""
         return self._on
 
     @on.setter
@@ -85,7 +86,7 @@ class Panel:
 
     @property
     def column(self) -> int:
-        """How many pixels of the framebuffer's width it takes, at the right edge, if there are so many; 0 while it is off."""
+        """Pixels of the framebuffer's width it takes at the right edge; 0 while it is off."""
         return round(style.WIDTH * self._heard.scale) if self._on else 0
 
     @property
@@ -98,7 +99,7 @@ class Panel:
 
     @property
     def wants_keys(self) -> bool:
-        """Whether a number is being typed into the panel. At all other times every key is the window's."""
+        """Whether a number is being typed into the panel; at all other times keys are the window's."""
         return self._on and self._heard.typing
 
     def _over(self) -> bool:
@@ -108,7 +109,10 @@ class Panel:
     # --- a refresh ---
 
     def draw(self, status: Status, framebuffer_size: tuple[int, int]) -> list[Command]:
-        """Lay the panel over the framebuffer, (w, h) in pixels, and give what was asked for by it, the display's own controls included."""
+        """Lay the panel over the framebuffer, (w, h) in pixels, and return its requests.
+
+        The display's own controls are among them.
+        """
         if not self._on or min(framebuffer_size) < 1:
             return []
         now_s = self._clock()
@@ -131,7 +135,7 @@ class Panel:
             event(io)
 
     def _settle(self, size: tuple[int, int]) -> None:
-        """Sizes, for the window as it is now."""
+        """Update sizes for the window as it is now."""
         scale = self._heard.scale
         if scale != self._scale:
             self._scale = scale
@@ -179,7 +183,7 @@ class Panel:
 
 
 def _header(status: Status, scale: float) -> None:
-    """Refresh rate, misses, recording, and what the one who looks should be told."""
+    """Draw refresh rate, misses, recording, and the notice."""
     imgui.text(f"{status.rate_hz:.0f} fps")
     imgui.same_line()
     imgui.text_disabled(f"of {1e3 / status.budget_ms:.0f}, {status.budget_ms:.1f} ms each" if status.budget_ms else "")

@@ -1,4 +1,4 @@
-"""How the panel looks: one font, few colours, sizes in pixels at a content scale of 1."""
+"""Style of the panel: one font, few colours, sizes in pixels at a content scale of 1."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ BAD: Rgba = (0.98, 0.42, 0.36, 1.0)
 WARN: Rgba = (0.98, 0.76, 0.30, 1.0)
 LIMIT: Rgba = (0.98, 0.76, 0.30, 0.8)
 CLEAR: Rgba = (0.0, 0.0, 0.0, 0.0)
-# Stages, in the order they are met: Okabe and Ito's colours, which the colour-blind tell apart, lightened for a dark ground.
+# Stages, in the order they are met: Okabe and Ito's colours, which the colour-blind tell apart,
+# lightened for a dark ground.
 STAGES: tuple[Rgba, ...] = (
     (0.34, 0.71, 0.91, 1.0),
     (0.90, 0.62, 0.00, 1.0),
@@ -42,12 +43,15 @@ STAGES: tuple[Rgba, ...] = (
 
 
 def u32(colour: Rgba) -> int:
-    """As draw lists want it."""
+    """Return the colour as draw lists want it."""
     return imgui.color_convert_float4_to_u32(colour)
 
 
 def add_font() -> None:
-    """Roboto, which the bundle brings; its figures are all of one width. Dear ImGui's own where a repackager left it out."""
+    """Add Roboto, which the bundle brings; its figures all have one width.
+
+    Dear ImGui's own font where a repackager left it out.
+    """
     path = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"
     fonts = imgui.get_io().fonts
     if path.is_file():

@@ -1,4 +1,4 @@
-"""Which screen a window is on, and what that screen is."""
+"""Which screen a window is on, and that screen's mode."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ UNKNOWN = "none"
 
 
 def screen_of(glfw: ModuleType, handle: object) -> object | None:
-    """The screen a window fills, else the one that most of it lies on; None without any."""
+    """Return the screen a window fills, else the one that most of it lies on; None without any."""
     filled = glfw.get_window_monitor(handle)
     if filled:
         return filled
@@ -18,7 +18,7 @@ def screen_of(glfw: ModuleType, handle: object) -> object | None:
 
 
 def _shared(glfw: ModuleType, screen: object, rectangle: tuple[int, int, int, int]) -> int:
-    """The area of a rectangle that lies on the screen."""
+    """Return the area of a rectangle that lies on the screen."""
     mode = glfw.get_video_mode(screen)
     if mode is None:
         return 0
@@ -30,12 +30,12 @@ def _shared(glfw: ModuleType, screen: object, rectangle: tuple[int, int, int, in
 
 
 def mode_of(glfw: ModuleType, screen: object | None) -> object | None:
-    """size and refresh_rate of a screen as it is now; None without one."""
+    """Return size and refresh_rate of a screen as it is now; None without one."""
     return glfw.get_video_mode(screen) if screen else None
 
 
 def in_words(glfw: ModuleType, screen: object | None) -> str:
-    """Its name, size and rate."""
+    """Return its name, size and rate."""
     mode = mode_of(glfw, screen)
     if mode is None:
         return UNKNOWN

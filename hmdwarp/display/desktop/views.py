@@ -21,32 +21,31 @@ class OneEye:
     fov: Fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """As Eyes.views."""
+        """Return its view, as Eyes.views."""
         return (View(world_from_head, self.fov),)
 
 
 @attrs.frozen(eq=False)
 class Shown:
-    """eyes: whose, and how many those are: count. size: (w, h) pixels of one eye's picture. aspect: its width over height as it should
-    look. headset: whose lens lies before it, None for a picture that is looked at without one.
-    """
+    """Eyes of a window, and how their pictures look."""
 
     eyes: Eyes
-    count: int
-    size: Size
-    aspect: float
-    headset: Headset | None
+    count: int  # how many eyes
+    size: Size  # (w, h) pixels of one eye's picture
+    aspect: float  # width over height of one picture as it should look
+    headset: Headset | None  # whose lens lies in front of it, None for a picture viewed without one
 
     @property
     def whole(self) -> Size:
-        """(w, h) of all eyes side by side, in pixels that look square."""
+        """(w, h) of all eyes side by side, in square pixels."""
         return max(1, round(self.count * self.size[1] * self.aspect)), self.size[1]
 
 
 def shown(view: str, headset: Headset, size: Size | None) -> Shown:
-    """What the view "both" or "flat" of a headset shows. size: of one eye, None for what suits it.
+    """Return what the view "both" or "flat" of a headset shows.
 
-    The flat view is as wide as the left eye sees to its wider side, and as high.
+    size: of one eye, None for what suits it. The flat view is as wide as the left eye sees to its
+    wider side, and as high.
     """
     if view == BOTH:
         width, height = headset.eye_size_m

@@ -1,4 +1,7 @@
-"""A window with an OpenGL 4.3 core context: made, resized, full screen and back, swapped. Knows nothing of what is shown in it."""
+"""A window with an OpenGL 4.3 core context: made, resized, full screen and back, swapped.
+
+Knows nothing of what is shown in it.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +22,16 @@ _NO_ERROR = 0  # GL_NO_ERROR
 
 
 class WindowContext:
-    """A window's context as moderngl wants one: by glfw's own loader, so GLX and EGL, X11 and Wayland are all one."""
+    """A window's context as moderngl wants one, through glfw's own loader.
+
+    GLX and EGL, X11 and Wayland.
+    """
 
     def __init__(self, glfw: ModuleType, handle: object) -> None:
         self._glfw, self._handle = glfw, handle
 
     def load_opengl_function(self, name: str) -> int:
-        """The address, 0 where the driver has no such function."""
+        """Return the address, 0 where the driver lacks the function."""
         return ctypes.cast(self._glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 
     def __enter__(self) -> WindowContext:
@@ -36,14 +42,14 @@ class WindowContext:
         self._glfw.make_context_current(None)
 
     def release(self) -> None:
-        """Nothing: the window goes with its context."""
+        """Do nothing: the window goes with its context."""
 
 
 class Window:
-    """wanted: (w, h) pixels of what it is to show. column: how much wider for what stands beside it, in pixels of a usual screen.
-    handle: glfw's. gl: its context, current when this returns. framebuffer_size: (w, h) in pixels; (0, 0) while it is minimised on some
-    systems.
+    """A window for `wanted` pixels, (w, h), plus `column` more for what stands beside them.
 
+    column: in pixels of a usual screen. handle: glfw's. gl: its context, current when this returns.
+    framebuffer_size: (w, h) in pixels; (0, 0) while it is minimised on some systems.
     Errors: MachineError that says why there is no window or no OpenGL 4.3 in it.
     """
 
@@ -71,7 +77,7 @@ class Window:
 
     def _show(self) -> None:
         glfw = self._glfw
-        # Told rather than asked for at every picture: an answer of the X server takes 50 us.
+        # Callbacks instead of a query at every picture: an answer of the X server takes 50 us.
         self._minimised = False
         glfw.set_framebuffer_size_callback(self.handle, self._resized)
         glfw.set_window_iconify_callback(self.handle, self._iconified)
@@ -103,12 +109,12 @@ class Window:
 
     @property
     def hidden(self) -> bool:
-        """Nobody could see a picture: minimised, or without a single pixel."""
+        """Whether pictures are invisible: minimised, or without a single pixel."""
         return self._minimised or min(self.framebuffer_size) < 1
 
     @property
     def rate_hz(self) -> float:
-        """Refreshes a second of the screen it is on; 0 where nobody says (virtual screens)."""
+        """Refreshes a second of the screen it is on; 0 where that is unknown (virtual screens)."""
         mode = mode_of(self._glfw, screen_of(self._glfw, self.handle))
         return float(mode.refresh_rate) if mode is not None else 0.0
 
@@ -116,7 +122,7 @@ class Window:
         """Name, size and rate of the screen it is on."""
         return in_words(self._glfw, screen_of(self._glfw, self.handle))
 
-    # --- what can be asked of it ---
+    # --- state ---
 
     @property
     def fills_screen(self) -> bool:
@@ -124,7 +130,10 @@ class Window:
         return bool(self._glfw.get_window_monitor(self.handle))
 
     def fill_screen(self, on: bool) -> None:
-        """The screen it is on, or back to where it was. Without any screen it stays a window."""
+        """Fill the screen it is on, or go back to where it was.
+
+        Without any screen it stays a window.
+        """
         glfw = self._glfw
         if on and not self.fills_screen:
             screen = screen_of(glfw, self.handle)
@@ -140,31 +149,38 @@ class Window:
         self._glfw.set_window_monitor(self.handle, None, *place, 0)
 
     def screens_changed(self) -> bool:
-        """After a screen was plugged or unplugged: whether it had filled one that is gone, and is a window again."""
-        # glfw itself has taken the window off a screen that is gone; only where it was before is ours to know.
+        """Handle a screen that was plugged or unplugged.
+
+        Return whether the window had filled one that is gone, and is a window again.
+        """
+        # glfw itself has taken the window off a screen that is gone; only where it was before is
+        # ours to know.
         if self.place is None or self.fills_screen:
             return False
         self._leave_screen()
         return True
 
     def wait_for_screen(self, on: bool) -> None:
-        """Whether a swap waits for the screen. The context must be current."""
+        """Set whether a swap waits for the screen. The context must be current."""
         self.vsync = on
         self._glfw.swap_interval(1 if on else 0)
 
     def title(self, text: str) -> None:
-        """Write it over the window, if it is another than before."""
+        """Set the title, if it changed."""
         if text != self._title:
             self._title = text
             self._glfw.set_window_title(self.handle, text)
 
     def swap(self) -> None:
-        """Show what was drawn. Returns when the screen has it: no second picture waits in the driver, where it would grow old."""
+        """Show what was drawn.
+
+        Returns when the screen has it: no second picture waits in the driver, growing old.
+        """
         self._glfw.swap_buffers(self.handle)
         self.gl.finish()
 
     def over(self) -> str:
-        """Why nothing can be shown in it any more, in words; "" while it can."""
+        """Return why nothing can be shown in it any more, in words; "" while it can."""
         if self._connection.broken:
             return "the connection to the screen broke: the window is gone"
         if self._glfw.window_should_close(self.handle):
@@ -190,18 +206,26 @@ class Window:
 
 
 def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
-    """(w, h) in units of a window: as large as `wanted` pixels and a column beside, whatever a unit measures (HiDPI), within the screen."""
+    """Return (w, h) in units of a window as large as `wanted` pixels and a column, within the
+    screen.
+
+    A unit may measure any number of pixels (HiDPI).
+    """
     screen = glfw.get_primary_monitor()
     room = glfw.get_monitor_workarea(screen)[2:] if screen else FALLBACK_ROOM
     content = (glfw.get_monitor_content_scale(screen)[0] if screen else 0.0) or 1.0
-    # The room is in pixels everywhere; a unit is a pixel under X11, and `content` of them under Wayland.
+    # The room is in pixels everywhere; a unit is a pixel under X11, and `content` of them under
+    # Wayland.
     unit = content if glfw.get_platform() == glfw.PLATFORM_WAYLAND else 1.0
     width, height = window_size(wanted, tuple(room), round(column * content))
     return max(1, round(width / unit)), max(1, round(height / unit))
 
 
 def _made(glfw: ModuleType, title: str, size: Size) -> tuple[object, str]:
-    """A hidden window and by which interface its context was made; EGL where the system's own way (GLX) has none."""
+    """Make a hidden window; return it and the interface its context was made by.
+
+    EGL where the system's own way (GLX) has none.
+    """
     said = []
     for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
         glfw.default_window_hints()

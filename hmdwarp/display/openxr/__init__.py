@@ -1,4 +1,4 @@
-"""A headset through OpenXR. Its binding is loaded with the first name taken from here: that needs libGL and a moment."""
+"""A headset through OpenXR. The binding loads with the first name: it needs libGL and a moment."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ WHO = "the OpenXR runtime"  # corrects the lens and takes depth, as a plan tells
 
 
 def __getattr__(name: str) -> Any:
-    """Errors: MachineError where the binding does not load."""
+    """Load the binding. Errors: MachineError where it does not load."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .binding import load_binding

@@ -1,4 +1,7 @@
-"""Controllers by OpenXR's actions: one set, offered for every kind of controller, asked once a refresh."""
+"""Controllers by OpenXR's actions.
+
+One set, offered for every kind of controller, read once a refresh.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +32,10 @@ _WORDS = {
 
 
 class Actions:
-    """Made for one session, before it begins; it goes with the instance. controls: the first of them with a button is what it asks for.
+    """Actions of one session, made before it begins; they go with the instance.
 
-    refused: kinds of controllers, by their profiles, that the runtime knows nothing of.
+    controls: the first of them with a button is what it requests. refused: profiles of controllers
+    that the runtime does not know.
     """
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
@@ -51,7 +55,8 @@ class Actions:
         )  # kept: the next line but points at it
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
         self._buttons = {name: _Asking(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
-        # Each hand by itself: asked for both at once, Monado 25 tells 0 where one stick is at -1 and the other at 0.
+        # Each hand by itself: asked for both at once, Monado 25 tells 0 where one stick is at -1
+        # and the other at 0.
         self._axes = {name: [_Asking(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
 
     def _made(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
@@ -73,7 +78,7 @@ class Actions:
         return self._calls.ask(xr.string_to_path, instance.handle, text)
 
     def sync(self, now_ns: int) -> None:
-        """How the buttons are now; once a refresh. now_ns: on any clock that goes on. Errors: Lost."""
+        """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""
         if self._calls("xrSyncActions", self._session, ctypes.byref(self._sync)) != _SYNCED:
             self._pressing.forget()
             return
@@ -92,13 +97,16 @@ class Actions:
         return one.state.current_state if one.state.is_active else 0
 
     def commands(self) -> list[Command]:
-        """What was asked for since the last time."""
+        """Return the requests since the last call."""
         asked, self._commands = self._commands, []
         return asked
 
 
 class _Asking:
-    """One action: what to ask for, and where the answer goes. hand: its path, of all of them by default."""
+    """One action: what to read, and where the answer goes.
+
+    hand: its path; all of them by default.
+    """
 
     def __init__(self, action: xr.Action, state: ctypes.Structure, hand: int = xr.NULL_PATH) -> None:
         self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=hand), state
@@ -106,5 +114,8 @@ class _Asking:
 
 
 def open_actions(calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> Actions | None:
-    """None where no control has a button: then nothing is asked, at any refresh. Errors: MachineError."""
+    """Open the actions, or return None where no control has a button: then nothing is read.
+
+    Errors: MachineError.
+    """
     return Actions(calls, instance, session, controls) if any(control.buttons for control in controls) else None

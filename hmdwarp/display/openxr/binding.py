@@ -1,4 +1,4 @@
-"""Loads pyopenxr, late: it wants libGL at once and takes a quarter of a second."""
+"""Loads pyopenxr late: it needs libGL at once and takes a quarter of a second."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from .trouble import trouble
 
 
 def load_binding() -> None:
-    """Load it, or say why not. Errors: MachineError.
+    """Load pyopenxr, or say why not. Errors: MachineError.
 
-    Without libGL the import is an AttributeError, with a foreign loader an OSError: anything may come.
+    Without libGL the import is an AttributeError, with a foreign loader an OSError: catch
+    everything.
     """
     os.environ.setdefault(
         "XR_LOADER_DEBUG", "none"

@@ -1,7 +1,8 @@
-"""Which button of which controller does what: for every kind of controller that OpenXR's core names.
+"""Which button of which controller does what, for every kind of controller in OpenXR's core.
 
-Names of buttons: "left", "right", "up", "down", "confirm", "menu", as display.controls.Control.buttons has them. A stick is two axes of
--1..1, "across" and "along"; a pad's count only while it is pressed ("pad"), as a thumb rests on it.
+Names of buttons: "left", "right", "up", "down", "confirm", "menu", as
+display.controls.Control.buttons has them. A stick is two axes of -1..1, "across" and "along"; a
+pad's count only while it is pressed ("pad"), as a thumb rests on it.
 
 Source: OpenXR 1.0 specification, section 6.4, Interaction Profile Paths.
 """
@@ -16,7 +17,7 @@ Bindings = tuple[tuple[str, str], ...]  # (button or axis, path)
 
 
 def _both(*pairs: tuple[str, str]) -> Bindings:
-    """With either hand."""
+    """Return the path for either hand."""
     return tuple((name, f"{hand}/{what}") for hand in (_LEFT, _RIGHT) for name, what in pairs)
 
 
@@ -24,8 +25,9 @@ _STICK = (("across", "thumbstick/x"), ("along", "thumbstick/y"))
 _TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", "trackpad/click"))
 
 PROFILES: dict[str, Bindings] = {
-    # Two buttons a hand and no stick: each hand's main one moves the marker its own way; of the others the right hand's confirms, as most
-    # write with it, and the left hand's is the menu. Nothing is told from how long one is held: that is learnt by nobody in a headset.
+    # Two buttons a hand and no stick: each hand's main one moves the marker its own way; of the
+    # others the right hand's confirms, as most write with it, and the left hand's is the menu.
+    # Nothing is told from how long one is held: that is learnt by nobody in a headset.
     "/interaction_profiles/khr/simple_controller": (
         ("left", f"{_LEFT}/select/click"),
         ("right", f"{_RIGHT}/select/click"),

@@ -1,4 +1,7 @@
-"""Every call into the runtime: watched, because a hung service never answers, and its result turned into an error of ours."""
+"""Every call into the runtime: watched, because a hung service never answers.
+
+Results become errors.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,11 @@ _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "T
 
 
 class Calls:
-    """stage: how far one has come on the way to a picture, as trouble.STAGES has it. name: the runtime's, for the words of an error."""
+    """Calls into one runtime.
+
+    stage: progress on the way to a picture, as in trouble.STAGES. name: the runtime's, for
+    messages.
+    """
 
     def __init__(self, watching: Callable[[str], AbstractContextManager[object]]) -> None:
         self._watching = watching
@@ -28,11 +35,14 @@ class Calls:
         self.begin()
 
     def begin(self) -> None:
-        """From the start again."""
+        """Start over."""
         self.stage, self.name = "runtime", "the runtime"
 
     def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """A function of pyopenxr's, for what is called once. Errors: MachineError; Lost in the middle of a session."""
+        """Call a pyopenxr function, for one-time calls.
+
+        Errors: MachineError; Lost during a session.
+        """
         call = "xr" + function.__name__.title().replace("_", "")
         try:
             with self._watching(call):
@@ -41,7 +51,7 @@ class Calls:
             raise self._error(call, type(error).__name__, str(error)) from error
 
     def __call__(self, call: str, *arguments: Any) -> int:
-        """A function of the loader's by its name in C, for what is called at every refresh: 2 us a call instead of 10.
+        """Call a loader function by its C name, at every refresh: 2 us instead of 10.
 
         Returns its result, 0 or above. Errors: as ask.
         """
@@ -53,7 +63,10 @@ class Calls:
         return result
 
     def _found(self, call: str) -> Any:
-        """A pointer of our own: pyopenxr's makes an enum of every result, and trips over results it does not know."""
+        """Return a function pointer of our own.
+
+        pyopenxr's makes an enum of every result, and fails on results it does not know.
+        """
         function = raw_functions.openxr_loader_library[call]
         function.restype, function.argtypes = ctypes.c_int, getattr(raw_functions, call).argtypes
         self._functions[call] = function

@@ -1,4 +1,4 @@
-"""Everything that goes with the runtime's service, from the instance to the pictures: made at once, gone at once, made again."""
+"""Everything that lives and dies with the runtime's service, from the instance to the pictures."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 @attrs.define(eq=False)
 class Connection:
-    """recommended: (w, h) of one eye. Close it whatever happened: nothing that fails then matters any more."""
+    """A session with its pictures. Close it in any case: errors no longer matter then."""
 
     instance: Instance
     session: Session
     spaces: Spaces
     frames: Frames
-    recommended: tuple[int, int]
+    recommended: tuple[int, int]  # (w, h) of one eye
     has_depth: bool
     _largest: tuple[int, int]
     _formats: list[int]
@@ -49,7 +49,7 @@ class Connection:
     projection: Projection | None = None
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
-        """Go through the first frames, empty, until the session runs, its period is known and the eyes are.
+        """Go through the first frames, empty, until session, period and eyes are known.
 
         Errors: MachineError if that takes too long.
         """
@@ -73,7 +73,10 @@ class Connection:
             seen += self.frames.state.should_render
 
     def make_pictures(self, calls: Calls, graphics: Graphics, size: tuple[int, int], with_depth: bool) -> None:
-        """Pictures of that size for each eye. Errors: InputError for a size that is too large for the runtime."""
+        """Make pictures of that size for each eye.
+
+        Errors: InputError for a size too large for the runtime.
+        """
         if size[0] > self._largest[0] or size[1] > self._largest[1]:
             raise InputError(
                 f"size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}"
@@ -90,7 +93,7 @@ class Connection:
         return made
 
     def close(self) -> None:
-        """Let go of all of it, in order."""
+        """Release all of it, in order."""
         self.frames.abandon()
         self._cleanup.close()
 
@@ -104,8 +107,9 @@ def _unready(name: str, running: bool) -> str:
 def connect(
     calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
 ) -> Connection:
-    """A session with pictures. drawn_with: the graphics for a runtime that is there. controls: those of them with buttons are heard.
+    """Return a session with pictures.
 
+    drawn_with: the graphics for an existing runtime. controls: those of them with buttons are read.
     Errors: MachineError.
     """
     with ExitStack() as stack:

@@ -1,4 +1,7 @@
-"""A headset as a display: the runtime says when, where and what each eye sees; it gets both pictures and, if it likes, their depths."""
+"""A headset as a display.
+
+The runtime says when, where and what each eye sees, and gets the pictures.
+"""
 
 from __future__ import annotations
 
@@ -29,10 +32,11 @@ TITLE_NS = 250_000_000
 class OpenXrDisplay:
     """display.Display for the headset of the active OpenXR runtime.
 
-    Times are CLOCK_MONOTONIC's, which outlives the runtime's service; the runtime's own instants are converted. With an X display it has
-    a window of its own that mirrors the left eye, else none; HMDWARP_OPENXR_GRAPHICS=egl or glx in the environment insists on the one
-    or the other.
-    Errors: MachineError that says which of loader, runtime, service, headset or extension is missing.
+    Times are CLOCK_MONOTONIC's, which outlives the runtime's service; the runtime's own instants
+    are converted. With an X display it has a window of its own that mirrors the left eye;
+    HMDWARP_OPENXR_GRAPHICS=egl or glx in the environment insists on one of the two ways to draw.
+    Errors: MachineError that says which of loader, runtime, service, headset or extension is
+    missing.
     """
 
     name = "openxr"
@@ -54,7 +58,7 @@ class OpenXrDisplay:
         self.gpu = self._graphics.gpu
 
     def _open(self) -> None:
-        """Everything, or all but the graphics where they are there already."""
+        """Open everything, or all but the graphics where they exist already."""
         self._connection = made = connect(self._calls, self._drawn_with, self.source, self._options.controls)
         self.about = {**made.instance.about, "graphics": self._graphics.name, "space": made.spaces.name}
         self.size = self._options.size or made.recommended
@@ -73,11 +77,11 @@ class OpenXrDisplay:
         return self._graphics
 
     def now_ns(self) -> int:
-        """As Display.now_ns."""
+        """Return this instant."""
         return time.monotonic_ns()
 
     def wait(self) -> Tick | None:
-        """As Display.wait; None while the runtime does not want frames, after 10 ms."""
+        """Wait as Display.wait; return None after 10 ms while the runtime wants no frames."""
         made, state = self._connection, self._connection.frames.state
         if self._graphics.mirror is not None:
             self._graphics.mirror.poll()
@@ -97,12 +101,16 @@ class OpenXrDisplay:
         return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
 
     def _missed(self, shown_ns: int) -> int:
-        """In refreshes of the display: a runtime may tell slow programs a longer period (Monado does), and those go by all the same."""
+        """Return missed refreshes of the display.
+
+        A runtime may report a longer period to slow programs (Monado does); those refreshes go by
+        all the same.
+        """
         last, self._last_shown_ns = self._last_shown_ns, shown_ns
         return max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
-        """As Display.show: returns when xrEndFrame has come back."""
+        """Hand over as Display.show; returns when xrEndFrame has returned."""
         made = self._connection
         if made.frames.state.should_render and (refresh is not None or label):
             self._draw(refresh, label)
@@ -137,32 +145,35 @@ class OpenXrDisplay:
             made.projection.fill(eye, view, has_depth)
 
     def _views(self, refresh: Refresh | None) -> Sequence[View]:
-        """Those the pictures were made for; for a black picture, those of this refresh."""
+        """Return the views the pictures were made for; for a black picture, this refresh's."""
         if refresh is not None:
             return [eye.view for eye in refresh.eyes]
         return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
 
     def look(self, view: str) -> None:
-        """A headset has but one view."""
+        """Do nothing: a headset has one view."""
 
     def restart(self) -> None:
-        """As Display.restart: the head goes on."""
+        """Do nothing: the head goes on."""
 
     def commands(self) -> Sequence[Command]:
-        """The window's keys, where there is a window, and the controllers' buttons, where a control has one."""
+        """Return the window's keys, where there is one, and the controllers' buttons."""
         made, mirror = self._connection, self._graphics.mirror
         by_hand = made.actions.commands() if made is not None and made.actions is not None else ()
         return [*(mirror.commands() if mirror is not None else ()), *by_hand]
 
     def tell(self, status: object) -> None:
-        """In the window's title, four times a second."""
+        """Show the status in the window's title, four times a second."""
         now_ns = time.monotonic_ns()
         if self._graphics.mirror is not None and now_ns - self._titled_ns >= TITLE_NS:
             self._titled_ns = now_ns
             self._graphics.mirror.title(status.title())
 
     def reopen(self) -> bool:
-        """As Display.reopen: everything of the old session is let go of first. Errors: Closed, for a window closed meanwhile."""
+        """Release the old session and try again, as Display.reopen.
+
+        Errors: Closed, for a closed window.
+        """
         self._disconnect()
         if self._graphics.mirror is not None:
             self._graphics.mirror.poll()
@@ -179,7 +190,7 @@ class OpenXrDisplay:
             made.close()
 
     def close(self) -> None:
-        """As Display.close."""
+        """Release everything, as Display.close."""
         self._disconnect()
         graphics, self._graphics = self._graphics, None
         if graphics is not None:

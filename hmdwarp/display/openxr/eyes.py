@@ -1,4 +1,4 @@
-"""Where the eyes sit in the head and what each sees, as the runtime has it at this moment."""
+"""Where the eyes sit in the head and what each sees, as the runtime has it now."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ COUNT = 2
 
 
 class RuntimeEyes:
-    """geometry.Eyes that follow the runtime: whoever turns the wheel for the distance of the eyes gets other views at the next refresh."""
+    """geometry.Eyes that follow the runtime.
+
+    A new eye distance gives new views at the next refresh.
+    """
 
     def __init__(self) -> None:
         self._state = xr.ViewState()
@@ -34,12 +37,13 @@ class RuntimeEyes:
 
     @property
     def known(self) -> bool:
-        """Whether the runtime has said it yet."""
+        """Whether the runtime has reported them yet."""
         return bool(self._known)
 
     def locate(self, calls: Calls, session: xr.Session, head: xr.Space, time: int) -> None:
-        """Ask for them in the head's own space, for an instant of the runtime's clock. What is not valid leaves them as they were.
+        """Read the eyes in head space, for an instant of the runtime's clock.
 
+        Ignore invalid values.
         Errors: Lost.
         """
         self._info.display_time, self._info.space = time, head
@@ -58,12 +62,12 @@ class RuntimeEyes:
         self._bytes = said
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """As geometry.Eyes."""
+        """Return the view of each eye, as geometry.Eyes."""
         return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._known)
 
 
 def pose_of(pose: xr.Posef) -> Pose:
-    """Ours, of the runtime's. Errors: InputError for numbers that are no pose."""
+    """Return the runtime's pose as ours. Errors: InputError for numbers that are no pose."""
     at, turned = pose.position, pose.orientation
     return Pose((at.x, at.y, at.z), (turned.x, turned.y, turned.z, turned.w))
 

@@ -1,4 +1,7 @@
-"""The three calls of a frame, never out of step: one left open makes the next xrWaitFrame block for ever."""
+"""The three calls of a frame, never out of step.
+
+One left open makes the next xrWaitFrame block forever.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,12 @@ _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 
 
 class Frames:
-    """state: what the last xrWaitFrame said. blend_mode: how the picture meets the room.
+    """Frame calls of one session. state: result of the last xrWaitFrame.
 
-    A frame counts as waited for from before xrWaitFrame until after xrBeginFrame, and as open until after xrEndFrame, as Ctrl-C may come
-    between any call and the next line. To begin or end one that is not quite there, or not any more, is refused and does no harm.
+    blend_mode: how the picture meets the room. A frame counts as waited for from before xrWaitFrame
+    until after xrBeginFrame, and as open until after xrEndFrame, because Ctrl-C may come between
+    any call and the next line. Beginning or ending a frame that is not open is refused and
+    harmless.
     """
 
     def __init__(self, calls: Calls, session: xr.Session, blend_mode: int) -> None:
@@ -47,7 +52,7 @@ class Frames:
         self._open = False
 
     def abandon(self) -> None:
-        """End what is open, empty; never an error."""
+        """End an open frame, empty; never raises."""
         if self._waited:
             with suppress(Exception):
                 self._calls("xrBeginFrame", self._session, None)

@@ -1,4 +1,4 @@
-"""The OpenGL context whose pictures the runtime takes, and how it is told about it."""
+"""The OpenGL context whose pictures the runtime takes, and its description for the runtime."""
 
 from __future__ import annotations
 
@@ -27,25 +27,26 @@ _CONFIG_ID, _FBCONFIG_ID, _VISUAL_ID, _NONE = 0x3028, 0x8013, 0x800B, 0
 
 @attrs.define(eq=False)
 class Graphics:
-    """gpu: with its context current. name: "GLX" or "EGL". binding: that context, as the runtime wants it. mirror: the window, if any."""
+    """A context for a runtime."""
 
-    gpu: Gpu
-    name: str
-    binding: ctypes.Structure
-    mirror: Mirror | None = None
+    gpu: Gpu  # with its context current
+    name: str  # "GLX" or "EGL"
+    binding: ctypes.Structure  # that context, as the runtime wants it
+    mirror: Mirror | None = None  # the window, if any
 
     def close(self) -> None:
-        """The window goes after the context in it."""
+        """Close the window after the context in it."""
         self.gpu.close()
         if self.mirror is not None:
             self.mirror.close()
 
 
 def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
-    """Ways to draw for that runtime here, the best first: a window's context (GLX), which shows on the desktop what the left eye sees, or
-    one without a window (EGL). The environment's HMDWARP_OPENXR_GRAPHICS, egl or glx, allows only that one.
+    """Return the ways to draw for that runtime here, the best first.
 
-    Errors: InputError for another word there; MachineError if nothing is left.
+    GLX: a window's context, which mirrors the left eye on the desktop; EGL: one without a window.
+    The environment's HMDWARP_OPENXR_GRAPHICS, egl or glx, allows only that one.
+    Errors: InputError for another word there; MachineError if none is left.
     """
     asked = environ.get(VARIABLE, "").lower()
     if asked not in ("", EGL, GLX):
@@ -68,7 +69,10 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
 
 
 def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) -> Graphics:
-    """The first of `kinds` that works. controls: of the window, where there is one. Errors: MachineError that says why none does."""
+    """Open the first of `kinds` that works. Errors: MachineError that says why none does.
+
+    controls: of the window, where there is one.
+    """
     said = []
     for kind in kinds(instance.extensions, os.environ):
         try:
@@ -79,7 +83,10 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
 
 
 def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
-    """The runtime wants to be asked which OpenGL it needs, before every session. Errors: MachineError if it needs a newer one."""
+    """Ask the runtime which OpenGL it needs, as required before every session.
+
+    Errors: MachineError if it needs a newer one.
+    """
     if GLX_EXTENSION not in instance.extensions:
         return
     needs = calls.ask(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
@@ -116,7 +123,7 @@ def _windowless() -> Graphics:
 
 
 def _library(name: str, *functions: str) -> ctypes.CDLL:
-    """Those functions of it answer with pointers."""
+    """Load a library whose functions return pointers."""
     try:
         library = ctypes.CDLL(name)
     except OSError as error:
@@ -127,7 +134,7 @@ def _library(name: str, *functions: str) -> ctypes.CDLL:
 
 
 def _glx_binding() -> ctypes.Structure:
-    """Of the current context. Errors: MachineError if it is none of GLX (a window under Wayland)."""
+    """Return the binding of the current context. Errors: MachineError unless it is GLX."""
     glx = _library(
         "libGL.so.1", "glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable", "glXChooseFBConfig"
     )
@@ -152,7 +159,7 @@ def _glx_binding() -> ctypes.Structure:
 
 
 def _egl_binding() -> ctypes.Structure:
-    """Of the current context. Errors: MachineError if it is none of EGL."""
+    """Return the binding of the current context. Errors: MachineError unless it is EGL."""
     egl = _library("libEGL.so.1", "eglGetCurrentDisplay", "eglGetCurrentContext", "eglGetProcAddress")
     display, context = egl.eglGetCurrentDisplay(), egl.eglGetCurrentContext()
     if not (display and context):
@@ -172,7 +179,7 @@ _NONE_EGL = 0x3038
 
 
 def _put(binding: ctypes.Structure, **pointers: int | None) -> None:
-    """Write addresses into fields, whose types are pyopenxr's, PyOpenGL's or plain, as the machine has it."""
+    """Write addresses into fields, whose types are pyopenxr's, PyOpenGL's or plain, by machine."""
     for name, value in pointers.items():
         field = getattr(type(binding), name)
         size = ctypes.sizeof(ctypes.c_uint32) if name == "visualid" else ctypes.sizeof(ctypes.c_void_p)

@@ -1,4 +1,7 @@
-"""The head alone, for recording: without pictures where the runtime allows that, else in a session whose frames stay empty."""
+"""The head alone, for recording.
+
+Without pictures where the runtime allows it, else with empty frames.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +26,13 @@ UNTOLD_HZ = 90.0  # what most headsets have
 
 
 class OpenXrHead:
-    """A PoseSource on CLOCK_MONOTONIC, for the headset of the active OpenXR runtime. Call poll() at least every tenth of a second.
+    """A PoseSource on CLOCK_MONOTONIC, for the headset of the active OpenXR runtime.
 
-    about: runtime, runtime_version, headset, graphics ("none" where none was needed), space. rate_hz: of the display, 90 where the
-    runtime does not say. watching: as DisplayOptions has it. Use as a context manager, or call close().
-    Errors: MachineError that says which of loader, runtime, service, headset or extension is missing.
+    Call poll() at least every tenth of a second. Use as a context manager, or call close(). about:
+    runtime, runtime_version, headset, graphics ("none" where none was needed), space. rate_hz: of
+    the display, 90 where the runtime does not say. watching: as in DisplayOptions.
+    Errors: MachineError that says which of loader, runtime, service, headset or extension is
+    missing.
     """
 
     name = "openxr"
@@ -90,13 +95,14 @@ class OpenXrHead:
             return 0.0
 
     def now_ns(self) -> int:
-        """This instant."""
+        """Return this instant."""
         return time.monotonic_ns()
 
     def poll(self) -> bool:
-        """Hear what the runtime has to say; whether there are poses just now. Where frames are needed for that it hands over an empty
-        one, which takes until the display's next refresh.
+        """Process the runtime's events; return whether there are poses now.
 
+        Where frames are needed for that it hands over an empty one, which takes until the next
+        refresh.
         Errors: Closed; Lost.
         """
         if self._graphics is not None and self._graphics.mirror is not None:
@@ -111,19 +117,22 @@ class OpenXrHead:
         return True
 
     def start(self) -> None:
-        """It runs already."""
+        """Do nothing: it runs already."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """As PoseSource.head_at: HELD while the runtime does not know. Errors: Lost."""
+        """Return the head as PoseSource.head_at: HELD while the runtime does not know.
+
+        Errors: Lost.
+        """
         return self._tracker.head_at(time_ns)
 
     @property
     def lost(self) -> bool:
-        """Whether at the last asking the runtime did not know where the head is."""
+        """Whether the runtime did not know the head at the last reading."""
         return self._tracker.lost
 
     def reopen(self) -> bool:
-        """After Lost: whether it is there again."""
+        """Tell, after Lost, whether the runtime is back."""
         self._disconnect()
         try:
             self._open()
@@ -139,7 +148,7 @@ class OpenXrHead:
         self._cleanup.close()
 
     def close(self) -> None:
-        """Let go of everything. May be called twice."""
+        """Release everything. May be called twice."""
         self._disconnect()
         graphics, self._graphics = self._graphics, None
         if graphics is not None:

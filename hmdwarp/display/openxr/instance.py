@@ -25,27 +25,28 @@ NS = 1_000_000_000
 
 
 def offered_extensions(calls: Calls) -> list[str]:
-    """What the runtime has. Errors: MachineError where there is no runtime."""
+    """Return the runtime's extensions. Errors: MachineError where there is no runtime."""
     calls.begin()
     return sorted(_text(entry.extension_name) for entry in calls.ask(xr.enumerate_instance_extension_properties))
 
 
 @attrs.define(eq=False)
 class Instance:
-    """handle, system: OpenXR's. extensions: those that are on. about: runtime, runtime_version, headset."""
+    """A connection to the runtime."""
 
     handle: xr.Instance
     system: int
-    extensions: frozenset[str]
-    about: dict[str, str]
+    extensions: frozenset[str]  # those that are on
+    about: dict[str, str]  # runtime, runtime_version, headset
     _convert: object
     _timespec: xr.timespec
     _time: ctypes.c_int64
 
     def offset_ns(self) -> int:
-        """What to add to an instant of CLOCK_MONOTONIC to have it on the runtime's clock.
+        """Return runtime clock minus CLOCK_MONOTONIC.
 
-        Measured anew at every refresh: a runtime may have a clock that drifts, and after it was restarted it may have another.
+        Measured at every refresh: a runtime's clock may drift, and a restarted runtime may have
+        another.
         """
         now_ns = time.monotonic_ns()
         self._timespec.tv_sec, self._timespec.tv_nsec = divmod(now_ns, NS)
@@ -54,14 +55,15 @@ class Instance:
         return self._time.value - now_ns
 
     def destroy(self) -> None:
-        """Whatever has become of it."""
+        """Destroy it in any state."""
         with suppress(Exception):
             xr.destroy_instance(self.handle)
 
 
 def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
-    """Connect to the runtime's service and find the headset. wanted: extensions, those of them that are offered are switched on.
+    """Connect to the runtime's service and find the headset.
 
+    wanted: extensions to enable if offered.
     Errors: MachineError that says what is missing.
     """
     offered = offered_extensions(calls)

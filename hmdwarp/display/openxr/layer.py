@@ -1,4 +1,7 @@
-"""The projection layer: both eyes' pictures, with the poses and fields of view they were made for, and their depths where wanted."""
+"""The projection layer.
+
+Both eyes' pictures with their poses, fields of view and, if wanted, depths.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ class Projection:
     """The layer of as many eyes as there are colour swapchains. depths: theirs, or none.
 
     Its depth is reversed, with the far end infinitely far: 0 lies there, 1 at NEAR_M.
-    Source: OpenXR 1.1 specification, XrCompositionLayerProjection and XrCompositionLayerDepthInfoKHR (nearZ > farZ: reversed).
+    Source: OpenXR 1.1 specification, XrCompositionLayerProjection and
+    XrCompositionLayerDepthInfoKHR (nearZ > farZ: reversed).
     """
 
     def __init__(self, space: xr.Space, colours: list[Swapchain], depths: list[Swapchain]) -> None:
@@ -32,7 +36,7 @@ class Projection:
         self.struct = xr.CompositionLayerProjection(space=space, views=self._views)
 
     def fill(self, eye: int, shown: View, with_depth: bool) -> None:
-        """What the picture of one eye was made for; float32 from here on."""
+        """Enter what one eye's picture was made for; float32 from here on."""
         view, pose, fov = self._views[eye], shown.pose, shown.fov
         view.pose.position.x, view.pose.position.y, view.pose.position.z = pose.position_m.tolist()
         turned = view.pose.orientation

@@ -1,4 +1,4 @@
-"""A window on the desktop beside the headset: it shows what the left eye sees, and its keys are the controls."""
+"""A desktop window beside the headset: it mirrors the left eye, and its keys are the controls."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ if TYPE_CHECKING:
 
 SIZE = (480, 480)
 PERIOD_NS = 30_000_000  # the headset has the machine; the window is content with every second or third picture
-# What its keys do here; a runtime has its own way to be recentred and its own lens, and one view alone.
+# What its keys do here; a runtime has its own way to be recentred and its own lens, and one view
+# alone.
 QUIT = "quit"
 ITS_OWN = ("help", "full_screen", QUIT)
 ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
-    """gl: its context, which the headset's pictures are drawn with. controls: what its keys ask for.
+    """The window.
 
+    gl: its context, which draws the headset's pictures. controls: what its keys request.
     Errors: MachineError where there is no window.
     """
 
@@ -60,23 +62,26 @@ class Mirror:
             self._window.end()
 
     def poll(self) -> None:
-        """Hear the window. Errors: Closed."""
+        """Process the window's events. Errors: Closed."""
         self._glfw.poll_events()
         reason = self._window.over()
         if reason:
             raise Closed(reason)
 
     def commands(self) -> Sequence[Command]:
-        """What its keys asked for since the last time."""
+        """Return what its keys requested since the last call."""
         asked, self._commands = self._commands, []
         return asked
 
     def title(self, text: str) -> None:
-        """Over the window."""
+        """Set the window's title."""
         self._window.title(text)
 
     def show(self, presenter: Presenter, panel: Canvas | None, label: Label) -> None:
-        """The left eye's picture, as large as it fits, with the label or the help over it; not at every refresh."""
+        """Show the left eye's picture as large as it fits, with label or help.
+
+        Not at every refresh.
+        """
         now_ns = time.monotonic_ns()
         if now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:
             return
@@ -93,12 +98,12 @@ class Mirror:
         self._glfw.swap_buffers(self._window.handle)
 
     def close(self) -> None:
-        """May be called twice."""
+        """Close the window. May be called twice."""
         self._window.close()
 
 
 def help_text(controls: tuple[Control, ...]) -> str:
-    """Every control that works here, a line each."""
+    """Return every control that works here, a line each."""
     shown = [(one, "end" if one.name == QUIT else one.what) for one in controls if one.what]
     return "\n".join(f"{_keys_of(one)}\t{what}" for one, what in shown)
 

@@ -1,4 +1,7 @@
-"""From what buttons and sticks are to what was asked for: at the edge of a press, and on and on while a direction is held."""
+"""From the state of buttons and sticks to requests.
+
+At a press, and repeated while a direction is held.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ PAD = "pad_"  # before the name of an axis that counts only while the pad is pre
 
 
 class Pressing:
-    """Of one pair of hands. A button that is down already when it is first heard of counts once it was let go."""
+    """State of one pair of hands. A button that is down at first counts once it was released."""
 
     def __init__(self) -> None:
         self._down: dict[
@@ -20,12 +23,12 @@ class Pressing:
         self._heard = False
 
     def forget(self) -> None:
-        """Nothing was heard for a while: what is held now was not pressed for us."""
+        """Forget what is held: after a pause, it was not pressed for us."""
         self._down.clear()
         self._heard = False
 
     def step(self, buttons: Mapping[str, bool], axes: Mapping[str, float], now_ns: int) -> list[str]:
-        """Names of the buttons that were asked for: "left", "right", "up", "down", "confirm", "menu"."""
+        """Return the names of the requests: "left", "right", "up", "down", "confirm", "menu"."""
         asked = []
         for name in ("left", "right", "up", "down", "confirm", "menu"):
             if not self._held(name, buttons, axes):

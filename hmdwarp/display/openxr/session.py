@@ -1,4 +1,4 @@
-"""The session's states, as the runtime tells them."""
+"""The session's states, as the runtime reports them."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
 class Session:
-    """handle: OpenXR's. state: the newest one told. running: between xrBeginSession and xrEndSession, when frames are wanted.
+    """An OpenXR session. state: the newest one. running: between xrBeginSession and xrEndSession.
 
-    binding: the graphics to draw with; None for a session without pictures. It is kept: the runtime may look at it again.
+    binding: the graphics to draw with; None for a session without pictures. It is kept: the runtime
+    may read it again.
     Source: OpenXR 1.1 specification, Session Lifecycle.
     """
 
@@ -39,7 +40,7 @@ class Session:
         ).contents
 
     def poll(self) -> None:
-        """Hear everything the runtime has to say. Errors: Closed; Lost."""
+        """Process all events of the runtime. Errors: Closed; Lost."""
         event, pointer = self._event, ctypes.byref(self._event)
         while True:
             event._type, event._next = _BUFFER, None
@@ -64,6 +65,6 @@ class Session:
             raise Closed(f"{self._calls.name} ended the session")
 
     def destroy(self) -> None:
-        """Whatever state it is in; frames must have been ended."""
+        """Destroy it in any state; frames must have been ended."""
         with suppress(Exception):  # of a session that is lost; every destroy is allowed all the same
             xr.destroy_session(self.handle)

@@ -14,7 +14,8 @@ from ...gpu.raw_gl import depth_framebuffer
 from .calls import Calls
 
 SRGB8_A8, RGBA16F, RGBA8 = 0x8C43, 0x881A, 0x8058
-# The best first. All of them are taken as linear light by the runtime once they are read: only the first stores it encoded.
+# The best first. All of them are taken as linear light by the runtime once they are read: only the
+# first stores it encoded.
 COLOURS = {SRGB8_A8: "f1", RGBA16F: "f2", RGBA8: "f1"}
 DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16 = 0x8CAC, 0x8CAD, 0x81A6, 0x88F0, 0x81A5
 DEPTHS = (DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16)
@@ -24,23 +25,30 @@ _DEPTH = xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsage
 
 
 def colour_format(offered: list[int]) -> int:
-    """The best format for the picture. Errors: MachineError if the runtime has none that we can draw into."""
+    """Return the best colour format.
+
+    Errors: MachineError if the runtime has none that we can draw into.
+    """
     for one in COLOURS:
         if one in offered:
             return one
     found = ", ".join(f"{one:#x}" for one in offered) or "none"
     raise MachineError(
-        f"the runtime's pictures have formats {found}: wanted one of {', '.join(f'{one:#x}' for one in COLOURS)}; update it"
+        f"the runtime's pictures have formats {found}: wanted one of {', '.join(f'{one:#x}' for one in COLOURS)}; "
+        "update it"
     )
 
 
 def depth_format(offered: list[int]) -> int | None:
-    """The best format for depth, None if the runtime has none."""
+    """Return the best depth format, None if the runtime has none."""
     return next((one for one in DEPTHS if one in offered), None)
 
 
 class Swapchain:
-    """Pictures of one eye, (w, h) each, that the runtime and we hand to each other. is_depth: whether they hold depth."""
+    """Pictures of one eye, (w, h) each, passed between runtime and client.
+
+    is_depth: whether they hold depth.
+    """
 
     def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, size: tuple[int, int], kind: int) -> None:
         self._calls, self.size, self.is_depth = calls, size, kind not in COLOURS
@@ -73,17 +81,17 @@ class Swapchain:
         return xr.SwapchainSubImage(self.handle, rectangle, 0)
 
     def acquire(self) -> moderngl.Framebuffer:
-        """The next picture to draw into, once the runtime has done with it. Errors: Lost."""
+        """Return the next picture to draw into, once the runtime has released it. Errors: Lost."""
         self._calls("xrAcquireSwapchainImage", self.handle, None, self._index_pointer)
         self._calls("xrWaitSwapchainImage", self.handle, self._wait)
         return self._framebuffers[self._index.value]
 
     def release(self) -> None:
-        """It is drawn. Errors: Lost."""
+        """Hand the drawn picture back. Errors: Lost."""
         self._calls("xrReleaseSwapchainImage", self.handle, None)
 
     def destroy(self) -> None:
-        """Our names for the pictures first, then the pictures, which are the runtime's."""
+        """Destroy our names for the pictures first, then the runtime's pictures."""
         for thing in (*self._framebuffers, *self._textures):
             thing.release()
         self._framebuffers.clear()

@@ -23,7 +23,7 @@ STANDING = Pose((0.0, EYE_HEIGHT_M, 0.0))
 
 
 class Spaces:
-    """world: the room, with its floor at y = 0 as far as the runtime knows. head. name: which one the world is."""
+    """Reference spaces of a session."""
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
         offered = {int(one) for one in calls.ask(xr.enumerate_reference_spaces, session)}
@@ -37,7 +37,7 @@ class Spaces:
 
 
 def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, float]:
-    """Its name, its kind, and how far its origin is above the floor, in metres."""
+    """Return its name, its kind, and how far its origin is above the floor, in metres."""
     if _Space.STAGE.value in offered:
         return "stage", _Space.STAGE, 0.0
     if floor and _Space.LOCAL_FLOOR.value in offered:
@@ -46,11 +46,14 @@ def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, 
 
 
 class HeadTracker:
-    """A PoseSource on CLOCK_MONOTONIC. lost: whether at the last asking the runtime did not track how the head is turned.
+    """A PoseSource on CLOCK_MONOTONIC. lost.
 
-    A head that is lost is HELD: where the runtime last knew it to be if it still says so (valid, not tracked: the specification's way of
-    losing track), else where it was here. MEASURED is what is tracked and is over, PREDICTED what is to come. Only the turn counts: a
-    place that is not valid, as of headsets that know nothing else, is held while the turn goes on.
+    Whether the orientation was untracked at the last reading.
+
+    A lost head is HELD: where the runtime last knew it, if it still says so (valid, not tracked:
+    the specification's way of losing track), else where it was here. Tracked poses of the past are
+    MEASURED, of the future PREDICTED. Only the orientation counts: an invalid position, as of 3-DoF
+    headsets, is held while the orientation goes on.
     Source: OpenXR 1.0, XrSpaceLocationFlagBits.
     """
 
@@ -62,15 +65,15 @@ class HeadTracker:
         self.lost = False
 
     def attach(self, calls: Calls, instance: Instance, spaces: Spaces) -> None:
-        """From now on ask there."""
+        """Read from these spaces from now on."""
         self._calls, self._spaces = calls, spaces
         self.offset_ns = instance.offset_ns()
 
     def start(self) -> None:
-        """It runs already."""
+        """Do nothing: it runs already."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """As PoseSource.head_at. Errors: Lost."""
+        """Return the head as PoseSource.head_at. Errors: Lost."""
         read_ns = time.monotonic_ns()
         self._calls("xrLocateSpace", self._spaces.head, self._spaces.world, time_ns + self.offset_ns, self._pointer)
         flags = self._location._location_flags
@@ -89,4 +92,4 @@ class HeadTracker:
         return pose if flags & _PLACE_VALID else Pose(self._last.position_m, pose.orientation_xyzw)
 
     def close(self) -> None:
-        """Nothing of its own."""
+        """Do nothing: it owns nothing."""

@@ -1,4 +1,4 @@
-"""What keeps a headset from showing anything, told apart and in words: pure, for whoever met the error (the display, the doctor)."""
+"""What keeps a headset from showing anything, in words, for the display and the doctor."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from pathlib import Path
 
 APT = "Debian, Ubuntu: sudo apt-get install"
 A_BINDING = f"{APT} libgl1, and pip install pyopenxr"
-A_RUNTIME = "start the runtime that came with the headset and make it the active one there, or name its .json file in XR_RUNTIME_JSON"
+A_RUNTIME = (
+    "start the runtime that came with the headset and make it the active one there, "
+    "or name its .json file in XR_RUNTIME_JSON"
+)
 A_HEADSET = "connect the headset, switch it on and wake it"
 RESTART = "start, or restart, the runtime's service"
 ANOTHER = "use a runtime that has it (Monado has)"
@@ -60,11 +63,11 @@ _KNOWN = {
 def trouble(
     stage: str, error: str, message: object = "", name: str = "the runtime", active: str = ""
 ) -> tuple[str, str]:
-    """What happened and what to do about it.
+    """Return what happened and what to do about it.
 
-    stage: one of STAGES. error: the name of pyopenxr's exception, "died" for a process that asked and did not come back, or of whatever
-    came up while the binding was loaded. message: what the error said. name: the runtime's, where it is known. active: which runtime
-    the loader takes (manifest_in_words).
+    stage: one of STAGES. error: the name of pyopenxr's exception, "died" for a process that never
+    came back, or of whatever was raised while the binding loaded. message: what the error said.
+    name: the runtime's, where known. active: which runtime the loader takes (manifest_in_words).
     """
     words = _one_line(message)
     if stage == "binding":
@@ -81,15 +84,21 @@ def trouble(
 
 
 def lacks(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
-    """What the runtime lacks of what live pictures need, or the head alone; and what to do; ("", "") if nothing."""
+    """Return what the runtime lacks for live pictures, or for the head alone, and what to do.
+
+    ("", "") if nothing.
+    """
     missing = [] if not pictures or set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
     missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
     return (f"{name} lacks {' and '.join(missing)}", ANOTHER) if missing else ("", "")
 
 
 def manifest(environ: Mapping[str, str]) -> Path | None:
-    """The runtime manifest that the OpenXR loader would take, existing or not; None where it finds none to try.
+    """Return the runtime manifest that the OpenXR loader would take.
 
+    None where it finds none to try.
+
+    The file may not exist.
     Source: OpenXR loader design, "Runtime discovery" on Linux.
     """
     if environ.get("XR_RUNTIME_JSON"):
@@ -102,7 +111,7 @@ def manifest(environ: Mapping[str, str]) -> Path | None:
 
 
 def manifest_in_words(environ: Mapping[str, str]) -> str:
-    """Which manifest is active and what is wrong with it, in a few words."""
+    """Return which manifest is active and what is wrong with it, in a few words."""
     path = manifest(environ)
     if path is None:
         return "XR_RUNTIME_JSON is not set and there is no active_runtime.json"

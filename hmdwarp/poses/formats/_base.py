@@ -1,4 +1,4 @@
-"""What every trace format is made of: how to tell it, which columns it has, and perhaps how to write it."""
+"""What every trace format is made of: recognise it, find its columns, perhaps write it."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ if TYPE_CHECKING:
 
 
 class TraceFormat:
-    """One layout of head-motion files. A new one is one file in this package.
+    """One layout of head-motion files. A new one is one file in this package."""
 
-    name: as the file is called. summary: one line for people. writes: `write` works.
-    """
-
-    name = ""
-    summary = ""
-    writes = False
+    name = ""  # as the file is called
+    summary = ""  # one line for people
+    writes = False  # whether `write` works
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        """How surely the file is of this format: 0 not at all, 100 certainly; the highest wins."""
+        """Return how surely the file is of this format: 0 not at all, 100 certainly.
+
+        The highest wins.
+        """
         raise NotImplementedError
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        """Which columns hold what. Errors: TraceError when a needed one is missing."""
+        """Return which columns hold what. Errors: TraceError when a needed one is missing."""
         raise NotImplementedError
 
     def read(self, head: Head, options: TraceOptions) -> Cleaned:
-        """The clean track of a file. Errors: TraceError, InputError."""
+        """Return the clean track of a file. Errors: TraceError, InputError."""
         from ..reading.cleaning import Cleaner
         from ..reading.rows import RowReader
 
@@ -53,7 +53,7 @@ class TraceFormat:
         return cleaner.clean(head.path.stem, self.origin(head))
 
     def origin(self, head: Head) -> str:
-        """Where the motion comes from, if the file says so."""
+        """Return where the motion comes from, if the file says so."""
         return ""
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
@@ -62,9 +62,11 @@ class TraceFormat:
 
 
 def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
-    """A layout from the header's names; `known` are facts of the format: unit, axes, device, scale, caveats.
+    """Return a layout from the header's names.
 
-    Errors: TraceError for Euler angles only, and for a quaternion that is not there or whose order is not told.
+    known: facts of the format: unit, axes, device, scale, caveats.
+    Errors: TraceError for Euler angles only, and for a quaternion that is missing or of unknown
+    order.
     """
     from ..reading.rows import Layout
 
@@ -101,8 +103,9 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
     if found.euler:
         names = ", ".join(found.euler[:4])
         return TraceError(
-            f"{head.path} gives Euler angles only ({names}): their order and signs differ from device to device and cannot be told from "
-            "the file; convert them to quaternions with what you know of the device"
+            f"{head.path} gives Euler angles only ({names}): their order and signs differ "
+            "from device to device, and the file does not state them; convert them to quaternions with what you "
+            "know of the device"
         )
     return TraceError(
         f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"
@@ -110,10 +113,14 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
 
 
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
-    """Four quaternion columns as they stand in the file, to the order x y z w. Errors: TraceError if the order is not known."""
+    """Return four quaternion columns of the file in the order x y z w.
+
+    Errors: TraceError if the order is unknown.
+    """
     if order is None:
         raise TraceError(
-            f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions ({head.describe()}); "
+            f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions "
+            f"({head.describe()}); "
             "say --quat-order wxyz or --quat-order xyzw"
         )
     a, b, c, d = columns
@@ -121,10 +128,10 @@ def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[in
 
 
 def has(head: Head, *names: str) -> bool:
-    """The header holds all these names."""
+    """Tell whether the header holds all these names."""
     return head.names is not None and set(names) <= set(head.names)
 
 
 def whole_number(field: str, digits: int) -> bool:
-    """An integer of exactly so many digits."""
+    """Tell whether the field is an integer of exactly so many digits."""
     return len(field) == digits and field.isdigit()

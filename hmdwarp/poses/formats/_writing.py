@@ -14,13 +14,16 @@ _LARGEST_NS = 2**62  # what the readers accept
 
 
 def clock_offset_ns(track: PoseTrack) -> int:
-    """What to add to the track's time so that the file carries the recording's own clock; 0 where that does not fit into 2^62 ns."""
+    """Return what to add to the track's time so that the file carries the recording's own clock.
+
+    0 where that does not fit into 2^62 ns.
+    """
     fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
     return track.epoch_ns if fits else 0
 
 
 def exact_text(values: Iterable[float], separator: str) -> str:
-    """Numbers (Python's own floats) in the shortest text that reads back as the same ones."""
+    """Return numbers (Python's floats) in the shortest text that reads back as the same."""
     return separator.join(map(repr, values))
 
 
@@ -33,10 +36,12 @@ def write_rows(
     order: str,
     decimals: tuple[int, int] | None = None,
 ) -> None:
-    """Time, position and quaternion of every sample.
+    """Write time, position and quaternion of every sample.
 
-    stamp: nanoseconds to text. order: xyzw or wxyz. decimals: of positions and quaternions; None writes the shortest text that
-    reads back as the same number.
+    stamp: nanoseconds to text.
+    order: xyzw or wxyz.
+    decimals: of positions and quaternions; None writes the shortest text that reads back as the
+    same number.
     """
     offset = clock_offset_ns(track)
     columns = ["xyzw".index(c) for c in order]

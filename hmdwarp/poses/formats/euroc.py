@@ -1,4 +1,7 @@
-"""EuRoC (ASL) ground truth: nanoseconds, position, quaternion with w first, then perhaps velocities and biases."""
+"""EuRoC (ASL) ground truth.
+
+Ns, position, quaternion with w first, perhaps velocities and biases.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,11 @@ HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], 
 
 
 class Euroc(TraceFormat):
-    """Source: Burri et al. 2016, The EuRoC micro aerial vehicle datasets (section on the ASL data format)."""
+    """Ground truth of the EuRoC data sets.
+
+    Source: Burri et al. 2016, The EuRoC micro aerial vehicle datasets (section on the ASL data
+    format).
+    """
 
     name = "euroc"
     summary = "#timestamp [ns], p_RS_R_x [m], .., q_RS_w [], ..; nanoseconds, w first"

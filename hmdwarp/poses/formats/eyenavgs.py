@@ -1,4 +1,7 @@
-"""EyeNavGS: Quest Pro in 3D Gaussian splatting scenes, a row per eye; the two sites order and name their columns differently."""
+"""EyeNavGS: Quest Pro in 3D Gaussian splatting scenes, a row per eye.
+
+The two sites order and name their columns differently.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ _EYES = Defect(
 
 
 class EyeNavGS(TraceFormat):
-    """Source: Ding et al. 2025, EyeNavGS (arXiv:2506.02380)."""
+    """Both sites' layouts.
+
+    Source: Ding et al. 2025, EyeNavGS (arXiv:2506.02380).
+    """
 
     name = "eyenavgs"
     summary = "ViewIndex,FOV1-4,Position..,Quaternion..,Gaze..,Timestamp or timestep; ms, a row per eye"

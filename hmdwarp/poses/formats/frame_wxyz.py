@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 
 class FrameWxyz(TraceFormat):
-    """The shape alone tells this format: six bare columns, the second a frame number that never falls, the last four of length 1.
+    """Six bare columns: the second a frame number that never falls, the last four of length 1.
 
-    Its order is w first by definition; a file of this shape whose own motion speaks against that is refused.
+    Only the shape tells this format. Its order is w first by definition; a file of this shape whose
+    own motion contradicts that is refused.
     Source: Corbillon et al. 2017, 360-degree video head movement dataset (MMSys).
     """
 
@@ -64,10 +65,11 @@ def _quaternion(row: list[str]) -> list[float]:
 
 
 def _hangs(track: PoseTrack) -> bool:
-    """The head is upside down for a tenth of the time, and would be upright had w come last.
+    """Tell whether the head hangs upside down, but would be upright had w come last.
 
-    The vertical part of the head's own up is 1 - 2 (x^2 + y^2) in the file's axes. Read in the wrong order it swings with the
-    heading instead: only a head that has turned about can give the order away.
+    Upside down means a tenth of the time. The vertical part of the head's own up is 1 - 2 (x^2 +
+    y^2) in the file's axes. Read in the wrong order it swings with the heading instead: only a head
+    that has turned can give the order away.
     """
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)

@@ -1,4 +1,7 @@
-"""Multi-viewpoint 360-degree video, MMSys'18: rotation only, w first, z up; and why its Euler twin is refused."""
+"""Multi-viewpoint 360-degree video, MMSys'18: rotation only, w first, z up.
+
+Its Euler twin is refused.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,18 @@ from ..reading.rows import Layout
 from . import formats
 from ._base import TraceFormat, has, named_layout
 
-# The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed about x is half that about y
-# in the head's own axes), so x is forward and y left, as in the viewer of Corbillon et al. 2017, whose convention the set names.
+# The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed
+# about x is half that about y in the head's own axes), so x is forward and y left, as in the viewer
+# of Corbillon et al. 2017, whose convention the set names.
 AXES = "-y,z,x"
 
 
 class MultiViewpoint(TraceFormat):
-    """Source: Corbillon et al. 2018, Dynamic adaptive streaming for multi-viewpoint omnidirectional videos (MMSys)."""
+    """The quaternion files of the set.
+
+    Source: Corbillon et al. 2018, Dynamic adaptive streaming for multi-viewpoint omnidirectional
+    videos (MMSys).
+    """
 
     name = "multiviewpoint"
     summary = "timestamp viewpoint w x y z; seconds, rotation only, z up, x forward"

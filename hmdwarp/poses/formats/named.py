@@ -10,7 +10,7 @@ from ._base import TraceFormat, named_layout
 
 
 class Named(TraceFormat):
-    """qx..qw, QuaternionX..W, HeadOrientationW..Z, qW..qZ, w x y z, UnitQuaternion.x..w, RotationX..W, head_rot_x..w and their like."""
+    """Headers of the wild: qx..qw, QuaternionX..W, HeadOrientationW..Z, w x y z, head_rot_x..w."""
 
     name = "named"
     summary = "any header that names time, position and quaternion (qx.., QuaternionX.., head_rot_x.., ..)"

@@ -45,18 +45,24 @@ formats.register(Native())
 
 
 def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:
-    """Comment header, column names, rows. decimals: of positions and quaternions; None writes every bit."""
+    """Write comment header, column names, rows.
+
+    decimals: of positions and quaternions; None writes every bit.
+    """
     stream.write(header_text(track.origin, track.rate_hz, track.notes))
     write_rows(track, stream, ",", stamp=str, order="xyzw", decimals=decimals)
 
 
 def header_text(origin: str, rate_hz: float, notes: Iterable[str] = ()) -> str:
-    """All that stands above the rows. origin: where the motion comes from, in words. notes: things a reader should know."""
+    """Return everything above the rows.
+
+    origin: where the motion comes from, in words. notes: what a reader should know.
+    """
     head = [TITLE, f"origin: {origin or 'not told'}", f"rate: {rate_hz:.6g} Hz", f"axes: {AXES}", *notes]
     # One line each: a note with a newline in it would become a row.
     return "".join(f"# {' '.join(text.split())}\n" for text in head) + ",".join(COLUMNS) + "\n"
 
 
 def row_text(time_ns: int, pose: Pose) -> str:
-    """One sample, every bit of it: for who writes a trace while it grows."""
+    """Return one sample, every bit of it, for a trace that is written while it grows."""
     return f"{time_ns},{exact_text((*pose.position_m.tolist(), *pose.orientation_xyzw.tolist()), ',')}\n"

@@ -10,7 +10,11 @@ from ._base import TraceFormat, has, named_layout
 
 
 class QuestSet(TraceFormat):
-    """Source: Baldoni et al. 2024, Questset: A VR dataset for network and quality of experience studies (MMSys)."""
+    """Head tracks of the set.
+
+    Source: Baldoni et al. 2024, Questset: A VR dataset for network and quality of experience
+    studies.
+    """
 
     name = "questset"
     summary = "TouchButtons,..,HeadPosX,..,HeadOrientationW,..,time; seconds, w first, OpenXR axes"

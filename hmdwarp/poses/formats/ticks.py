@@ -1,4 +1,7 @@
-"""`timestamp x y z qx qy qz qw` with stamps of 18 digits: ticks of 100 ns since the year 1 (.NET) or 1601 (Windows)."""
+"""`timestamp x y z qx qy qz qw` with stamps of 18 digits.
+
+Ticks of 100 ns since the year 1 (.NET) or 1601 (Windows).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""TUM trajectories: seconds, position, quaternion, blank-separated, the columns named in a comment."""
+"""TUM trajectories.
+
+Seconds, position, quaternion, blank-separated, the columns named in a comment.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,11 @@ COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
 
 
 class Tum(TraceFormat):
-    """Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (the data set's file formats page)."""
+    """TUM RGB-D trajectories.
+
+    Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (the data set's
+    file formats page).
+    """
 
     name = "tum"
     summary = "# timestamp tx ty tz qx qy qz qw; seconds, blank-separated"
@@ -25,7 +32,8 @@ class Tum(TraceFormat):
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if has(head, *COLUMNS):
             return 90
-        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well come first.
+        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well
+        # come first.
         bare = (
             head.names is None
             and head.separator is None
@@ -37,7 +45,8 @@ class Tum(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="s")
-        # Asked for by name, the file is what the format says; found by its shape alone, the order has to be told.
+        # Asked for by name, the file is what the format says; found by its shape alone, the order
+        # has to be told.
         order = options.quat_order or ("xyzw" if options.format == self.name else None)
         need_columns(head, 8)
         return Layout(
@@ -53,7 +62,7 @@ class Tum(TraceFormat):
 
 
 def need_columns(head: Head, count: int) -> None:
-    """Errors: TraceError if the rows have fewer columns."""
+    """Raise TraceError if the rows have fewer columns."""
     from ...errors import TraceError
 
     if head.width < count:

@@ -22,7 +22,7 @@ class Predictor:
 
 
 def hold(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:
-    """Return the last sample known at `now_ns`, HELD (MEASURED where it is exactly the target's)."""
+    """Return the last sample known at `now_ns`: HELD, or MEASURED at the target itself."""
     i = max(track.index_at(now_ns), 0)
     exact = int(track.time_ns[i]) == target_ns
     return PoseSample(target_ns, track.pose(i), Origin.MEASURED if exact else Origin.HELD)

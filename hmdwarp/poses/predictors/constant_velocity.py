@@ -15,7 +15,8 @@ def constant_velocity(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns:
     """Extrapolate the last sample at the angular and linear velocity of the trailing 50 ms.
 
     At most `horizon_ns` ahead. Repeated poses count once, and no velocity is measured across a gap
-    or jump. With a single known sample, or when a gap has begun since the last one, the pose is HELD.
+    or jump. With a single known sample, or when a gap has begun since the last one, the pose is
+    HELD.
     """
     i = track.index_at(now_ns)
     if i < 0 or now_ns - int(track.time_ns[i]) > track.max_gap_ns:
@@ -41,7 +42,8 @@ def _window(track: PoseTrack, i: int) -> tuple[int, int]:
     last = i
     while last > 0 and not track.broken[last - 1] and (q[last] == q[last - 1]).all() and (p[last] == p[last - 1]).all():
         last -= 1  # a repeated pose was measured when it first came
-    # A head that has stood still for the whole window is still: its velocity is not that of long ago.
+    # A head that has stood still for the whole window is still: its velocity is not that of long
+    # ago.
     if track.time_ns[i] - track.time_ns[last] >= WINDOW_NS:
         return i, i
     first = last

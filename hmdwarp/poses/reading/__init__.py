@@ -1,1 +1,1 @@
-"""From bytes to a clean track, in steps: head (what kind of text), columns (which is which), rows (numbers), cleaning (defects)."""
+"""From bytes to a clean track, in steps: head (which kind of text), columns, rows, cleaning."""

@@ -12,26 +12,26 @@ from ...errors import InputError
 from .. import quaternions
 
 _AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
-# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves as little else as it can.
+# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves as
+# little else as it can.
 _LIFTS = {"y": "x,y,-z", "-y": "x,-y,z", "z": "x,z,y", "-z": "x,-z,-y", "x": "-y,x,-z", "-x": "y,-x,-z"}
 
 
 @attrs.frozen(eq=False)
 class Axes:
-    """basis: (3, 3), rows are OpenXR's right, up and back in the file's axes, for the world and for the head alike.
+    """Axes of a file, relative to OpenXR's."""
 
-    tilt: xyzw, a turn of the world alone that follows (gravity set upright; the head's own axes stay). up: which file axis is up.
-    """
-
+    # (3, 3), rows are OpenXR's right, up and back in the file's axes, for world and head alike
     basis: NDArray[np.float64]
+    # xyzw, a turn of the world alone that follows (gravity set upright; the head's own axes stay)
     tilt: NDArray[np.float64] | None = None
-    up: str = "y"
+    up: str = "y"  # which file axis is up
 
     def apply(self, position: NDArray[np.float64] | None, orientation: NDArray[np.float64]) -> None:
         """Convert positions (n, 3) and quaternions (n, 4), in place.
 
-        Under a change of basis B a rotation about v by an angle becomes one about B v by det(B) times the angle; a
-        left-handed file (det -1) needs no other treatment.
+        Under a change of basis B a rotation about v by an angle becomes one about B v by det(B)
+        times the angle; a left-handed file (det -1) needs no other treatment.
         """
         if not np.array_equal(self.basis, np.eye(3)):
             orientation[:, :3] = orientation[:, :3] @ (round(np.linalg.det(self.basis)) * self.basis).T
@@ -44,7 +44,7 @@ class Axes:
 
 
 def from_words(text: str) -> Axes:
-    """From "right,up,forward" as axes of the file, for instance "-y,z,x" for a file whose x points forward and z up."""
+    """Return the axes of "right,up,forward", for instance "-y,z,x": x points forward, z up."""
     rows = []
     for word in text.split(","):
         sign, letter = (-1.0, word[1:]) if word.startswith("-") else (1.0, word.removeprefix("+"))
@@ -59,11 +59,13 @@ def from_words(text: str) -> Axes:
 
 
 def parse_axes(text: str) -> Axes:
-    """What `--up` takes: an axis (y, z, -z, ..), three axes "right,up,forward", or three numbers.
+    """Parse `--up`: an axis (y, z, -z, ..), three axes "right,up,forward", or three numbers.
 
-    An axis: world and head are both turned so that it becomes +y; for z that is (x, y, z) -> (x, z, -y). Three axes: the same
-    with all of them stated, left-handed ones included. Three numbers: the direction that is really up in a y-up file whose
-    gravity is tilted; only the world is turned, by the smallest angle. Errors: InputError.
+    An axis: world and head are both turned so that it becomes +y; for z that is (x, y, z) -> (x, z,
+    -y). Three axes: all of them stated, left-handed ones included. Three numbers: the direction
+    that is really up in a y-up file whose gravity is tilted; only the world is turned, by the
+    smallest angle.
+    Errors: InputError.
     """
     text = text.strip().lower().removeprefix("+")
     if text in _LIFTS:
@@ -77,7 +79,8 @@ def parse_axes(text: str) -> Axes:
 
 def _refuse(text: str) -> Axes:
     raise InputError(
-        f"up '{text}': wanted an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers (0.04,0.95,0.3)"
+        f"up '{text}': wanted an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
+        "(0.04,0.95,0.3)"
     )
 
 

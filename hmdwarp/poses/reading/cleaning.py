@@ -1,4 +1,7 @@
-"""From rows to one clean track: each step looks for one kind of defect, mends or refuses it, and writes down what it did."""
+"""From rows to one clean track.
+
+Each step looks for one kind of defect, repairs or refuses it, and notes what it did.
+"""
 
 from __future__ import annotations
 
@@ -27,24 +30,24 @@ _SEGMENTS_LISTED = 1000  # a clock that jitters can fall a million times
 
 @attrs.frozen
 class Segment:
-    """One recording within a file: number (from 1), its first and last line, rows, seconds, and whether it was taken."""
+    """One recording within a file."""
 
-    number: int
+    number: int  # from 1
     first_line: int
     last_line: int
     rows: int
     duration_s: float
-    taken: bool
+    taken: bool  # whether it was chosen
 
 
 @attrs.frozen(eq=False)
 class Cleaned:
-    """What cleaning gives: the track, every defect, the segments of the file, the unit of its clock (in words)."""
+    """Result of cleaning a file."""
 
     track: PoseTrack
-    defects: list[Defect]
-    segments: list[Segment]
-    time_unit: str
+    defects: list[Defect]  # every defect, with its repair
+    segments: list[Segment]  # recordings of the file
+    time_unit: str  # of the file's clock, in words
 
 
 class Cleaner:
@@ -59,7 +62,7 @@ class Cleaner:
         self.epoch_ns = 0
 
     def clean(self, name: str, origin: str) -> Cleaned:
-        """All steps, in the order in which each can trust the one before."""
+        """Run all steps, in the order in which each can trust the one before."""
         self.drop_cut_row()
         self.take_one_device()
         self.drop_zero_quaternions()
@@ -93,7 +96,7 @@ class Cleaner:
         return Cleaned(track, self.defects, self.segments, self.time_unit)
 
     def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
-        """Write a defect down."""
+        """Note a defect and its repair."""
         self.defects.append(Defect(kind, what, done, count, line))
 
     def _line(self, row: int) -> int:
@@ -107,12 +110,15 @@ class Cleaner:
         return f" ({said})" if said else ""
 
     def need_two_rows(self) -> None:
-        """One pose is no motion."""
+        """Refuse a single row: one pose is no motion."""
         if len(self.rows) < 2:
             raise TraceError(f"{self.where} holds {len(self.rows)} usable row: wanted two or more{self._so_far()}")
 
     def drop_cut_row(self) -> None:
-        """A last line without its newline may end in the middle of a number: then the norm is off, or time falls."""
+        """Drop a last line that ends in the middle of a number.
+
+        It lacks its newline, and its norm is off or its time falls.
+        """
         rows = self.rows
         if not self.cut_possible or len(rows) < 2:
             return
@@ -133,7 +139,7 @@ class Cleaner:
             rows.keep(slice(None, -1))
 
     def take_one_device(self) -> None:
-        """Rows of several devices or eyes: the head's, or the first eye's."""
+        """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
         device = self.rows.device
         if device is None:
             return
@@ -162,7 +168,7 @@ class Cleaner:
         self.rows.device = None
 
     def drop_zero_quaternions(self) -> None:
-        """Zero quaternions mark rows without tracking."""
+        """Drop rows with a zero quaternion, which marks lost tracking."""
         zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
         count = int(zero.sum())
         if not count:
@@ -175,15 +181,22 @@ class Cleaner:
         self.note("zero-quaternion", what, "dropped", count, self._line(int(zero.argmax())))
         self.rows.keep(~zero)
 
+    @property
+    def _stamps(self) -> Stamps:
+        stamps = self.rows.stamps
+        assert stamps is not None, "count_by_rate gives stamps to a file without time"
+        return stamps
+
     def count_by_rate(self) -> None:
-        """--rate in place of the file's clock."""
+        """Replace the file's clock by --rate."""
         if self.options.rate is None:
             return
         n = len(self.rows)
         step_ns = BILLION / self.options.rate
         if (n - 1) * step_ns > 2**62:
             raise TraceError(
-                f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher --rate"
+                f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher "
+                "--rate"
             )
         stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
         what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
@@ -192,8 +205,11 @@ class Cleaner:
         self.layout = attrs.evolve(self.layout, unit="ns")
 
     def take_one_segment(self) -> None:
-        """Cut where time falls; take the longest recording, or the one asked for. Never sort across a fall."""
-        stamps = self._midnights(self.rows.stamps)
+        """Cut where time falls; keep the longest recording, or the chosen one.
+
+        Never sort across a fall.
+        """
+        stamps = self._midnights(self._stamps)
         self.rows.stamps = stamps
         falls = (
             np.flatnonzero(
@@ -228,14 +244,15 @@ class Cleaner:
             self.note(
                 "clock-restart",
                 f"time falls {len(falls)} time{'s' * (len(falls) > 1)}: the file holds {len(span)} recordings",
-                f"segment {taken + 1} taken, {why} ({span[taken]:.3f} s of {span.sum():.3f} s); --segment takes another",
+                f"segment {taken + 1} taken, {why} ({span[taken]:.3f} s of {span.sum():.3f} s); --segment takes "
+                "another",
                 len(falls),
                 self._line(int(falls[0])),
             )
             self.rows.keep(slice(starts[taken], ends[taken]))
 
     def _midnights(self, stamps: Stamps) -> Stamps:
-        """A clock of day that passes midnight falls by a day and is no new recording."""
+        """Unwrap a clock of day at midnight: it falls by a day and starts no new recording."""
         if not stamps.clock:
             return stamps
         steps = np.diff(stamps.whole)
@@ -257,12 +274,14 @@ class Cleaner:
     def _unit(self, stamps: Stamps) -> str:
         if stamps.clock:
             return "s"
-        if self.layout.unit is None:
+        unit = self.layout.unit
+        if unit is None:
             steps = stamps.steps()
             rising = steps[steps > 0]
             if not len(rising):
                 raise TraceError(
-                    f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second instead"
+                    f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second "
+                    "instead"
                 )
             step = float(np.median(rising))
             unit = guess_unit(stamps, step)
@@ -270,25 +289,28 @@ class Cleaner:
             rate = BILLION / (step * UNITS_NS[unit])
             done = f"{UNIT_NAMES[unit]} taken, which makes {rate:.4g} Hz"
             self.note("unit-guessed", "the file does not say in what unit its time is", done)
-        return self.layout.unit
+        return unit
 
     def times(self) -> NDArray[np.int64]:
-        """Nanoseconds since the segment's first row; the first stamp is subtracted before anything is scaled."""
-        unit = self._unit(self.rows.stamps)
+        """Return nanoseconds since the segment's first row.
+
+        That is subtracted before anything is scaled.
+        """
+        unit = self._unit(self._stamps)
         try:
-            time_ns, self.epoch_ns = to_ns(self.rows.stamps, unit)
+            time_ns, self.epoch_ns = to_ns(self._stamps, unit)
         except OverflowError as error:
             raise TraceError(
                 f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
             ) from None
-        self.time_unit = UNIT_NAMES[unit] if not self.rows.stamps.clock else "hours:minutes:seconds"
+        self.time_unit = UNIT_NAMES[unit] if not self._stamps.clock else "hours:minutes:seconds"
         if self.options.rate is not None:
             self.time_unit = f"row numbers at {self.options.rate:g} Hz"
         self.rows.stamps = None
         return time_ns
 
     def trim_default_start(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The first rows often hold a default pose until tracking begins, and then the head jumps to where it is."""
+        """Drop the default pose that some recorders write until tracking begins."""
         q, p = self.rows.orientation, self.rows.position
         differs = (q != q[0]).any(axis=1)
         if p is not None:
@@ -320,7 +342,7 @@ class Cleaner:
         return self.options.scale if self.options.scale is not None else self.layout.scale
 
     def drop_duplicate_stamps(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Of several rows at one instant the last is kept: it is the newest."""
+        """Keep the last of several rows at one instant: it is the newest."""
         same = np.diff(time_ns) == 0
         count = int(same.sum())
         if not count:
@@ -342,7 +364,7 @@ class Cleaner:
         return time_ns[keep]
 
     def normalise(self) -> None:
-        """Coarse values are normalised silently, bad ones with a warning, hopeless ones refused."""
+        """Normalise coarse values silently, bad ones with a warning; refuse hopeless ones."""
         q = self.rows.orientation
         norm = np.linalg.norm(q, axis=1)
         hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
@@ -358,7 +380,8 @@ class Cleaner:
             worst = int(off.argmax())
             self.note(
                 "norm-off",
-                f"{int(bad.sum())} quaternions are off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in line {self._line(worst)}",
+                f"{int(bad.sum())} quaternions are off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in line "
+                f"{self._line(worst)}",
                 "normalised; do not trust them",
                 int(bad.sum()),
                 self._line(int(bad.argmax())),
@@ -366,7 +389,7 @@ class Cleaner:
         q /= np.where(off > 4e-16, norm, 1.0)[:, None]
 
     def turn_and_scale(self) -> None:
-        """To OpenXR's axes and to metres."""
+        """Convert to OpenXR's axes and to metres."""
         self.axes().apply(self.rows.position, self.rows.orientation)
         scale = self._scale()
         if self.rows.position is None:
@@ -375,7 +398,10 @@ class Cleaner:
             self.rows.position *= scale
 
     def axes(self) -> Axes:
-        """The format's own axes, unless --up says otherwise; `--up z` for a format whose z is up changes nothing."""
+        """Return the format's own axes, unless --up says otherwise.
+
+        `--up z` for a format whose z is up changes nothing.
+        """
         own = parse_axes(self.layout.axes)
         if self.options.up is None:
             return own
@@ -383,7 +409,7 @@ class Cleaner:
         return own if self.options.up.strip().lower().removeprefix("+") == own.up else asked
 
     def join_hemispheres(self) -> None:
-        """q and -q are one rotation, but not one to interpolate between."""
+        """Make signs continuous: q and -q are one rotation, but not one to interpolate between."""
         before = self.rows.orientation[:, 3].copy()
         count = quaternions.make_continuous(self.rows.orientation)
         if count:
@@ -397,7 +423,7 @@ class Cleaner:
             )
 
     def report_repeats(self) -> None:
-        """Repeated poses: a tracker slower than the recorder. They stay, replay needs their timing."""
+        """Report repeated poses (a tracker slower than the recorder); replay needs their timing."""
         q, p = self.rows.orientation, self.rows.position
         same = (q[1:] == q[:-1]).all(axis=1)
         if p is not None:
@@ -414,7 +440,7 @@ class Cleaner:
             )
 
     def report_gaps(self, time_ns: NDArray[np.int64]) -> None:
-        """Gaps in time, and steps so short that dividing by them gives nonsense."""
+        """Report gaps in time, and steps so short that dividing by them gives nonsense."""
         if len(time_ns) < 2:
             return
         steps = np.diff(time_ns)
@@ -440,7 +466,7 @@ class Cleaner:
             )
 
     def find_jumps(self, time_ns: NDArray[np.int64]) -> list[int]:
-        """Teleports: steps no head can make."""
+        """Find teleports: steps no head can make."""
         jumps = find_jumps(time_ns, self.rows.orientation, self.rows.position)
         if len(jumps):
             self.note(
@@ -453,7 +479,7 @@ class Cleaner:
         return [int(i) for i in jumps]
 
     def report_tilt(self) -> None:
-        """Gravity that is not along +y shows in how the head is held."""
+        """Report gravity that is not along +y, judged by how the head is held."""
         axis = gravity_axis(self.rows.orientation)
         if axis is None:
             return

@@ -1,7 +1,7 @@
 """Which column is which, by name and never by position.
 
-A name is cut into words (`HeadOrientationW` -> head orientation w, `p_RS_R_x [m]` -> p rs r x m); the last of x y z w among
-them is the axis, the rest says whose position or orientation it is.
+A name is cut into words (`HeadOrientationW` -> head orientation w, `p_RS_R_x [m]` -> p rs r x m);
+the last of x y z w among them is the axis, the rest says whose position or orientation it is.
 """
 
 from __future__ import annotations
@@ -92,24 +92,20 @@ _DEVICES = {
 
 @attrs.frozen
 class Columns:
-    """Indices of the columns of one head. orientation is in the order x y z w (or as numbered, see `numbered`).
-
-    time_unit: a key of `times.UNITS_NS` if the name says it. length_m: metres per unit if the name says it.
-    numbered: the quaternion's columns are q0..q3, whose order the names do not tell.
-    """
+    """Indices of the columns of one head."""
 
     time: int | None = None
-    time_unit: str | None = None
-    orientation: tuple[int, int, int, int] | None = None
-    numbered: bool = False
+    time_unit: str | None = None  # a key of `times.UNITS_NS` if the name says it
+    orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
+    numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None
-    length_m: float | None = None
+    length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
     euler: tuple[str, ...] = ()
 
 
 def words(name: str) -> list[str]:
-    """Lower-case words of a column name."""
+    """Return the lower-case words of a column name."""
     out = []
     for word in _WORD.findall(name):
         low = word.lower()
@@ -119,7 +115,7 @@ def words(name: str) -> list[str]:
 
 
 def find_columns(names: list[str]) -> Columns:
-    """Everything the names tell."""
+    """Return all that the names say."""
     split = [words(n) for n in names]
     groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
     lengths: dict[tuple[str, ...], float] = {}
@@ -137,20 +133,26 @@ def find_columns(names: list[str]) -> Columns:
     position_key = _best(
         [k for k, g in groups.items() if {"x", "y", "z"} <= set(g) and k != orientation_key and _is_position(k)]
     )
-    orientation, numbered = None, False
+    orientation: tuple[int, int, int, int] | None = None
+    numbered = False
     if orientation_key is not None:
-        orientation = tuple(groups[orientation_key][a] for a in "xyzw")
+        turn = groups[orientation_key]
+        orientation = turn["x"], turn["y"], turn["z"], turn["w"]
     else:
         order = {m.group(1): i for i, n in enumerate(names) if (m := _NUMBERED.match(n.strip()))}
         if len(order) == 4:
-            orientation, numbered = tuple(order[d] for d in "0123"), True
+            orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
     time, unit = _find_time(split)
+    position = None
+    if position_key is not None:
+        place = groups[position_key]
+        position = place["x"], place["y"], place["z"]
     return Columns(
         time=time,
         time_unit=unit,
         orientation=orientation,
         numbered=numbered,
-        position=None if position_key is None else tuple(groups[position_key][a] for a in "xyz"),
+        position=position,
         length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
         euler=_find_euler(names, split, groups),
@@ -162,7 +164,10 @@ def _is_position(key: tuple[str, ...]) -> bool:
 
 
 def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
-    """The head's group among several: never a hand's or a gaze's; one that says head first; else the plainest name."""
+    """Return the head's group among several: never a hand's or a gaze's.
+
+    "head" first, else the plainest.
+    """
     heads = [k for k in keys if not set(k) & _ELSEWHERE]
     return min(heads, key=lambda k: (not set(k) & _HEAD, len(k)), default=None)
 

@@ -1,4 +1,4 @@
-"""The first look at a trace file: is it text, what separates its fields, does it have a header, what are its first rows."""
+"""First look at a trace file: is it text, its separator, its header, its first rows."""
 
 from __future__ import annotations
 
@@ -23,26 +23,20 @@ COMMENT_SIGNS = ("#", "%", "//")
 
 @attrs.frozen
 class Head:
-    """What the first part of a trace file shows.
-
-    separator: "," ";" "\\t" or None for blanks. names: the header's column names, or None. header_line: where it stands (a
-    comment line counts if it names as many columns as the rows have). first_line, first_byte: where the rows begin.
-    rows: fields of the first rows. comments: (line, text without the comment sign) before the rows.
-    decimal_comma: numbers are written 0,5. newline: b"\\n" or b"\\r".
-    """
+    """What the first part of a trace file shows."""
 
     path: Path
     size: int
-    separator: str | None
-    names: list[str] | None
-    header_line: int | None
+    separator: str | None  # "," ";" "\t" or None for blanks
+    names: list[str] | None  # the header's column names
+    header_line: int | None  # a comment line counts if it names as many columns as the rows have
     header_text: str
-    first_line: int
-    first_byte: int
-    rows: list[list[str]]
-    comments: list[tuple[int, str]]
-    decimal_comma: bool
-    newline: bytes
+    first_line: int  # where the rows begin
+    first_byte: int  # where the rows begin
+    rows: list[list[str]]  # fields of the first rows
+    comments: list[tuple[int, str]]  # (line, text without the comment sign) before the rows
+    decimal_comma: bool  # numbers are written 0,5
+    newline: bytes  # b"\n" or b"\r"
 
     @property
     def width(self) -> int:
@@ -50,23 +44,23 @@ class Head:
         return len(self.rows[0])
 
     def column(self, name: str) -> int | None:
-        """Index of the column called exactly `name`."""
+        """Return the index of the column called exactly `name`."""
         return self.names.index(name) if self.names and name in self.names else None
 
     def describe(self) -> str:
-        """One phrase for error messages."""
+        """Return one phrase for error messages."""
         how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
         named = f"the columns {', '.join(self.names)}" if self.names else "no header"
         return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
 
 
 def split(text: str, separator: str | None) -> list[str]:
-    """Fields of one line, blanks and quotes around them removed."""
+    """Return the fields of one line without blanks and quotes around them."""
     return [f.strip().strip('"').strip() for f in text.split(separator)]
 
 
 def is_number(field: str) -> bool:
-    """A number, decimal point or comma."""
+    """Tell whether the field is a number, with decimal point or comma."""
     return _NUMBER.match(field) is not None
 
 
@@ -136,12 +130,13 @@ def _refuse_binary(path: Path, raw: bytes) -> None:
     if found or not raw.rstrip(b"\x00"):
         at = found.start() if found else 0
         raise TraceError(
-            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; wanted rows of numbers"
+            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; wanted rows of "
+            "numbers"
         )
 
 
 def _whole_lines(path: Path, raw: bytes, size: int, newline: bytes) -> list[tuple[int, int, str]]:
-    """(byte offset, line number, text) of the lines that lie wholly in `raw`."""
+    """Return (byte offset, line number, text) of the lines that lie wholly in `raw`."""
     start = 3 if raw.startswith(b"\xef\xbb\xbf") else 0
     end = len(raw)
     if size > end:
@@ -158,7 +153,7 @@ def _whole_lines(path: Path, raw: bytes, size: int, newline: bytes) -> list[tupl
 def _preamble(
     path: Path, lines: list[tuple[int, int, str]]
 ) -> tuple[list[tuple[int, str]], tuple[int, str] | None, tuple[int, int, str]]:
-    """Comments, the header line if there is one, and the first row."""
+    """Return comments, the header line if there is one, and the first row."""
     comments: list[tuple[int, str]] = []
     header: tuple[int, str] | None = None
     for offset, number, text in lines:
@@ -182,7 +177,7 @@ def _looks_like_names(text: str) -> bool:
 
 
 def _separator(row: str, header: tuple[int, str] | None) -> tuple[str | None, bool]:
-    """The separator, and whether numbers have a decimal comma."""
+    """Return the separator, and whether numbers have a decimal comma."""
     if ";" in row:
         return ";", _has_decimal_comma(row.split(";"))
     if "\t" in row and not all(f.endswith(",") for f in row.split("\t")[:-1]):

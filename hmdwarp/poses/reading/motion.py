@@ -1,4 +1,4 @@
-"""Motions no head makes, and which way is up for a head: what recorded poses themselves tell of a file's faults."""
+"""What recorded poses reveal about a file's faults: impossible motions, and which way is up."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from .. import quaternions
 
-# The fastest recorded head turns reach about 800 deg/s and 6 m/s; a jump is far beyond that and too large to be noise.
+# The fastest recorded head turns reach about 800 deg/s and 6 m/s; a jump is far beyond that and too
+# large to be noise.
 JUMP_SPEED_RAD_S = np.radians(2000)
 JUMP_ANGLE_RAD = np.radians(20)
 JUMP_SPEED_M_S = 15.0
@@ -18,7 +19,10 @@ _BLOCK = 1_000_000
 def find_jumps(
     time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None
 ) -> NDArray[np.int64]:
-    """Indices i such that the step from row i to i + 1 is a teleport: too far and too fast, in angle or in place."""
+    """Return indices i whose step to row i + 1 is a teleport.
+
+    Too far and too fast, in angle or place.
+    """
     found = []
     for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory
         b = min(a + _BLOCK, len(time_ns) - 1)
@@ -33,12 +37,14 @@ def find_jumps(
 
 
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """(3,) the direction in the world that is up for the head, as far as the motion tells; None if it does not.
+    """Return the direction in the world, (3,), that is up for the head.
 
-    People turn and nod far more than they tilt their heads sideways, so the axis through the ears stays level: up is the
-    direction it has the least of. That is trusted if little of it is left there (5 %, an rms roll of 13 degrees) and the next
-    direction holds five times as much, and 5 % at least (the head has turned about). At most 100,000 rows, evenly spaced, are
-    looked at.
+    None if the motion leaves it open.
+
+    People turn and nod far more than they tilt their heads sideways, so the axis through the ears
+    stays level: up is the direction it has the least of. That is trusted if little of it is left
+    there (5 %, an rms roll of 13 degrees) and the next direction holds five times as much, and 5 %
+    at least (the head has turned). At most 100,000 rows, evenly spaced, are used.
     """
     q = orientation[:: max(1, len(orientation) // 100_000)]
     if len(q) < 100:

@@ -1,6 +1,7 @@
-"""From the text of a trace to columns of numbers: a fast C parser chunk by chunk, and a tolerant reader for the chunks it refuses.
+"""From the text of a trace to columns of numbers.
 
-Memory stays at the size of the result plus one chunk. Every row keeps the number of its line, for the messages.
+A fast C parser chunk by chunk, and a tolerant reader for the chunks it refuses. Memory stays at the
+size of the result plus one chunk. Every row keeps the number of its line, for messages.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import attrs
 import numpy as np
@@ -25,33 +27,28 @@ _FARTHEST = 1e9  # in the file's units: a position or component beyond this is n
 
 @attrs.frozen
 class Layout:
-    """Which columns to read, and what they mean. Positions and orientation in the order x y z (w).
+    """Which columns to read, and what they mean."""
 
-    time: column index or None. unit: a key of `times.UNITS_NS`, or None to find out. device: a column that says which of several
-    devices a row is of, or None. axes: what `parse_axes` takes. scale: metres per unit.
-    clock_ignored: there is a time column, but --rate stands in for it. caveats: defects of every file of the format.
-    """
-
-    time: int | None
-    orientation: tuple[int, int, int, int]
-    position: tuple[int, int, int] | None = None
-    unit: str | None = None
-    device: int | None = None
-    axes: str = "y"
-    scale: float = 1.0
-    clock_ignored: bool = False
-    caveats: tuple[Defect, ...] = ()
+    time: int | None  # column index
+    orientation: tuple[int, int, int, int]  # columns of x y z w
+    position: tuple[int, int, int] | None = None  # columns of x y z
+    unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
+    device: int | None = None  # a column that says which of several devices a row is of
+    axes: str = "y"  # what `parse_axes` takes
+    scale: float = 1.0  # metres per unit
+    clock_ignored: bool = False  # --rate replaces the time column
+    caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
 
 @attrs.define
 class Rows:
-    """The numbers of a file: stamps (n) or None, orientation (n, 4), position (n, 3) or None, device (n) or None, line (n)."""
+    """The numbers of a file."""
 
-    stamps: Stamps | None
-    orientation: NDArray[np.float64]
-    position: NDArray[np.float64] | None
-    device: NDArray[np.bytes_] | None
-    line: NDArray[np.int32]
+    stamps: Stamps | None  # (n)
+    orientation: NDArray[np.float64]  # (n, 4)
+    position: NDArray[np.float64] | None  # (n, 3)
+    device: NDArray[np.bytes_] | None  # (n)
+    line: NDArray[np.int32]  # (n)
 
     def __len__(self) -> int:
         return len(self.line)
@@ -90,7 +87,7 @@ class RowReader:
         self._names = {c: names[c] if c < len(names) else f"column {c + 1}" for c in range(self._width)}
 
     def read(self) -> Rows:
-        """All rows. Errors: TraceError naming file, line and field."""
+        """Return all rows. Errors: TraceError naming file, line and field."""
         self._check_width()
         parts: list[Rows] = []
         for chunk in self._chunks():
@@ -128,7 +125,7 @@ class RowReader:
         return TraceError(f"{message}; repair or remove that line")
 
     def _chunks(self) -> Iterator[_Chunk]:
-        """Pieces of whole lines."""
+        """Yield pieces of whole lines."""
         line, rest, newline = self.head.first_line, b"", self.head.newline
         with self.head.path.open("rb") as file:
             file.seek(self.head.first_byte)
@@ -140,7 +137,8 @@ class RowReader:
                 cut = text.rfind(newline) + 1
                 if not cut and len(text) > _LONGEST_LINE:
                     raise TraceError(
-                        f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row of numbers"
+                        f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row "
+                        "of numbers"
                     )
                 rest = text[cut:]
                 if cut:
@@ -164,7 +162,10 @@ class RowReader:
         return text
 
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
-        """The whole chunk by numpy's C parser; None if anything about it is unusual."""
+        """Parse the whole chunk by numpy's C parser.
+
+        Return None if anything about it is unusual.
+        """
         text, count = self._prepared(chunk.text), chunk.count
         if not self._regular(text, count):
             return None
@@ -176,7 +177,7 @@ class RowReader:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
         try:
-            how = {
+            how: dict[str, Any] = {
                 "delimiter": self.head.separator,
                 "usecols": columns,
                 "comments": None,
@@ -198,7 +199,10 @@ class RowReader:
         return Rows(stamps, np.ascontiguousarray(values[:, :4]), position, device, line)
 
     def _regular(self, text: bytes, count: int) -> bool:
-        """Every line has the same number of fields (loadtxt with usecols would not notice longer ones)."""
+        """Tell whether every line has as many fields.
+
+        loadtxt with usecols would not notice longer ones.
+        """
         if not text.strip():
             return False
         mark = self.head.separator or " "
@@ -213,11 +217,14 @@ class RowReader:
         if per_line == 0:
             return True
         ends = np.append(np.flatnonzero(flat == ord("\n")), len(flat))[:count]
-        at = at.reshape(count, per_line)
-        return bool((at[:, -1] < ends).all() and (at[1:, 0] > ends[:-1]).all())
+        marks = at.reshape(count, per_line)
+        return bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
 
     def _read_slowly(self, chunk: _Chunk) -> Rows:
-        """Line by line: skips comments, blank lines and repeated headers; drops a last line that was cut; names any other that is bad."""
+        """Parse line by line: skip comments, blank lines and repeated headers.
+
+        Drop a last line that was cut; name any other bad one.
+        """
         pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
         found = [
             (i, t)
@@ -297,13 +304,13 @@ class RowReader:
             raise TraceError(f"{self.head.path} holds no usable row{cut}")
         stamps = None
         if self.layout.time is not None:
-            clock = any(p.stamps.clock for p in parts)
+            clock = any(p.stamps is not None and p.stamps.clock for p in parts)
             stamps = Stamps(
                 _taken(parts, lambda p: p.stamps.whole), _taken(parts, lambda p: p.stamps.billionths), clock
             )
             for p in parts:
                 p.stamps = None
-        columns = {}
+        columns: dict[str, Any] = {}
         for name in ("orientation", "position", "device", "line"):
             columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
             for p in parts:  # let go of the pieces at once: the peak is the result and one column
@@ -316,7 +323,10 @@ def _taken(parts: list[Rows], get) -> NDArray:
 
 
 def _looks_cut(text: str) -> bool:
-    """A last line that breaks off: fewer fields, or a field that ends in the middle. NaN and words are faults, not cuts."""
+    """Tell whether a last line breaks off: fewer fields, or a field that ends in the middle.
+
+    NaN and words are faults, not cuts.
+    """
     return not any(
         f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")
         for f in split(text, None)

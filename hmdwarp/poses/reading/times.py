@@ -1,4 +1,7 @@
-"""Time stamps as exact integers: a whole part and billionths, so that neither 18-digit ticks nor epoch seconds lose digits."""
+"""Time stamps as exact integers.
+
+A whole part and billionths, so that neither 18-digit ticks nor epoch seconds lose digits.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,10 @@ UNIT_NAMES = {
 
 @attrs.define
 class Stamps:
-    """whole (n,) int64 and billionths (n,) int64 in 0..1e9-1, in the file's unit; clock: written as HH:MM:SS, so in seconds."""
+    """whole (n,) int64 and billionths (n,) int64 in 0..1e9-1, in the file's unit; clock.
+
+    Written as HH:MM:SS, so in seconds.
+    """
 
     whole: NDArray[np.int64]
     billionths: NDArray[np.int64]
@@ -44,7 +50,10 @@ class Stamps:
 
 
 def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
-    """Plain decimal stamps, all at once; anything else one by one. Errors: ValueError with the index of the first bad one."""
+    """Plain decimal stamps, all at once; anything else one by one.
+
+    Errors: ValueError with the index of the first bad one.
+    """
     fast = _parse_plain(fields)
     if fast is not None:
         return fast
@@ -67,7 +76,7 @@ class BadStamp(ValueError):
 
 
 def parse_one(text: str) -> tuple[int, int, bool]:
-    """(whole, billionths, written as a clock) of one stamp. Errors: ValueError."""
+    """Return (whole, billionths, written as a clock) of one stamp. Errors: ValueError."""
     text = text.strip().strip('"').strip()
     clock = _CLOCK.match(text)
     if clock:
@@ -81,7 +90,8 @@ def parse_one(text: str) -> tuple[int, int, bool]:
         value = decimal.Decimal(text)
     except decimal.InvalidOperation:
         raise ValueError(f"'{text}' is no time") from None
-    # The exponent is looked at before anything is computed: int(Decimal("1e999999999")) would not end.
+    # The exponent is looked at before anything is computed: int(Decimal("1e999999999")) would not
+    # end.
     if not value.is_finite() or value.adjusted() > 18:
         raise ValueError(f"'{text}' is no time")
     if value.adjusted() < -30:
@@ -95,7 +105,10 @@ def parse_one(text: str) -> tuple[int, int, bool]:
 
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
-    """Digits, at most one point, perhaps a sign; None if any field is something else, or too long."""
+    """Parse digits, at most one point, perhaps a sign.
+
+    Return None for anything else or too long.
+    """
     n = len(fields)
     # One row per character position: the loop below then runs over neighbouring bytes.
     text = np.ascontiguousarray(np.ascontiguousarray(fields).view(np.uint8).reshape(n, -1).T)
@@ -120,7 +133,8 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
         weight = np.where(after, weight // 10, weight)
         parts += np.where(after, weight * digit, 0)
         pointed |= point
-    # ".5" takes the slow way, and so does what might not fit: 19 digits (nanoseconds since 1970) wrap from 9.2e18 on.
+    # ".5" takes the slow way, and so does what might not fit: 19 digits (nanoseconds since 1970)
+    # wrap from 9.2e18 on.
     if (digits == 0).any() or (digits > 19).any() or ((digits == 19) & (negative | (text[0] > ord("3")))).any():
         return None
     if negative.any():
@@ -131,10 +145,11 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
 
 
 def guess_unit(stamps: Stamps, median_step: float) -> str:
-    """The unit that makes the implied rate most like that of a tracker.
+    """Return the unit whose implied rate is most like a tracker's.
 
-    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs). Otherwise the unit whose rate is
-    nearest, as a ratio, to 75 Hz, the middle of what recorders use; ticks of 100 ns only where no other unit lies within 10..1500 Hz.
+    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs).
+    Otherwise the unit whose rate is nearest, as a ratio, to 75 Hz, the middle of what recorders
+    use; ticks of 100 ns only where no other unit lies within 10..1500 Hz.
     """
     if 10**17 <= int(stamps.whole[0]) < 10**18:
         return "100ns"
@@ -148,7 +163,7 @@ def guess_unit(stamps: Stamps, median_step: float) -> str:
 
 
 def to_ns(stamps: Stamps, unit: str) -> tuple[NDArray[np.int64], int]:
-    """(nanoseconds since the first stamp, the first stamp in nanoseconds as a Python integer of any size).
+    """Return (ns since the first stamp, the first stamp in ns as an unbounded Python integer).
 
     Errors: OverflowError when the span does not fit into 2^62 ns (146 years).
     """

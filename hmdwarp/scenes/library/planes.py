@@ -1,9 +1,10 @@
-"""Textured planes at known depths, one of them slanted, before an empty sky: everything about it is known exactly."""
+"""Textured planes at known depths, one slanted, before an empty sky: known exactly."""
 
 from __future__ import annotations
 
-from .._model import Background, Scene, SceneSource, Texture, scenes
-from ._shapes import Quad, checker
+from .._mesh import Texture
+from .._scene import Background, Scene, SceneSource, scenes
+from ..shapes import Quad, checker
 
 QUADS = (
     Quad((-0.5, 1.5, -1.0), (0.35, 0, 0), (0, 0.35, 0), 0, (1.0, 0.75, 0.6)),
@@ -17,7 +18,7 @@ SUMMARY = "five textured planes at known depths, one slanted, before an empty sk
 
 
 def build() -> Scene:
-    """The planes as two triangles each."""
+    """Return the planes as two triangles each."""
     textures = (
         Texture("checker", checker(8, 32, (40, 44, 60), (228, 220, 205), 1)),
         Texture("checker-fine", checker(16, 16, (90, 50, 40), (245, 235, 220), 2)),

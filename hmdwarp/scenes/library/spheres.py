@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from .._model import Background, Scene, SceneSource, Texture, scenes
-from ._shapes import Ball, Quad, checker
+from .._mesh import Texture
+from .._scene import Background, Scene, SceneSource, scenes
+from ..shapes import Ball, Quad, checker
 
 BALLS = (
     Ball((-0.35, 1.45, -0.9), 0.22, 0, (1.0, 0.55, 0.45)),
@@ -18,7 +19,7 @@ SUMMARY = "five textured spheres over a floor before an empty sky (analytic, for
 
 
 def build() -> Scene:
-    """The spheres as fine triangles, and the floor."""
+    """Return the spheres as fine triangles, and the floor."""
     textures = (
         Texture("checker", checker(8, 32, (60, 60, 70), (235, 230, 225), 3)),
         Texture("checker-fine", checker(16, 16, (110, 100, 95), (240, 238, 230), 4)),

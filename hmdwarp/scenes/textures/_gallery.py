@@ -1,10 +1,10 @@
-"""What hangs and lies in the gallery: paintings, veined marble, and the unevenness of a polished floor. (h, w, 3) uint8, top row first."""
+"""Pictures for the gallery, (h, w, 3) uint8: paintings, marble, the normals of an uneven floor."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ._paint import Image, fractal, tinted, to_image
+from ._noise import Image, fractal, tinted, to_image
 
 COLUMNS, ROWS = 4, 2  # of the paintings in their picture
 PALETTES = (
@@ -16,7 +16,7 @@ PALETTES = (
 
 
 def painting(index: int, height: int = 384, width: int = 320) -> Image:
-    """One of eight: skies over land, drifts of colour, stripes, discs."""
+    """Paint one of eight: skies over land, drifts of colour, stripes, discs."""
     dark, bright, third = (np.array(colour) for colour in PALETTES[index % 4])
     y, x = np.meshgrid(np.linspace(0, 1, height), np.linspace(0, 1, width), indexing="ij")
     rough, soft = (fractal(height, width, 900 + 10 * index + k, exponent) for k, exponent in ((0, 0.9), (1, 1.8)))
@@ -50,22 +50,14 @@ def painting(index: int, height: int = 384, width: int = 320) -> Image:
 
 
 def paintings() -> Image:
-    """All of them in COLUMNS x ROWS."""
+    """Paint all of them in COLUMNS x ROWS."""
     return np.concatenate(
         [np.concatenate([painting(row * COLUMNS + k) for k in range(COLUMNS)], axis=1) for row in range(ROWS)]
     )
 
 
-def place_of_painting(index: int) -> tuple[float, float, float, float]:
-    """u0, v0, u1, v1 of one painting, a texel inside its edges."""
-    column, row = index % COLUMNS, index // COLUMNS
-    edge_u, edge_v = 1 / (320 * COLUMNS), 1 / (384 * ROWS)
-    u, v = column / COLUMNS, 1 - (row + 1) / ROWS
-    return u + edge_u, v + edge_v, u + 1 / COLUMNS - edge_u, v + 1 / ROWS - edge_v
-
-
 def marble(size: int = 1024, tiles: int = 4, seed: int = 960) -> Image:
-    """Slabs of light and dark marble in turn, veined, with thin joints; 3.2 m."""
+    """Paint 3.2 m of alternating slabs of light and dark veined marble."""
     warp = fractal(size, size, seed, 1.5)
     vein = np.exp(-np.abs(np.roll(fractal(size, size, seed + 1, 1.25), 37, axis=0) + 0.35 * warp) * 7)
     cloud = 0.6 + 0.16 * fractal(size, size, seed + 2, 0.9)
@@ -80,9 +72,10 @@ def marble(size: int = 1024, tiles: int = 4, seed: int = 960) -> Image:
 
 
 def ripples(size: int = 256, seed: int = 970, slope: float = 0.25) -> Image:
-    """Tangent-space normals of a floor that was polished by hand: `slope` in the mean, waves of 20 cm and more; 3.2 m.
+    """Return tangent-space normals of 3.2 m of a hand-polished floor, in waves of at least 20 cm.
 
-    Byte 127 is 0, and a step of a byte a slope of 0.008: meant to be drawn with a small normal_scale, so that no step is seen.
+    slope: the mean. Byte 127 is 0, and a step of a byte a slope of 0.008: a small normal_scale
+    hides the steps.
     """
     fy, fx = np.fft.fftfreq(size)[:, None] * size, np.fft.rfftfreq(size)[None] * size
     white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((size, size)))

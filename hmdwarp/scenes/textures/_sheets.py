@@ -1,6 +1,6 @@
-"""What is painted with holes or half see-through: glass with dust and lettering, a picket fence, a HUD. (h, w, 4) uint8, alpha last.
+"""Pictures with alpha, (h, w, 4) uint8: glass with dust and lettering, a fence, a head-up display.
 
-Colours run on where alpha is 0, so that no dark fringe appears where the sampler mixes both.
+Colours continue where alpha is 0, so that no dark fringe appears where the sampler mixes both.
 """
 
 from __future__ import annotations
@@ -8,28 +8,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._content import Material
-from .._model import Mesh
-from ._paint import Field, Image, fractal, tinted, to_image
-from ._print import lettering
-from ._surfaces import Surface
-
-
-def sheet_mesh(name: str, surface: Surface, texture: int, light: ArrayLike, material: Material) -> Mesh:
-    """A surface that is blended; seen from both sides, the same light all over it."""
-    lit = np.broadcast_to(np.asarray(light, np.float64), surface.positions.shape)
-    return Mesh(name, surface.positions, surface.normals, surface.uv, lit, surface.triangles, texture, True, material)
+from ._noise import Field, Image, fractal, tinted, to_image, unit_grid
+from ._prints import lettering
 
 
 def with_alpha(colour: ArrayLike, alpha: NDArray) -> Image:
-    """One sRGB colour, or a (h, w, 3) picture of them, under (h, w) alpha, all 0..1."""
+    """Return one sRGB colour, or a (h, w, 3) picture, with (h, w) alpha, all of 0..1."""
     height, width = alpha.shape
     picture = np.broadcast_to(np.asarray(colour, np.float32), (height, width, 3))
     return to_image(np.concatenate([picture, np.clip(alpha, 0, 1)[..., None]], axis=2))
 
 
 def dusty_glass(words: tuple[str, ...], size: int = 512, seed: int = 800) -> Image:
-    """A pane with a film of dust that the rain has run through, dirt in its corners, and lettering; tiles sideways."""
+    """Paint a pane with rain-streaked dust, dirt in its corners and lettering."""
     y, x = np.meshgrid(np.linspace(0, 1, size), np.linspace(0, 1, size), indexing="ij")
     film = 0.10 + 0.035 * fractal(size, size, seed, 1.3) + 0.03 * fractal(size, size, seed + 1, 0.6, (0.12, 1.0))
     specks = np.clip(fractal(size, size, seed + 2, 0.55) - 2.3, 0, 1) * 0.5
@@ -49,20 +40,20 @@ def dusty_glass(words: tuple[str, ...], size: int = 512, seed: int = 800) -> Ima
 
 
 def leaded_glass(size: int = 256, seed: int = 820) -> Image:
-    """A thin film over diamonds of lead."""
-    y, x = np.meshgrid(np.arange(size) / size, np.arange(size) / size, indexing="ij")
+    """Paint a thin film of dust over diamonds of lead."""
+    y, x = unit_grid(size, size)
     lead = np.minimum(_to_line((x + y) * 3), _to_line((x - y) * 3)) < 0.035
     film = np.clip(0.12 + 0.03 * fractal(size, size, seed, 1.0), 0.05, 0.4)
     return with_alpha(np.where(lead[..., None], (0.16, 0.16, 0.17), (0.85, 0.85, 0.8)), np.where(lead, 1.0, film))
 
 
 def _to_line(value: Field) -> Field:
-    """How far from the nearest whole number."""
+    """Return the distance to the nearest integer."""
     return np.abs(value - np.round(value))
 
 
 def pickets(size: int = 256, seed: int = 840) -> Image:
-    """Two pointed laths and the two rails behind them; air between."""
+    """Paint two pointed laths and two rails behind them, with air between."""
     y, x = np.meshgrid(np.linspace(1, 0, size), np.arange(size) / size * 2, indexing="ij")
     across = np.abs(x % 1 - 0.5)
     lath = (across < 0.27) & (y < 0.98 - 0.42 * across)
@@ -73,7 +64,7 @@ def pickets(size: int = 256, seed: int = 840) -> Image:
 
 
 def head_up(size: int = 768) -> Image:
-    """Crosshair, a ladder of pitch, heading marks above and readings at both sides, one bright colour."""
+    """Paint a head-up display: crosshair, pitch ladder, heading marks and readings."""
     y, x = np.meshgrid(np.linspace(1, -1, size), np.linspace(-1, 1, size), indexing="ij")
     far, line = np.hypot(x, y), 2.4 / size
     lit = (np.abs(far - 0.16) < line) | ((np.minimum(np.abs(x), np.abs(y)) < line) & (far > 0.05) & (far < 0.12))

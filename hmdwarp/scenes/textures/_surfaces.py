@@ -1,45 +1,15 @@
-"""Procedural textures: tiling pictures made of seeded noise and a few shapes. (h, w, 3) uint8 sRGB, top row first."""
+"""Tiling pictures of materials, (h, w, 3) uint8 sRGB, made of seeded noise and a few shapes."""
 
 from __future__ import annotations
-
-from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Image = NDArray[np.uint8]
-Field = NDArray[np.float32]
-
-
-@cache
-def fractal(
-    height: int, width: int, seed: int, exponent: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)
-) -> Field:
-    """Tiling noise with mean 0 and deviation 1; exponent 0 is white, 1 pink, 2 smooth; stretch (down, across) pulls it long."""
-    white = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
-    fy = np.fft.fftfreq(height)[:, None] * height * stretch[0]
-    fx = np.fft.rfftfreq(width)[None] * width * stretch[1]
-    amplitude = np.maximum(np.hypot(fy, fx), 1.0) ** -exponent
-    amplitude[0, 0] = 0
-    field = np.fft.irfft2(np.fft.rfft2(white) * amplitude, s=(height, width)).astype(np.float32)
-    field /= field.std()
-    field.flags.writeable = False
-    return field
-
-
-def to_image(colour: NDArray) -> Image:
-    """(h, w, 3) values of 0..1 in sRGB to bytes."""
-    return (np.clip(colour, 0, 1) * 255 + 0.5).astype(np.uint8)
-
-
-def tinted(value: Field, dark: ArrayLike, bright: ArrayLike) -> NDArray:
-    """A (h, w) field of 0..1 between two sRGB colours."""
-    dark, bright = np.asarray(dark, np.float32), np.asarray(bright, np.float32)
-    return dark + np.clip(value, 0, 1)[..., None] * (bright - dark)
+from ._noise import Field, Image, fractal, tinted, to_image, unit_grid
 
 
 def planks(size: int = 1024, count: int = 14, seed: int = 11) -> Image:
-    """Floor boards that run up the picture, with grain, knots of tone and dark joints; 2 m of floor."""
+    """Paint 2 m of floor boards that run up the picture."""
     rng = np.random.default_rng(seed)
     column = np.arange(size) * count // size
     within = (np.arange(size) * count / size) % 1
@@ -60,7 +30,7 @@ def planks(size: int = 1024, count: int = 14, seed: int = 11) -> Image:
 def wood(
     size: int = 512, seed: int = 21, dark: ArrayLike = (0.25, 0.14, 0.08), bright: ArrayLike = (0.66, 0.44, 0.27)
 ) -> Image:
-    """Furniture wood, grain along u."""
+    """Paint furniture wood with its grain along u."""
     rings = fractal(size, size, seed, 1.6, (1.0, 7.0))
     value = (
         0.5
@@ -72,7 +42,7 @@ def wood(
 
 
 def bricks(size: int = 512, rows: int = 12, columns: int = 4, seed: int = 31) -> Image:
-    """Old brick with mortar, 1 m across and 0.9 m high; every brick has its own tone."""
+    """Paint old bricks with mortar, 1 m across and 0.9 m high."""
     rng = np.random.default_rng(seed)
     y = np.arange(size) * rows / size
     row = y.astype(int)
@@ -92,8 +62,8 @@ def bricks(size: int = 512, rows: int = 12, columns: int = 4, seed: int = 31) ->
 
 
 def wallpaper(size: int = 512, seed: int = 41) -> Image:
-    """Leafy ornament in offset rows on a striped ground; 0.8 m."""
-    y, x = np.meshgrid(np.arange(size) / size, np.arange(size) / size, indexing="ij")
+    """Paint 0.8 m of wallpaper: leaves in offset rows on a striped ground."""
+    y, x = unit_grid(size, size)
     cell_y, cell_x = y * 4, x * 4 + 0.5 * ((y * 4).astype(int) % 2)
     u, v = cell_x % 1 - 0.5, cell_y % 1 - 0.5
     angle, radius = np.arctan2(u, v), np.hypot(u, v)
@@ -115,13 +85,13 @@ def wallpaper(size: int = 512, seed: int = 41) -> Image:
 
 
 def plaster(size: int = 512, seed: int = 51) -> Image:
-    """Bright rough plaster with soft stains."""
+    """Paint bright rough plaster with soft stains."""
     value = 0.6 + 0.12 * fractal(size, size, seed, 0.35) + 0.07 * fractal(size, size, seed + 1, 1.1)
     return to_image(tinted(value, (0.74, 0.72, 0.68), (0.97, 0.95, 0.92)))
 
 
 def fabric(size: int = 256, seed: int = 61) -> Image:
-    """A coarse weave in neutral grey, to be tinted; 0.25 m."""
+    """Paint 0.25 m of a coarse weave in neutral grey, to be tinted."""
     y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
     weave = 0.5 + 0.25 * np.where(((x // 4) + (y // 4)) % 2, np.sin(x * np.pi / 4), np.sin(y * np.pi / 4))
     value = weave + 0.12 * fractal(size, size, seed, 0.2) + 0.12 * fractal(size, size, seed + 1, 1.3)
@@ -129,13 +99,13 @@ def fabric(size: int = 256, seed: int = 61) -> Image:
 
 
 def speckle(size: int = 256, seed: int = 71) -> Image:
-    """Faint mottling for painted, glazed and metal things, to be tinted."""
+    """Paint faint mottling for painted, glazed and metal surfaces, to be tinted."""
     value = 0.6 + 0.14 * fractal(size, size, seed, 0.4) + 0.08 * fractal(size, size, seed + 1, 1.1)
     return to_image(tinted(value, (0.76, 0.76, 0.76), (1.0, 1.0, 1.0)))
 
 
 def foliage(size: int = 256, seed: int = 81) -> Image:
-    """A leaf with midrib and side veins, in green grey, to be tinted; base at the bottom."""
+    """Paint a leaf in green grey, its base at the bottom, to be tinted."""
     y, x = np.meshgrid(np.linspace(1, 0, size), np.linspace(-1, 1, size), indexing="ij")
     side = np.abs(np.sin((y * 9 - np.abs(x) * 2.2) * np.pi))
     value = 0.55 + 0.16 * side + 0.12 * fractal(size, size, seed, 0.8)
@@ -145,13 +115,13 @@ def foliage(size: int = 256, seed: int = 81) -> Image:
 
 
 def grass(size: int = 512, seed: int = 91) -> Image:
-    """Meadow: blotches of tone over fine blades."""
+    """Paint a meadow: blotches of tone over fine blades."""
     value = 0.5 + 0.16 * fractal(size, size, seed, 1.2) + 0.16 * fractal(size, size, seed + 1, 0.25, (1.0, 2.0))
     return to_image(tinted(value, (0.22, 0.34, 0.12), (0.62, 0.70, 0.34)))
 
 
 def roof(size: int = 256, rows: int = 12, seed: int = 101) -> Image:
-    """Rows of roof tiles."""
+    """Paint rows of roof tiles."""
     rng = np.random.default_rng(seed)
     y, x = np.meshgrid(np.arange(size) * rows / size, np.arange(size) * rows / size, indexing="ij")
     x = x + 0.5 * (y.astype(int) % 2)
@@ -163,7 +133,7 @@ def roof(size: int = 256, rows: int = 12, seed: int = 101) -> Image:
 
 
 def facade(size: int = 512, columns: int = 4, rows: int = 3, seed: int = 111) -> Image:
-    """A rendered house front with framed windows, some lit, in neutral tone, to be tinted."""
+    """Paint a house front with framed windows, to be tinted."""
     rng = np.random.default_rng(seed)
     y, x = np.meshgrid(np.arange(size) / size * rows, np.arange(size) / size * columns, indexing="ij")
     u, v, cell = x % 1, y % 1, (y.astype(int) * columns + x.astype(int))
@@ -186,14 +156,14 @@ def facade(size: int = 512, columns: int = 4, rows: int = 3, seed: int = 111) ->
 
 
 def perforated(size: int = 128) -> Image:
-    """Fine holes in offset rows, for grilles; neutral, to be tinted."""
+    """Paint fine holes in offset rows for grilles, to be tinted."""
     y, x = np.meshgrid(np.arange(size) * 8 / size, np.arange(size) * 8 / size, indexing="ij")
     u, v = (x + 0.5 * (y.astype(int) % 2)) % 1 - 0.5, y % 1 - 0.5
     return to_image(tinted(np.clip((np.hypot(u, v) - 0.26) / 0.08, 0, 1), (0.16, 0.16, 0.17), (0.88, 0.88, 0.88)))
 
 
 def globe(height: int = 256, width: int = 512, seed: int = 121) -> Image:
-    """Seas, lands with shores, and a net of meridians."""
+    """Paint a map of the world with meridians."""
     land = fractal(height, width, seed, 1.7)
     sea = tinted(0.5 + 0.2 * fractal(height, width, seed + 1, 0.8), (0.14, 0.34, 0.50), (0.30, 0.54, 0.68))
     soil = tinted(0.5 + 0.3 * fractal(height, width, seed + 2, 0.9), (0.50, 0.55, 0.26), (0.82, 0.70, 0.44))
@@ -204,7 +174,7 @@ def globe(height: int = 256, width: int = 512, seed: int = 121) -> Image:
 
 
 def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
-    """Colours of a knotted rug at (h, w) places in 0..1 across and down it: borders, medallions, a dotted ground. 0..1 sRGB."""
+    """Return (h, w, 3) sRGB of 0..1 of a knotted rug at places y and x of 0..1 on it."""
     inset = np.minimum(np.minimum(x, 1 - x) * 1.1, np.minimum(y, 1 - y))
     u, v = np.abs(x - 0.5) * 2.2, np.abs(y - 0.5) * 2
     ground = tinted(0.35 + 0.12 * fractal(*y.shape, seed, 0.3), (0.36, 0.07, 0.08), (0.68, 0.20, 0.16))

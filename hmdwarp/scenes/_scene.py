@@ -1,0 +1,167 @@
+"""A scene: meshes, textures, moving bodies and background, checked when put together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cached_property
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import SceneError
+from ..geometry import Pose
+from ..registry import Registry
+from ._content import Body
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Mesh, Texture
+from ._mirrors import SceneMirror, mirrors_of
+from .effects import SceneEffect
+
+Rgb = tuple[float, float, float]
+
+
+def _meshes(values: Iterable[Mesh]) -> tuple[Mesh, ...]:
+    return tuple(values)
+
+
+def _textures(values: Iterable[Texture]) -> tuple[Texture, ...]:
+    return tuple(values)
+
+
+def _bodies(values: Iterable[Body]) -> tuple[Body, ...]:
+    return tuple(values)
+
+
+def _notes(values: Iterable[str]) -> tuple[str, ...]:
+    return tuple(values)
+
+
+def _vector(value: ArrayLike) -> NDArray[np.float64]:
+    array = np.array(value, dtype=np.float64).reshape(3)
+    array.flags.writeable = False
+    return array
+
+
+def _bounds(value: ArrayLike) -> NDArray[np.float64]:
+    return np.array(value, np.float64)
+
+
+@attrs.frozen
+class Background:
+    """Light from infinitely far, linear RGB.
+
+    The colour of a direction is mixed by the square root of how far it points up or down, which
+    keeps the haze at the horizon thin.
+    """
+
+    # Straight up.
+    zenith: Rgb = (0.0, 0.0, 0.0)
+    # At the horizon.
+    horizon: Rgb = (0.0, 0.0, 0.0)
+    # Straight down.
+    ground: Rgb = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def uniform(cls, colour: Rgb) -> Background:
+        """Return a background of the same linear RGB in every direction."""
+        return cls(colour, colour, colour)
+
+
+@attrs.define(eq=False, frozen=True, slots=False)
+class Scene:
+    """Everything the server needs to draw, and where a viewer may stand.
+
+    Errors: SceneError for a mesh with an unknown texture or body, and for mirrors that cannot be
+    drawn (see `mirrors`).
+    """
+
+    name: str
+    summary: str
+    meshes: tuple[Mesh, ...] = attrs.field(converter=_meshes)
+    textures: tuple[Texture, ...] = attrs.field(default=(), converter=_textures)
+    background: Background = Background()
+    # Meshes belong to a body by its number, which starts at 1.
+    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_bodies)
+    # Float64 (3,) in the world. Meshes are relative to it: float32 keeps its digits 1e6 m away.
+    origin_m: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
+    # World_from_head of a viewer at rest.
+    viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))
+    # (2, 3) lowest and highest corner of the world box that a head may move in.
+    walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_bounds)
+    # Survivable faults of a foreign file, one line each.
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_notes)
+
+    def __attrs_post_init__(self) -> None:
+        for mesh in self.meshes:
+            count, normal_map = len(self.textures), mesh.material.normal_map
+            if not -1 <= mesh.texture < count:
+                raise SceneError(f"mesh '{mesh.name}' uses texture {mesh.texture}, the scene has {count}")
+            if not -1 <= normal_map < count:
+                raise SceneError(
+                    f"mesh '{mesh.name}' uses texture {normal_map} as its normal map, the scene has {count}"
+                )
+            if not 0 <= mesh.body <= len(self.bodies):
+                raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
+        self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
+
+    @cached_property
+    def effects(self) -> SceneEffect:
+        """Effects that its content calls for."""
+        found = SceneEffect.NONE
+        for mesh in self.meshes:
+            found |= _effects_of(self, mesh)
+        return found
+
+    @cached_property
+    def mirrors(self) -> tuple[SceneMirror, ...]:
+        """Mirrors, plane ones first; see mirrors_of for its errors."""
+        return mirrors_of(self.name, self.meshes, self.origin_m)
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles of all meshes together."""
+        return sum(len(mesh.triangles) for mesh in self.meshes)
+
+
+def is_cutout(scene: Scene, mesh: Mesh) -> bool:
+    """Return whether a see-through sheet is opaque or fully transparent but for its edges.
+
+    Such a sheet, a fence for instance, has a depth of its own in the picture.
+    """
+    if not mesh.material.see_through or mesh.texture < 0 or mesh.material.opacity < 1:
+        return False
+    alpha = scene.textures[mesh.texture].image[..., 3:]
+    between = (alpha > ALPHA_TOLERANCE) & (alpha < 255 - ALPHA_TOLERANCE)
+    return alpha.size > 0 and float(between.mean()) < MOST_EDGES
+
+
+def _effects_of(scene: Scene, mesh: Mesh) -> SceneEffect:
+    material, found = mesh.material, SceneEffect.NONE
+    calls = {
+        SceneEffect.PLANAR_REFLECTIONS: material.reflectivity > 0 and not material.curved,
+        SceneEffect.GLOSSY_REFLECTIONS: material.normal_map >= 0,
+        SceneEffect.CURVED_REFLECTIONS: material.curved,
+        SceneEffect.RIGID_MOTION: mesh.body > 0,
+        SceneEffect.SOFT_MOTION: mesh.deformation is not None,
+        SceneEffect.TRANSPARENCY: material.see_through and not is_cutout(scene, mesh),
+        SceneEffect.OVERLAY: material.head_locked,
+    }
+    for effect, called_for in calls.items():
+        if called_for:
+            found |= effect
+    return found
+
+
+@attrs.frozen(eq=False)
+class SceneSource:
+    """A registered scene before it is built; listing scenes builds nothing."""
+
+    name: str
+    summary: str
+    # Makes the scene, the same arrays every time.
+    build: Callable[[], Scene]
+    # What the built scene's content will call for.
+    effects: SceneEffect = SceneEffect.NONE
+
+
+scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes")

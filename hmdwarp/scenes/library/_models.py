@@ -1,0 +1,73 @@
+"""Models of the library's scenes: geometry with baked light in GLB files beside their modules.
+
+README.md in this folder says what the files hold and how to edit them.
+"""
+
+from __future__ import annotations
+
+import lzma
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._content import Material
+from .._gltf_file import GltfFile
+from .._mesh import Mesh, Texture
+
+_FIELDS = {
+    "positions": "POSITION",
+    "normals": "NORMAL",
+    "uv": "TEXCOORD_0",  # v up as in Mesh, not down as in glTF: 1 - v would round
+    "light": "COLOR_0",
+    "albedo": "_ALBEDO",
+}
+
+
+class StoredModel:
+    """The model of one scene."""
+
+    def __init__(self, scene: str) -> None:
+        path = Path(__file__).with_name(f"{scene}.glb.xz")
+        self._file = GltfFile.parse(path, lzma.decompress(path.read_bytes()))
+
+    def meshes(self, textures: Sequence[Texture]) -> list[Mesh]:
+        """Return its meshes; materials find their textures by name among `textures`."""
+        index = {texture.name: i for i, texture in enumerate(textures)}
+        return [self._mesh(node, index) for node in self._file.items("nodes")]
+
+    def _mesh(self, node: dict, index: dict[str, int]) -> Mesh:
+        file, name = self._file, node["name"]
+        (primitive,) = file.item("meshes", node.get("mesh"), name)["primitives"]
+        gltf = file.item("materials", primitive.get("material"), name)
+        settings = dict(gltf.get("extras", {}))
+        if "normal_map" in settings:
+            settings["normal_map"] = index[settings["normal_map"]]
+        attributes = primitive["attributes"]
+        arrays: dict[str, Any] = {
+            field: file.numbers(attributes[key], name) for field, key in _FIELDS.items() if key in attributes
+        }
+        return Mesh(
+            name,
+            triangles=file.numbers(primitive["indices"], name, 1).reshape(-1, 3),
+            texture=index[gltf["name"]],
+            double_sided=gltf.get("doubleSided", False),
+            material=Material(**settings),
+            body=node.get("extras", {}).get("body", 0),
+            **arrays,
+        )
+
+    def doubles(self, name: str, columns: int) -> NDArray[np.float64]:
+        """Return the (n, columns) numbers of the buffer view of that name."""
+        return np.frombuffer(self._view(name), "<f8").reshape(-1, columns)
+
+    def mask(self, name: str) -> NDArray[np.bool_]:
+        """Return the (h, w) black and white image of that name."""
+        names = [image.get("name") for image in self._file.items("images")]
+        return self._file.image(names.index(name), name)[..., 0] > 127
+
+    def _view(self, name: str) -> bytes:
+        (view,) = (view for view in self._file.items("bufferViews") if view.get("name") == name)
+        return self._file.view(view)

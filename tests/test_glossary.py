@@ -1,0 +1,129 @@
+"""Public names use words of the glossary or plain words of the field; pages avoid retired words."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "hmdwarp"
+GLOSSARY = ROOT / "docs" / "glossary.md"
+PLAIN = Path(__file__).with_name("words.txt")
+PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "recordings/README.md")]
+PAGES += sorted((ROOT / "docs").glob("*.md"))
+
+# Invented words, and the names that had them. The changelog may name what was renamed.
+RETIRED = re.compile(
+    r"\b(?i:easel|parcel|passage|sights|plates?|ladders?|rungs?|nobody|somebody|whoever)\b"
+    r"|`(Given|Requested|Course|Stage|Watch|StepWatch|Obeying|Tidying|Room|Sitting|Desk|desk|hands|obey)`"
+    r"|\b(told|took|went)\(\)|a fault of ours|nothing half-written|must not fall apart|goes on after anything"
+)
+QUOTED = re.compile(r"^```.*?^```|<!-- [\w -]+ -->.*?<!-- end -->|`\"nobody\"`", re.DOTALL | re.MULTILINE)
+
+
+# Words that are retired and still in names: each goes from here with the last name that has it.
+OWED = {
+    "asked", "desk", "felt", "given", "hands", "nobody", "nouns", "openings", "paper", "plate", "post", "resting",
+    "returning", "sight", "sitting", "telling", "thinned", "told", "trouble", "voices", "way", "whole",
+}  # fmt: skip
+
+
+def words_of(name: str) -> list[str]:
+    """Split CamelCase and snake_case into lower-case words, without digits."""
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)
+    return [part.lower() for part in parts if len(part) > 1]
+
+
+def is_in(word: str, known: set[str]) -> bool:
+    """Return whether the word, or what may be its singular, is known."""
+    forms = {word, f"{word}s", word.removesuffix("s"), word.removesuffix("es"), re.sub("ies$", "y", word)}
+    return not known.isdisjoint(forms)
+
+
+def glossary_rows() -> list[list[str]]:
+    lines = [line for line in GLOSSARY.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return [row for row in rows if row[0] not in ("term", "---")]
+
+
+def known_words() -> set[str]:
+    terms = " ".join(row[0] + " " + " ".join(re.findall(r"`(\w+)`", row[1])) for row in glossary_rows())
+    return set(words_of(terms)) | set(PLAIN.read_text(encoding="utf-8").split()) | OWED
+
+
+def public_names() -> dict[str, Path]:
+    """Return packages, public modules and names that packages re-export, each with its file."""
+    names = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        stem = path.parent.name if path.name == "__init__.py" else path.stem
+        if not stem.startswith("_"):
+            names[stem] = path
+        if path.name == "__init__.py":
+            names |= dict.fromkeys(exported(ast.parse(path.read_text(encoding="utf-8"))), path)
+    return names
+
+
+def exported(module: ast.Module) -> list[str]:
+    """Return what a package re-exports: the names of its __all__ and of its table of homes."""
+    found = []
+    for statement in module.body:
+        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.List | ast.Dict | ast.Tuple):
+            value = statement.value
+            entries = value.keys if isinstance(value, ast.Dict) else value.elts
+            found += [entry.value for entry in entries if isinstance(entry, ast.Constant)]
+    return [name for name in found if isinstance(name, str) and not name.startswith("__")]
+
+
+def test_public_names_use_known_words():
+    known = known_words()
+    unknown = {
+        f"{path.relative_to(ROOT)}: '{word}' in {name}"
+        for name, path in public_names().items()
+        for word in words_of(name)
+        if not is_in(word, known)
+    }
+    assert not unknown, (
+        "These words are neither in docs/glossary.md nor in tests/words.txt. Use a term of the glossary, or add the "
+        "word to the glossary (a term of this project) or to the list (plain English of the field):\n  "
+        + "\n  ".join(sorted(unknown))
+    )
+
+
+def test_the_plain_words_are_sorted_and_no_retired_ones():
+    words = PLAIN.read_text(encoding="utf-8").split()
+    assert words == sorted(set(words))
+    assert not [word for word in words if word in OWED or RETIRED.fullmatch(word)]
+
+
+def test_what_is_owed_is_still_in_a_name():
+    used = {word for name in public_names() for word in words_of(name)}
+    assert used >= OWED, f"no name has these any more, take them out of OWED: {sorted(OWED - used)}"
+
+
+def test_each_term_is_explained_in_one_line():
+    rows = glossary_rows()
+    assert len(rows) > 80
+    for row in rows:
+        assert len(row) == 3 and all(row), row
+        assert len(row[1].split()) < 25, row[0]
+        assert row[1].endswith("."), row[0]
+    terms = [row[0].casefold() for row in rows]
+    assert len(terms) == len(set(terms))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pages_have_no_retired_words(page):
+    text = QUOTED.sub("", page.read_text(encoding="utf-8"))
+    assert not [match[0] for match in RETIRED.finditer(text)]
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"], ids=lambda page: page.name)
+def test_prose_wraps_at_100_columns_in_paragraphs_of_five_lines(page):
+    text = QUOTED.sub("", page.read_text(encoding="utf-8"))
+    prose = [line for line in text.splitlines() if not line.startswith(("|", "![", "    "))]
+    assert [line for line in prose if len(line) > 100] == []
+    for paragraph in re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) )", "\n".join(prose)):
+        assert len(paragraph.strip().splitlines()) <= 5, paragraph
