@@ -1,4 +1,4 @@
-"""Make the pages of the site that are no file of docs/: front page, examples, reference.
+"""Make the pages of the site that are no file of docs/: those beside it, examples, reference.
 
 A hook of MkDocs (docs/site/mkdocs.yml). The reference has a page for each package that names in
 `__all__` what is public; what it does not define itself is linked to where that stands.
@@ -19,13 +19,13 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).resolve().parents[2]
-TOP = "README.md", "CONTRIBUTING.md", "CHANGELOG.md"  # beside docs/, so their links are turned
+TOP = "CONTRIBUTING.md", "CHANGELOG.md"  # beside docs/, so their links are turned
 sys.path.insert(0, str(ROOT))
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the generated pages to those that MkDocs found in docs/."""
-    pages = {"index.md" if name == "README.md" else name: _turned(ROOT / name) for name in TOP}
+    pages = {name: _turned(ROOT / name) for name in TOP}
     pages["recordings.md"] = (ROOT / "recordings" / "README.md").read_text(encoding="utf-8")
     pages["examples.md"] = _examples()
     pages |= _reference()
