@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import signal
 import sys
 from pathlib import Path
 
+import attrs
 import needs
 import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
 
+# Two workers share two cores: threads of OpenMP (FLIP) that wait busily for each other took 20 times
+# as long. Before any library with OpenMP is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
@@ -21,6 +26,20 @@ def gpu():
 
     with Gpu() as made:
         yield made
+
+
+@pytest.fixture(scope="session", autouse=True)
+def scenes_are_built_once():
+    """Build each shipped scene once in a session: nobody writes to a scene, and `room` takes 1.5 s.
+
+    `scenes.get(name).build.__wrapped__()` builds it afresh.
+    """
+    from hmdwarp.scenes import scenes
+
+    found = scenes.get
+    scenes.get = functools.cache(lambda name: attrs.evolve(found(name), build=functools.cache(found(name).build)))
+    yield
+    scenes.get = found
 
 
 @pytest.fixture(autouse=True)
