@@ -1,4 +1,8 @@
-"""What a run asks of the GPU: which programs it compiles, what it allocates, how often it dispatches and draws, what a frame weighs."""
+"""What a run asks of the GPU.
+
+Which programs it compiles, what it allocates, how often it dispatches and draws, what a frame
+weighs.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ import moderngl
 import pytest
 from replays import small
 
-from hmdwarp.client.weight import eye_bytes
+from hmdwarp.frames import frame_bytes
 from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.run.rig import build_rig
 
@@ -21,9 +25,12 @@ WORK += ((moderngl.VertexArray, "render_indirect"),)
 
 @attrs.frozen
 class Costs:
-    """shaders: the files of all programs compiled. made: how many of each kind of thing. work: dispatches and draws of one refresh,
-    drawing the frame included. layers: bytes of each layer of one eye's picture; sent: of a frame, as the link was told. textures: how
-    many of each size, components and type."""
+    """shaders: the files of all programs compiled.
+
+    made: how many of each kind of thing. work: dispatches and draws of one refresh, drawing the
+    frame included. layers: bytes of each layer of a frame; sent: of a frame, as the link
+    was told. textures: how many of each size, components and type.
+    """
 
     shaders: frozenset[str]
     made: dict[str, int]
@@ -64,7 +71,7 @@ def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
                 if shown == refreshes:
                     break
             assert shown == refreshes
-            layers = eye_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
+            layers = frame_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
             return Costs(
                 frozenset(shaders), dict(made), dict(work), layers, rig.channel.transit.size_bytes, dict(textures)
             )

@@ -1,4 +1,7 @@
-"""A scene pays for what it calls for, and for nothing else: shaders, textures, bytes and dispatches are counted."""
+"""A scene pays for what it calls for, and for nothing else.
+
+Shaders, textures, bytes and dispatches are counted.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import pytest
 from costs import Costs, costs_of
 
 from hmdwarp.client.effects import effects
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs
 from hmdwarp.resources import folder
 from hmdwarp.scenes import scenes
 from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, effect_names
@@ -29,10 +32,11 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(scene)
     costs = costs_of(scene=scene, fill="interpolate")
     assert costs.shaders == BASE_SHADERS
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
-    assert costs.layers == {"rendered.colour": 96 * 80 * 8, "rendered.inverse_depth": 96 * 80 * 4}
+    assert costs.layers == {"rendered.colour": 2 * 96 * 80 * 8, "rendered.inverse_depth": 2 * 96 * 80 * 4}
     assert costs.sent == 2 * 96 * 80 * 12
-    # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each has colour and depth for two eyes.
-    # The client has a canvas for the warp and one for the fill, for each eye.
+    # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each
+    # has colour and depth for two eyes. The client has a canvas for the warp and one for the fill,
+    # for each eye.
     colour, depth = ((96, 80), 4, "f2"), ((96, 80), 1, "f4")
     assert {kind: count for kind, count in costs.textures.items() if kind[0] == (96, 80)} == {
         colour: 2 * 5 + 2 * 2,
@@ -58,7 +62,10 @@ def test_what_is_forbidden_costs_the_client_and_the_link_nothing(scene):
 
 @pytest.mark.parametrize("scene", CALLING)
 def test_each_effect_is_paid_by_those_who_call_for_it(scene):
-    """Forbidding one takes its bytes off the link, unless another needs the same; forcing what is there already changes nothing."""
+    """Forbidding one takes its bytes off the link, unless another needs the same.
+
+    Forcing what is there already changes nothing.
+    """
     everything = costs_of(scene=scene)
     declared = scenes.get(scene).effects
     assert costs_of(scene=scene, effects=",".join(effect_names(declared))) == everything
@@ -94,7 +101,10 @@ def test_every_effect_has_a_scene_that_calls_for_it():
 
 
 def test_one_line_of_the_program_tests_an_effect_flag():
-    """Whoever looks at flags elsewhere has a second opinion of what is to be done; only the plan has one."""
+    """Whoever looks at flags elsewhere has a second opinion of what is to be done.
+
+    Only the plan has one.
+    """
     root = folder("shaders").parent / "hmdwarp"
     found = [
         f"{path.relative_to(root)}:{node.lineno}"
@@ -107,7 +117,10 @@ def test_one_line_of_the_program_tests_an_effect_flag():
 
 
 def _tests_a_flag(node: ast.AST) -> bool:
-    """`a & b` or `a in b` where either side speaks of flags or of a named SceneEffect; masks that are assigned are no tests."""
+    """`a & b` or `a in b` where either side speaks of flags or of a named SceneEffect.
+
+    Masks that are assigned are no tests.
+    """
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd):
         sides = [node.left, node.right]
     elif isinstance(node, ast.Compare) and any(

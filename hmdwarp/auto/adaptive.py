@@ -13,7 +13,6 @@ from .governor import Change, Governor
 if TYPE_CHECKING:
     from ..client.inputs import PassInputs
     from ..client.plan import Plan
-    from ..frames.frame import Needs
     from ..gpu.context import Gpu
     from .levels import QualityLevel
 
@@ -55,7 +54,7 @@ class AdaptiveCompensator:
 
     def run(self, inputs: PassInputs) -> EyeResult:
         """As Compensator.run, by the present rung, which gets what it would get alone."""
-        return self._running.run(_only(inputs, self.plan.needs))
+        return self._running.run(attrs.evolve(inputs, rendered=inputs.rendered.only(self.plan.needs)))
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """What the passes of each eye took at the refresh that was just made; the slower eye counts."""
@@ -67,13 +66,3 @@ class AdaptiveCompensator:
         """Free every texture and buffer of all rungs."""
         for compensator in self._compensators.values():
             compensator.close()
-
-
-def _only(inputs: PassInputs, needs: Needs) -> PassInputs:
-    """Without what frames carry for other rungs."""
-    rendered = attrs.evolve(
-        inputs.rendered,
-        layers=inputs.rendered.layers[: needs.layers],
-        cube=inputs.rendered.cube if needs.cube else None,
-    )
-    return attrs.evolve(inputs, rendered=rendered)

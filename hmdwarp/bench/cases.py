@@ -10,7 +10,7 @@ import attrs
 from ..client.history import History
 from ..client.plan import Plan, build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..link import Link, LinkOptions
 from ..pipeline.build import refreshes_of
 from ..pipeline.options import RunOptions
@@ -77,11 +77,15 @@ def batches(
 
     All fills of a warp stay together. What wants no older frames goes along with the first.
     """
-    spacings = sorted({c.plan.needs.past_spacing_ns for c in combinations if c.plan.needs.past})
+    spacings = sorted({c.plan.needs.others.spacing_ns for c in combinations if c.plan.needs.others.past})
     first = spacings[0] if spacings else 0
     found: list[list[Combination]] = []
     for spacing in spacings or [first]:
-        fitting = [c for c in combinations if (c.plan.needs.past_spacing_ns if c.plan.needs.past else first) == spacing]
+        fitting = [
+            c
+            for c in combinations
+            if (c.plan.needs.others.spacing_ns if c.plan.needs.others.past else first) == spacing
+        ]
         current: list[Combination] = []
         for _, group in itertools.groupby(fitting, key=lambda c: c.warp):
             together = list(group)
@@ -149,7 +153,7 @@ def frames_used(times: Timetable, link_ns: int, needs: Needs, looked_at: Iterabl
     The link and the history themselves say which, given frames without pictures.
     """
     wanted, used = set(looked_at), set()
-    history = History(needs.past, needs.past_spacing_ns, lambda frame: None)
+    history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)
     link: Link = LinkOptions().link(link_ns, history.offer)
     for number, instant_ns in numbered(times):
         link.send(_Drawn(instant_ns), instant_ns)

@@ -17,8 +17,7 @@ from ..errors import HmdwarpError
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link import LinkOptions
-from ..metrics.job import Compared, QualityJob
-from ..metrics.pool import QualityPool
+from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
@@ -99,7 +98,7 @@ def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Calla
 def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
     """A loop of its own on the rig's server, whose newest frame was drawn at time 0."""
     needs = needs_of(c.plan for c in warps)
-    history = History(needs.past, needs.past_spacing_ns, rig.server.recycle)
+    history = History(needs.others.past, needs.others.spacing_ns, rig.server.recycle)
     stack.callback(history.close)
     channel = Channel(LinkOptions(), 0, None, 0, history.offer, rig.server.recycle)
     stack.callback(channel.close)
@@ -107,8 +106,8 @@ def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack
     loop = Loop(
         PoseRequest(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset
     )
-    for back in range(needs.past, -1, -1):
-        loop.draw(-back * max(1, needs.past_spacing_ns))
+    for back in range(needs.others.past, -1, -1):
+        loop.draw(-back * max(1, needs.others.spacing_ns))
     return loop
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..client.plan import Plan
-from ..client.weight import DEPTH
+from ..frames.layers import PIXEL_BYTES
 
 
 def passes_of(
@@ -19,7 +19,7 @@ def passes_of(
     stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so no pass can be quicker unless its
     pictures stay in the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it writes counts.
     """
-    moved = {"client_depth": DEPTH * shown_pixels} if plan.draws_client_depth else {}
+    moved = {"client_depth": PIXEL_BYTES["r32f"] * shown_pixels} if plan.draws_client_depth else {}
     moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)
     if plan.fills:
         moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)

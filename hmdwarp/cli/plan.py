@@ -139,19 +139,19 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
     """What frames weigh that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
-    from ..client.weight import eye_bytes
+    from ..frames import frame_bytes
     from ..pipeline.build import frames_held
     from ..pipeline.sizes import eye_sizes
 
     rate_hz = options.rate_hz or headset.refresh_hz
     needs, sizes = needs_of(plans), eye_sizes(options.guard, headset, options.size or headset.eye_size_px)
-    parts = eye_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
-    told = ", ".join(f"{name} {2 * count / 1e6:.1f} MB" for name, count in parts.items())
+    parts = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
+    told = ", ".join(f"{name} {count / 1e6:.1f} MB" for name, count in parts.items())
     at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"
     return [
         (
             "A frame",
-            f"2 eyes x {sizes.rendered[0]}x{sizes.rendered[1]} px, {2 * sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}",
+            f"2 eyes x {sizes.rendered[0]}x{sizes.rendered[1]} px, {sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}",
         ),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]

@@ -1,5 +1,27 @@
-"""Frames: what the server drew, with the exact views it was drawn for."""
+"""Frames: what the server drew, with the exact views it was drawn for.
 
-from .frame import EyeImage, Frame, Layer, Needs, Reflection, Transparent
+The kinds of layers are registered in frames.layers.
+"""
 
-__all__ = ["EyeImage", "Frame", "Layer", "Needs", "Reflection", "Transparent"]
+from .frame import EyeImage, Frame
+from .layers import EyeSizes, Surface
+from .layers.ids import BodyIds
+from .layers.others import Others
+from .layers.reflection import Mirrored, Reflection
+from .layers.transparent import Transparent
+from .needs import Needs
+from .weight import frame_bytes
+
+__all__ = [
+    "BodyIds",
+    "EyeImage",
+    "EyeSizes",
+    "Frame",
+    "Mirrored",
+    "Needs",
+    "Others",
+    "Reflection",
+    "Surface",
+    "Transparent",
+    "frame_bytes",
+]

@@ -19,7 +19,7 @@ from ..client.plan import PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..colour import linear_from_srgb
 from ..errors import InputError, PlanError
-from ..frames.frame import EyeImage
+from ..frames import EyeImage
 from ..geometry import View, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
@@ -31,7 +31,8 @@ NO_DEPTH = -1.0
 @attrs.frozen(eq=False)
 class WarpedImage:
     """colour (h, w, 3) linear float32, top row first; coverage (h, w) float32, 0 where nothing is known and colour is black;
-    time_ms: stage name to milliseconds; hole_share: share of pixels without coverage after the warp and before the fill."""
+    time_ms: stage name to milliseconds; hole_share: share of pixels without coverage after the warp and before the fill.
+    """
 
     colour: NDArray[np.float32]
     coverage: NDArray[np.float32]

@@ -14,8 +14,7 @@ from ..auto.levels import QualityLevel
 from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import Plan, needs_of
-from ..client.weight import EyeSizes, eye_bytes
-from ..frames.frame import Needs
+from ..frames import EyeSizes, Needs, frame_bytes
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -45,8 +44,8 @@ def refreshes_of(latency_ms: float, rate_hz: float) -> int:
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
     """The most frames there are at a time: under way, shown, being drawn, and older ones kept."""
     if options.network.is_plain:
-        return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.past
-    return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.past
+        return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
+    return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.others.past
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
@@ -137,7 +136,7 @@ def build_pipeline(
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)
-        history = History(needs.past, needs.past_spacing_ns, server.recycle)
+        history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
         channel = _channel(options, sizes, timing, plans, history, server)
         stack.callback(channel.close)
@@ -162,7 +161,7 @@ def _channel(
     options: PipelineOptions, sizes: EyeSizes, timing: Timing, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
     reads = {name for plan in plans for name in plan.layers}
-    weight = 2 * sum(eye_bytes(needs_of(plans), sizes, reads).values())
+    weight = sum(frame_bytes(needs_of(plans), sizes, reads).values())
     coder = None
     if not codecs.get(options.coding.codec).is_none:
         coder = Coder(options.coding, sizes.rendered, timing.rate_hz, sends_depth="rendered.inverse_depth" in reads)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ..client.inputs import PassInputs
-from ..frames.frame import Frame
+from ..frames import Frame
 from ..link import ResponseTime
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..client.compensator import Compensator, EyeResult
     from ..client.history import History
     from ..client.plan import Plan
-    from ..frames.frame import Needs
+    from ..frames import Needs
     from ..geometry import Eyes
     from ..gpu.timers import Lap, Stages
     from ..link import TransitStats
@@ -76,7 +76,7 @@ class Refresh:
     @property
     def response(self) -> ResponseTime:
         """The response time by its parts."""
-        took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.took_ms.items()}
+        took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.timings_ms.items()}
         if self.frame.drawing is not None:
             took["render_ms"] = _total(self.frame.drawing.read())
         return ResponseTime.of(self.transit, warp_ms=sum(map(_total, self.stage_ms)), **took)
@@ -153,8 +153,8 @@ class Loop:
         )
 
     def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
-        beside = (frame.eyes[1 - eye],) if needs.other_eye else ()
-        return (*beside, *(past.eyes[eye] for past in self.history.frames[: needs.past]))
+        beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
+        return (*beside, *(past.eyes[eye] for past in self.history.frames[: needs.others.past]))
 
 
 def _total(stages: Stages) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from ..auto.levels import QualityLevel
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
-from ..frames.frame import Needs
+from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link.codec import check_codec
@@ -23,7 +23,7 @@ from ..pipeline.options import RunOptions
 from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseSample, PoseTrack, RecordedSource, load_trace
-from ..poses.predict import predict
+from ..poses.prediction import predict
 from ..poses.predictors import predictors
 from ..scenes import Scene, load_scene
 

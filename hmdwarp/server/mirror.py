@@ -1,4 +1,4 @@
-"""Draws the world behind plane mirrors, the surroundings in curved ones, and where the picture shows them."""
+"""Draws what plane and curved mirrors show, and where the picture shows the mirrors."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from ..geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ..gpu.scopes import drawing_into
 from .cube import draw_cube
 from .moving import Place
-from .passes import ScenePasses, clear_depth
-from .peel import SAME_SURFACE
+from .passes import SAME_SURFACE, ScenePasses, clear_depth
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
-from .sight import Visibility
+from .visibility import Visibility
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..frames.frame import EyeImage
+    from ..frames import EyeImage
     from ..geometry import Mirror
     from ..scenes import Mesh, SceneMirror
     from .parts import DrawContext
@@ -31,21 +30,21 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the last
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
-FACE_PIXELS = (
-    160  # across 90 degrees of what a curved mirror shows: it shrinks a face to about 50 pixels where the ball has 150
-)
+# Across 90 degrees of what a curved mirror shows: it shrinks a face to about 50 pixels where the
+# ball has 150.
+FACE_PIXELS = 160
 CLIP_DISTANCE_0 = 0x3000
 
 
 def plane_in_eye(mirror: Mirror, view: View) -> Array:
-    """(4,): its product with an eye-space (x, y, z, 1) is how far before the mirror that is, in metres."""
+    """Return the mirror's plane, (4,): times (x, y, z, 1) in eye space, metres before it."""
     eye_from_world = view.pose.rotation_matrix.T
     normal = eye_from_world @ mirror.normal
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
 
 def reflection_in_eye(mirror: Mirror, view: View) -> Array:
-    """4x4: eye space to where it seems to be behind the mirror."""
+    """Return 4x4: eye space to where it appears behind the mirror."""
     plane = plane_in_eye(mirror, view)
     out = np.eye(4)
     out[:3] -= 2 * np.outer(plane[:3], plane)
@@ -53,7 +52,7 @@ def reflection_in_eye(mirror: Mirror, view: View) -> Array:
 
 
 def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """The pixels in which a plane mirror and its apron may be seen, None where they cannot."""
+    """Return the pixels in which a plane mirror and its apron may be seen, None for none."""
     if plane_in_eye(mirror, view)[3] <= 0:
         return None
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
@@ -66,11 +65,14 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
     pixels /= np.array(tangents_of_pixels(view, size)["tangent_step"])
     low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)
     high = np.clip(np.ceil(pixels.max(axis=0)), 0, size).astype(int)
-    return (*map(int, low), *map(int, high)) if (high > low).all() else None
+    return (int(low[0]), int(low[1]), int(high[0]), int(high[1])) if (high > low).all() else None
 
 
 def _before(polygon: Array, near_m: float) -> Array:
-    """The part of an eye-space polygon (n, 3) that is at least near_m ahead. Source: Sutherland and Hodgman 1974."""
+    """Return the part of an eye-space polygon (n, 3) that is at least near_m ahead.
+
+    Source: Sutherland and Hodgman 1974.
+    """
     kept = []
     for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         ahead_a, ahead_b = -a[2] - near_m, -b[2] - near_m
@@ -82,7 +84,7 @@ def _before(polygon: Array, near_m: float) -> Array:
 
 
 def part_of_view(view: View, size: tuple[int, int], bounds: Bounds) -> View:
-    """What of the view lies in these pixels of it."""
+    """Return the view of these pixels alone."""
     named = tangents_of_pixels(view, size)
     start, step = np.array(named["tangent_start"]), np.array(named["tangent_step"])
     low, high = start + step * bounds[:2], start + step * bounds[2:]
@@ -90,18 +92,22 @@ def part_of_view(view: View, size: tuple[int, int], bounds: Bounds) -> View:
 
 
 class MirroredPasses(ScenePasses):
-    """The scene as it seems to stand behind a plane mirror, in the eye's own pixels. Mirrors in it show their own colour: one bounce."""
+    """The scene as it appears behind a plane mirror, in the eye's own pixels.
+
+    Mirrors in it show their own colour: one bounce.
+    """
 
     vertex = "server/mirrored.vert"
 
+    _mirror: Mirror  # the one being drawn
+
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context.gpu, context.scene, context.colour.buffers, colour=True, moving=context.colour.moving)
-        self._mirror: Mirror | None = None
 
     def draw_behind(
         self, mirror: Mirror, view: View, framebuffer: moderngl.Framebuffer, bounds: Bounds, time_ns: int
     ) -> None:
-        """Colour and inverse depth into the pixels of `bounds`; the others hold nothing of use."""
+        """Draw colour and inverse depth into the pixels of `bounds`; the others are undefined."""
         self._mirror = mirror
         seen = part_of_view(view, framebuffer.size, bounds)
         gl = self._gl
@@ -119,12 +125,14 @@ class MirroredPasses(ScenePasses):
         buffers: SceneBuffers,
         view: View,
         place: Place,
-        sights: Visibility | None = None,
+        visibility: Visibility | None = None,
     ) -> None:
-        """As those of the scene, from behind the mirror: nothing stands there for what stands still here."""
+        """Draw like the scene, from behind the mirror, where no visibility is known."""
         self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
         behind_from_here = reflection_in_eye(self._mirror, view) @ place.eye_from_here
-        super()._draw_surfaces(vertices, buffers, view, Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3]))
+        super()._draw_surfaces(
+            vertices, buffers, view, Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
+        )
 
     def _set_background(self, view: View) -> None:
         super()._set_background(view)
@@ -134,10 +142,10 @@ class MirroredPasses(ScenePasses):
 
 
 class MirrorSurface:
-    """One mirror's own triangles."""
+    """The triangles of one mirror."""
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
-        self.mirror, self._easel = mirror, context
+        self.mirror, self._context = mirror, context
         gl, shaders = context.gpu.gl, context.gpu.shaders
         self._vertices = gl.buffer(np.concatenate([_rows(mesh) for mesh in mirror.meshes]).astype(np.float32).tobytes())
         mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
@@ -146,14 +154,18 @@ class MirrorSurface:
         self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, layout, *names)])
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
-        """What it is, where the picture of `eye` shows it."""
-        clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._easel.scene.origin_m)
-        told = {"reflectivity": self.mirror.shape.reflectivity, "shown_inverse_depth": 1, "keep": 1 - SAME_SURFACE}
+        """Draw what the mirror is, where the picture of `eye` shows it."""
+        clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._context.scene.origin_m)
+        uniforms: dict[str, object] = {
+            "reflectivity": self.mirror.shape.reflectivity,
+            "shown_inverse_depth": 1,
+            "keep": 1 - SAME_SURFACE,
+        }
         if self.mirror.normal_map >= 0:
-            self._easel.textures[self.mirror.normal_map].use(0)
-            told |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}
+            self._context.textures[self.mirror.normal_map].use(0)
+            uniforms |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}
         eye.inverse_depth.use(1)
-        self._surface.uniforms.set(clip_from_scene=clip, **told)
+        self._surface.uniforms.set(clip_from_scene=clip, **uniforms)
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._drawn.render(moderngl.TRIANGLES)
 
@@ -164,7 +176,11 @@ class MirrorSurface:
 
 
 class Ball(MirrorSurface):
-    """A curved mirror: its surroundings are drawn once around its centre, again only for another instant of a scene that moves."""
+    """A curved mirror.
+
+    Its surroundings are drawn once around its centre, and again only for another instant of a scene
+    that moves.
+    """
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
         super().__init__(context, mirror)
@@ -178,9 +194,12 @@ class Ball(MirrorSurface):
     def draw_image(
         self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target
     ) -> None:
-        """Colour and inverse depth of what mirror number `taken` of `mirrors` (their uniforms for this eye) shows."""
+        """Draw colour and inverse depth of what mirror number `taken` shows.
+
+        mirrors: uniforms of all mirrors for this eye.
+        """
         view = eye.view
-        from_scene = eye_from_scene(view, self._easel.scene.origin_m)
+        from_scene = eye_from_scene(view, self._context.scene.origin_m)
         self._draw_around(around, eye.drawn_ns)
         around.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
         around.colour.use(0)
@@ -199,12 +218,12 @@ class Ball(MirrorSurface):
             self._curved.render(moderngl.TRIANGLES)
 
     def _draw_around(self, around: Target, time_ns: int) -> None:
-        moves = bool(self._easel.colour.moving)
+        moves = bool(self._context.colour.moving)
         if self._around is around and (self._drawn_ns == time_ns or not moves):
             return
         centre = View(Pose(self.mirror.shape.centre_m), Fov.from_tangents((-1, 1, -1, 1)))
-        over = self._easel.framebuffers.over(around.colour, around.inverse_depth)
-        draw_cube(self._easel.gpu.gl, self._easel.colour, centre, over, time_ns)
+        over = self._context.framebuffers.over(around.colour, around.inverse_depth)
+        draw_cube(self._context.gpu.gl, self._context.colour, centre, over, time_ns)
         over.viewport = (0, 0, *over.size)
         self._around, self._drawn_ns = around, time_ns
 
@@ -214,7 +233,7 @@ class Ball(MirrorSurface):
 
 
 def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> dict[str, object]:
-    """Of shaders/lib/mirrors.glsl."""
+    """Return the uniforms of shaders/lib/mirrors.glsl."""
     return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)
 
 

@@ -1,9 +1,9 @@
-"""What moves of a scene, on the GPU: each body at its pose, each deforming mesh as it is at an instant."""
+"""The moving parts of a scene on the GPU: bodies at their poses, meshes as they deform."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 import numpy as np
@@ -16,7 +16,6 @@ from .upload import SceneBuffers
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..frames.frame import Needs
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Mesh, Scene
@@ -25,28 +24,29 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class Place:
-    """How an eye stands to what positions are relative to. eye_from_here: 4x4. eye: (3,) where it is, in metres."""
+    """An eye in the space that positions are relative to."""
 
+    # 4x4.
     eye_from_here: NDArray[np.float64]
+    # (3,) metres.
     eye: NDArray[np.float64]
 
 
 class Moving(ABC):
-    """One thing that moves. buffers: its triangles."""
+    """One thing that moves."""
 
+    # The layer that says how it moves: the client of a frame with that layer moves it.
+    layer: ClassVar[str]
+    # Its triangles.
     buffers: SceneBuffers
 
     @abstractmethod
     def set_time(self, time_ns: int) -> None:
-        """Make it what it is at that instant; done once for each."""
+        """Move it to where it is at that instant; does nothing for the same instant again."""
 
     @abstractmethod
     def place(self, view: View) -> Place:
-        """Of the view's eye at the instant set last."""
-
-    @abstractmethod
-    def moved_by_client(self, needs: Needs) -> bool:
-        """Whether frames with these needs tell how it moves."""
+        """Return the place of the view's eye at the instant set last."""
 
     def close(self) -> None:
         """Free its buffers."""
@@ -55,6 +55,8 @@ class Moving(ABC):
 
 class MovingBody(Moving):
     """All meshes of body number `number` (1 + its index)."""
+
+    layer = "ids"
 
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.number = meshes[0].body
@@ -69,37 +71,39 @@ class MovingBody(Moving):
     def place(self, view: View) -> Place:
         return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)
 
-    def moved_by_client(self, needs: Needs) -> bool:
-        return needs.ids
-
 
 class DeformingMesh(Moving):
     """One mesh whose vertices move by themselves: written anew for each instant that is drawn."""
 
+    layer = "velocity"
+
     def __init__(self, gpu: Gpu, scene: Scene, mesh: Mesh, textures: SceneTextures) -> None:
         self.buffers = SceneBuffers(gpu, [mesh], textures)
-        self.mesh, self._origin_m = mesh, scene.origin_m
+        assert mesh.deformation is not None
+        self.mesh, self._deformation, self._origin_m = mesh, mesh.deformation, scene.origin_m
         self._set_ns: int | None = None
 
     def set_time(self, time_ns: int) -> None:
         if time_ns != self._set_ns:
-            self.buffers.move_to(_checked(self.mesh, "positions", self.mesh.deformation.positions(time_ns)))
+            self.buffers.move_to(_checked(self.mesh, "positions", self._deformation.positions(time_ns)))
             self._set_ns = time_ns
 
     def velocities(self) -> NDArray[np.float32]:
-        """(n, 3) m/s in world axes of its vertices at the instant set last."""
-        return _checked(self.mesh, "velocities", self.mesh.deformation.velocities(self._set_ns))
+        """Return its vertices' velocities, (n, 3) m/s in world axes, at the last set instant."""
+        assert self._set_ns is not None
+        return _checked(self.mesh, "velocities", self._deformation.velocities(self._set_ns))
 
     def place(self, view: View) -> Place:
         return Place(eye_from_scene(view, self._origin_m), view.pose.position_m - self._origin_m)
 
-    def moved_by_client(self, needs: Needs) -> bool:
-        return needs.velocity
 
+def _checked(mesh: Mesh, what: str, values: NDArray) -> NDArray[np.float32]:
+    """Return the values as float32.
 
-def _checked(mesh: Mesh, what: str, found: NDArray) -> NDArray[np.float32]:
-    """Errors: SceneError for another number of vertices than the mesh has, and for values that are not finite."""
-    array = np.ascontiguousarray(found, np.float32)
+    Errors: SceneError for another number of vertices than the mesh has, and for values that are not
+    finite.
+    """
+    array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
         raise SceneError(
             f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, wanted {mesh.positions.shape}"
@@ -110,7 +114,7 @@ def _checked(mesh: Mesh, what: str, found: NDArray) -> NDArray[np.float32]:
 
 
 def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Moving, ...]:
-    """Of the scene's surfaces all that do not stand still."""
+    """Return all of the scene's surfaces that move."""
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
     bodies = [
@@ -120,5 +124,5 @@ def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Movin
 
 
 def stands_still(mesh: Mesh) -> bool:
-    """Whether it belongs to no body and does not deform."""
+    """Return whether the mesh belongs to no body and does not deform."""
     return not mesh.body and mesh.deformation is None

@@ -1,4 +1,4 @@
-"""Draws a scene's surfaces and what lies behind them all, by one pair of programs, into any framebuffer."""
+"""Draws a scene's surfaces and its background into any framebuffer."""
 
 from __future__ import annotations
 
@@ -13,15 +13,21 @@ from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
-from .sight import Draws, Visibility, draws_of
 from .upload import Batch, SceneBuffers
+from .visibility import Draws, Visibility, draws_of
 
+# A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
+# room for drivers that round otherwise.
+SAME_SURFACE = 2.0**-16
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class ScenePasses:
-    """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and what lies behind them all. colour: with it, else
-    inverse depth alone. peel: only what lies behind a picture already drawn, see shaders/lib/peel.glsl; its uniforms go into draw()."""
+    """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and the background.
+
+    colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
+    behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
+    """
 
     vertex: ClassVar[str] = "server/scene.vert"
 
@@ -46,7 +52,7 @@ class ScenePasses:
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
-        """The whole picture at that instant; whatever was there is gone."""
+        """Draw the whole picture at that instant over whatever was there."""
         clear_depth(self._gl, framebuffer)
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
@@ -58,7 +64,10 @@ class ScenePasses:
         time_ns: int = 0,
         **uniforms: object,
     ) -> None:
-        """`view` into a part of a framebuffer, all of it if None, whose depth has been cleared."""
+        """Draw `view` into a part of a framebuffer, None for all of it.
+
+        Its depth must be cleared.
+        """
         self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
@@ -69,7 +78,7 @@ class ScenePasses:
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self._scene.origin_m), view.pose.position_m - self._scene.origin_m)
-            self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.sights)
+            self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.visibility)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             gl.disable(moderngl.CULL_FACE)
@@ -82,15 +91,15 @@ class ScenePasses:
         buffers: SceneBuffers,
         view: View,
         place: Place,
-        sights: Visibility | None = None,
+        visibility: Visibility | None = None,
     ) -> None:
-        """sights: where positions stand still in the world's axes."""
+        """Draw the visible chunks. visibility: for what stands still in the world's axes."""
         clip = clip_from_eye(view.fov) @ place.eye_from_here
         self._surface.uniforms.set(clip_from_scene=clip)
-        if sights is None:
+        if visibility is None:
             draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), place.eye)
         else:
-            draws = sights.near(view.pose.unit_quaternion, place.eye, view.fov)
+            draws = visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
         for batch in draw_chunks(self._gl, vertices, buffers, draws):
             if self._colour:
                 batch.texture.use(0)
@@ -98,11 +107,11 @@ class ScenePasses:
     def _set_background(self, view: View) -> None:
         if self._colour:
             sky = self._scene.background
-            told = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
-            self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **told)
+            light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
+            self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
 
     def close(self) -> None:
-        """Free the vertex arrays; the programs belong to the shader library, the buffers to the scene."""
+        """Free the vertex arrays; the shader library owns programs, the scene buffers."""
         for vertices in (self._vertices, *self._of_moving):
             vertices.release()
         self._empty.release()
@@ -111,7 +120,7 @@ class ScenePasses:
 def draw_chunks(
     gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws
 ) -> Iterator[Batch]:
-    """Draw some of the chunks of some buffers; yields each batch before it is drawn."""
+    """Draw some chunks of some buffers; yield each batch before it is drawn."""
     culled = None
     for index, spans in draws:
         batch = buffers.batches[index]
@@ -124,13 +133,10 @@ def draw_chunks(
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:
-    """Depth alone: every colour is written by a surface or by the background anyway."""
-    wanted, nothing = framebuffer.color_mask, (False,) * 4
-    framebuffer.color_mask = (
-        nothing if len(framebuffer.color_attachments) == 1 else (nothing,) * len(framebuffer.color_attachments)
-    )
+    """Clear depth alone: surfaces or the background write every colour anyway."""
+    before, nothing, count = framebuffer.color_mask, (False,) * 4, len(framebuffer.color_attachments)
+    framebuffer.color_mask = nothing if count == 1 else (nothing,) * count  # type: ignore[assignment]
     with drawing_into(framebuffer):
         framebuffer.clear(depth=1.0)
-    framebuffer.color_mask = (
-        wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
-    )
+    # Outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew.
+    framebuffer.color_mask = before

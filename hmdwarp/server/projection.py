@@ -16,7 +16,10 @@ _IDENTITY = np.eye(4)
 
 
 def eye_from_scene(view: View, origin_m: Array) -> Array:
-    """4x4: metres relative to `origin_m` to eye space. The two positions are subtracted before anything is rotated."""
+    """Return 4x4: metres relative to `origin_m` to eye space.
+
+    Positions are subtracted before anything is rotated.
+    """
     out = _IDENTITY.copy()
     out[:3, :3] = view.pose.rotation_matrix.T
     out[:3, 3] = out[:3, :3] @ (origin_m - view.pose.position_m)
@@ -25,7 +28,9 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
 
 @lru_cache(maxsize=64)  # a few fields of view, asked for at every frame
 def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
-    """4x4 asymmetric projection with an infinite far plane; w is metres along -z, window depth is 1 - near/w; read-only.
+    """Return the 4x4 asymmetric projection with an infinite far plane; read-only.
+
+    w is metres along -z, window depth is 1 - near/w.
 
     Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2.
     """
@@ -41,7 +46,10 @@ def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
 
 
 def world_from_ndc(view: View) -> Array:
-    """3x3: (x, y, 1) in normalised device coordinates to the direction in the world, of length 1 along the eye's -z."""
+    """Return 3x3: normalised device coordinates (x, y, 1) to a direction in the world.
+
+    The direction has length 1 along the eye's -z.
+    """
     return view.pose.rotation_matrix @ _eye_from_ndc(view.fov)
 
 
@@ -58,14 +66,18 @@ def _read_only(rows: list[list[float]]) -> Array:
 
 
 def boxes_of(centres: Array, half_sizes: Array) -> Array:
-    """(7, n): boxes, axis-aligned in the scene, as `visible` and `nearest_first` take them: x, y, z of the centre, 1, and half the size."""
+    """Return (7, n) axis-aligned boxes for `visible` and `nearest_first`.
+
+    x, y, z of the centre, 1, and half the size along each axis.
+    """
     return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
 
 
 def side_planes(clip: Array) -> Array:
-    """(5, 4): n . (x, y, z, 1) >= 0 inside: left, bottom, near, right, top of `clip` (4x4 from wherever x, y, z are).
+    """Return the planes (5, 4) of `clip` (4x4 from some space): left, bottom, near, right, top.
 
-    Source: Gribb and Hartmann 2001, Fast Extraction of Viewing Frustum Planes; the far plane is not there.
+    n . (x, y, z, 1) >= 0 inside. There is no far plane.
+    Source: Gribb and Hartmann 2001, Fast Extraction of Viewing Frustum Planes.
     """
     planes = np.empty((5, 4))
     np.add(clip[3], clip[:3], out=planes[:3])
@@ -74,19 +86,23 @@ def side_planes(clip: Array) -> Array:
 
 
 def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
-    """Which boxes may reach into `clip` (4x4 clip_from_scene); slack: (5, n) by how much each may lie outside of each plane.
+    """Return which boxes may reach into `clip` (4x4 clip_from_scene).
 
-    A box is out only if it lies wholly behind one of the four sides or the near plane; some near the corners pass in vain.
+    slack: (5, n) how far each may lie outside each plane. A box is out only if it lies wholly
+    behind one of the four sides or the near plane; some near the corners pass in vain.
     """
     planes = side_planes(clip)
     return (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(axis=0) >= 0
 
 
 def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
-    """A class 0 .. classes - 1 for each box by the distance of its farthest corner from `eye`, as many boxes in each.
+    """Return a class 0 .. classes - 1 for each box, as many boxes in each.
 
-    What is wholly near is drawn first and hides what is behind it before that is textured: 1.6 textured pixels per pixel
-    of the room become 1.3. Finer classes mean more draw calls and gained nothing.
+    Boxes are ordered by the distance of their farthest corner from `eye`.
+
+    What is wholly near is drawn first and hides what is behind it before that is textured: 1.6
+    textured pixels per pixel of the room become 1.3. Finer classes mean more draw calls and gained
+    nothing.
     """
     corner = np.abs(boxes[:3] - eye[:, None])
     corner += boxes[4:]
@@ -97,7 +113,10 @@ def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp
 
 
 def _quantiles(values: Array, classes: int) -> list[float]:
-    """What lies between `classes` classes of equal size: np.quantile's numbers without its 65 us of questions."""
+    """Return the borders between `classes` classes of equal size.
+
+    These are np.quantile's numbers without its 65 us of checks.
+    """
     ordered = np.sort(values).tolist()
     edges = []
     for k in range(1, classes):

@@ -11,11 +11,19 @@ from ..gpu.textures import COLOUR, SCALAR, allocate
 
 @attrs.frozen(eq=False)
 class Target:
-    """What one eye is drawn into: `colour` (rgba16f unless another kind was asked for) and `inverse_depth` r32f of the same size, None
-    where colour is all that is kept."""
+    """What one eye is drawn into."""
 
+    # rgba16f, or the format of its pool.
     colour: moderngl.Texture
-    inverse_depth: moderngl.Texture | None
+    # r32f of the same size, None where colour is all that is kept.
+    depth: moderngl.Texture | None = None
+
+    @property
+    def inverse_depth(self) -> moderngl.Texture:
+        """The r32f texture. Errors: ValueError for a target without one."""
+        if self.depth is None:
+            raise ValueError("this target has no inverse depth: acquire one with depth=True")
+        return self.depth
 
     @property
     def size(self) -> tuple[int, int]:
@@ -24,7 +32,7 @@ class Target:
 
 
 class TargetPool:
-    """Targets of one size and kind, with or without inverse depth; `live` counts those that are out, `made` all that were ever allocated.
+    """Targets of one size and kind, with or without inverse depth.
 
     Errors: InputError for a size of 0 or beyond the GL limit.
     """
@@ -36,16 +44,16 @@ class TargetPool:
 
     @property
     def live(self) -> int:
-        """Targets that are out."""
+        """How many targets are out."""
         return len(self._out)
 
     @property
     def made(self) -> int:
-        """Targets that exist, out or free: the most that were out at the same time."""
+        """How many targets exist, out or free: the most that were out at the same time."""
         return len(self._out) + len(self._free)
 
     def acquire(self) -> Target:
-        """A target nobody else has; its contents are whatever was drawn last."""
+        """Return a free target; it holds whatever was drawn last."""
         target = self._free.pop() if self._free else self._make()
         self._out[target.colour] = target
         return target
@@ -57,28 +65,31 @@ class TargetPool:
         )
 
     def lent(self, colour: moderngl.Texture) -> bool:
-        """Whether a target with that colour texture is out."""
+        """Return whether a target with that colour texture is out."""
         return colour in self._out
 
     def release(self, colour: moderngl.Texture | Target) -> None:
-        """Take a target back, named by itself or by its colour texture. Errors: ValueError if it is not out."""
+        """Take back a target, given itself or its colour texture.
+
+        Errors: ValueError if it is not out.
+        """
         key = colour.colour if isinstance(colour, Target) else colour
         if key not in self._out:
             raise ValueError("this target is not out: it was released before, or comes from another pool")
         self._free.append(self._out.pop(key))
 
     def close(self) -> None:
-        """Free the textures, those that are out included."""
+        """Free all textures, those that are out included."""
         for target in [*self._free, *self._out.values()]:
             target.colour.release()
-            if target.inverse_depth is not None:
-                target.inverse_depth.release()
+            if target.depth is not None:
+                target.depth.release()
         self._free.clear()
         self._out.clear()
 
 
 class Framebuffers:
-    """Framebuffers over other people's textures, one per texture, with one depth buffer per size shared by them all."""
+    """Framebuffers over textures that others own; those of one size share a depth buffer."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
@@ -86,8 +97,9 @@ class Framebuffers:
         self._made: dict[tuple[int, ...], tuple[tuple[moderngl.Texture, ...], moderngl.Framebuffer]] = {}
 
     def over(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
-        """The framebuffer that draws into `textures`, which must have one size; made at the first call."""
-        # A GL name is used again after its texture is gone, so the entry holds the textures and is checked against them.
+        """Return the framebuffer that draws into `textures` of one size; made at the first call."""
+        # A GL name is used again after its texture is gone, so the entry holds the textures and is
+        # checked against them.
         key = tuple(texture.glo for texture in textures)
         held, framebuffer = self._made.get(key, ((), None))
         if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
@@ -100,7 +112,7 @@ class Framebuffers:
         return framebuffer
 
     def reserve(self, size: tuple[int, int]) -> None:
-        """Make the depth buffer for textures of that size now rather than at the first call of over()."""
+        """Make the depth buffer of that size now rather than at the first call of over()."""
         if size not in self._depth:
             self._depth[size] = self._gl.depth_renderbuffer(size)
 

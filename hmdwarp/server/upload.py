@@ -1,4 +1,4 @@
-"""A scene's arrays to GPU buffers: cut into chunks small enough to be left out when out of sight."""
+"""A scene's arrays as GPU buffers, in chunks small enough to be left out when out of sight."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import check_size, flip_rows
 from ..scenes import Mesh, Scene, Texture
 from .projection import boxes_of
-from .sight import Visibility
+from .visibility import Chunks, Visibility
 
 SRGB8_ALPHA8 = 0x8C43
 CHUNK_TRIANGLES = 1024
@@ -21,28 +21,15 @@ CHUNK_TRIANGLES = 1024
 
 @attrs.frozen(eq=False)
 class Batch:
-    """What chunks drawn together share: texture and culling."""
+    """What chunks drawn together share."""
 
     texture: moderngl.Texture
+    # Whether both sides of a triangle are seen; else back faces are culled.
     double_sided: bool
 
 
-@attrs.frozen(eq=False)
-class Chunks:
-    """All chunks of a scene, in the order of the index buffer, batch by batch.
-
-    first, count: (n,) index ranges. batch: (n,) which batch each belongs to. boxes: (7, n) as projection.boxes_of has them, relative to
-    the scene's origin.
-    """
-
-    first: NDArray[np.int64]
-    count: NDArray[np.int64]
-    batch: NDArray[np.int64]
-    boxes: NDArray[np.float64]
-
-
 def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
-    """The mesh's triangles in pieces of at most CHUNK_TRIANGLES that keep together in space."""
+    """Return the mesh's triangles in compact pieces of at most CHUNK_TRIANGLES."""
     triangles = mesh.triangles
     if len(triangles) <= CHUNK_TRIANGLES:
         return [triangles] if len(triangles) else []
@@ -51,7 +38,7 @@ def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
 
 
 def _morton(points: NDArray) -> NDArray[np.uint64]:
-    """Z-order of points, 10 bits per axis: neighbours in the order are neighbours in space."""
+    """Return the Z-order of points, 10 bits per axis: close in order is close in space."""
     low, high = points.min(axis=0), points.max(axis=0)
     cell = ((points - low) / max(float((high - low).max()), 1e-30) * 1023).astype(np.uint64)
     code = np.zeros(len(points), np.uint64)
@@ -62,7 +49,7 @@ def _morton(points: NDArray) -> NDArray[np.uint64]:
 
 
 def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
-    """With mipmaps; sRGB pictures are decoded by the sampler, before it filters."""
+    """Upload a texture with mipmaps; the sampler decodes sRGB before it filters."""
     height, width = texture.image.shape[:2]
     check_size(gpu.gl, (width, height))
     image = texture.image
@@ -77,7 +64,7 @@ def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
 
 
 class SceneTextures:
-    """A scene's textures on the GPU, by their index; -1 is white."""
+    """A scene's textures on the GPU, by index; -1 is white."""
 
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
@@ -93,27 +80,29 @@ class SceneTextures:
 
 
 class SceneBuffers:
-    """Some meshes of a scene on the GPU: one vertex buffer, one index buffer, and the chunks to draw."""
+    """Some meshes of a scene on the GPU: a vertex buffer, an index buffer and chunks."""
 
     def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.batches: list[Batch] = []
+        self.chunks: Chunks
+        self.visibility: Visibility
         indices = self._cut(meshes, textures)
         self._meshes, self._order = meshes, indices
         self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
 
     def move_to(self, positions: NDArray) -> None:
-        """Other places for all vertices, (n, 3) as the meshes have them one after the other; what may be seen follows."""
+        """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
         rows = _vertex_rows(self._meshes)
         rows[:, :3] = positions
         self._vertices.write(rows.tobytes())
         corners = positions[np.concatenate(self._order)].astype(np.float64)
         low, high = (extreme.reduceat(corners, self.chunks.first, axis=0) for extreme in (np.minimum, np.maximum))
         self.chunks = attrs.evolve(self.chunks, boxes=boxes_of((low + high) / 2, (high - low) / 2))
-        self.sights = Visibility(self.chunks)
+        self.visibility = Visibility(self.chunks)
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
-        """Fill batches and chunks; returns the chunks' indices."""
+        """Fill batches and chunks; return the chunks' indices."""
         starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         groups: dict[tuple[bool, int], list[tuple[Mesh, int]]] = {}
         for mesh, start in zip(meshes, starts, strict=False):
@@ -131,13 +120,13 @@ class SceneBuffers:
         low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
         around = boxes_of((low + high) / 2, (high - low) / 2)
         self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
-        self.sights = Visibility(self.chunks)
+        self.visibility = Visibility(self.chunks)
         return indices
 
     def vertex_array(
         self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[moderngl.Buffer, str, str], colour: bool
     ) -> moderngl.VertexArray:
-        """The buffers as inputs of `program`, and `more` beside them as moderngl takes them."""
+        """Return the buffers, and `more` as moderngl takes them, as inputs of `program`."""
         names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
         layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
         return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)

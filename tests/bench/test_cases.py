@@ -24,7 +24,7 @@ from hmdwarp.bench.casework import refreshes
 from hmdwarp.bench.options import BenchOptions
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs, Others
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run.rig import build_rig
 from hmdwarp.scenes import load_scene
@@ -116,7 +116,7 @@ def some(*needs: Needs) -> list[Combination]:
 
 
 def test_what_wants_other_older_frames_runs_apart():
-    near, far = Needs(past=1, past_spacing_ns=50), Needs(past=2, past_spacing_ns=100)
+    near, far = Needs(others=Others(1, 50)), Needs(others=Others(2, 100))
     found = batches(some(Needs(), near, Needs(), far, near), (8, 8), (8, 8), 1e9)
     assert [[c.warp for c in batch] for batch in found] == [
         ["w0", "w0", "w1", "w1", "w2", "w2", "w4", "w4"],
@@ -135,9 +135,7 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
     assert all(len(batch) == 2 or len(batch) / 2 * pair <= most for batch in found)
 
 
-@pytest.mark.parametrize(
-    "needs", [Needs(), Needs(past=1, past_spacing_ns=40_000_000), Needs(past=3, past_spacing_ns=100_000_000)]
-)
+@pytest.mark.parametrize("needs", [Needs(), Needs(others=Others(1, 40_000_000)), Needs(others=Others(3, 100_000_000))])
 @pytest.mark.parametrize("latency_ms", [0.0, 60.0, 200.0])
 def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms):
     """The frames, the older frames and the heads are those of the run in which every frame was drawn."""
@@ -160,7 +158,7 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
         few = {number: seen(refresh, rig) for number, refresh in refreshes(rig, needs, looked_at)}
         used = frames_used(rig.timetable, rig.channel.latency_ns, needs, looked_at)
     assert few == {number: whole[number] for number in sorted(looked_at)}
-    assert len(used) <= len(looked_at) * (1 + needs.past)
+    assert len(used) <= len(looked_at) * (1 + needs.others.past)
 
 
 def test_every_run_reads_its_recording_as_asked():

@@ -9,10 +9,10 @@ import pytest
 from reference import gather
 from reference.picture import Asked
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE, BackwardSettings
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 
-import attrs
 import numpy as np
 import pytest
 from reference._rays import world_directions
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import PlanError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.cube import FACES, face_views
 from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
@@ -148,12 +147,12 @@ def test_row_by_row_each_row_has_its_own_direction(gpu, world):
 
 def test_a_frame_without_a_cube_is_refused_with_the_reason(gpu, world):
     with pytest.raises(PlanError, match="needs a cube map around the eye"):
-        looked(gpu, attrs.evolve(world.rendered, cube=None), world.shown_view)
+        looked(gpu, world.rendered.having(cube=None), world.shown_view)
 
 
 def test_a_uniform_cube_gives_a_uniform_picture(gpu, world):
     """Also on the very edges of faces, where a look without a border would meet another face."""
     cube = allocate(gpu.gl, (30, 20), COLOUR)
     cube.write(np.full((20, 30, 4), (0.5, 0.25, 2, 1), np.float16).tobytes(), alignment=1)
-    out = looked(gpu, attrs.evolve(world.rendered, cube=cube), View(world.rendered_view.pose, Fov.symmetric(3.0, 3.0)))
+    out = looked(gpu, world.rendered.having(cube=cube), View(world.rendered_view.pose, Fov.symmetric(3.0, 3.0)))
     assert (out == (0.5, 0.25, 2, 1)).all()

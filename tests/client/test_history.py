@@ -1,12 +1,15 @@
-"""The older frames that are kept: never too many, never too close, and every frame is given back exactly once."""
+"""The older frames that are kept.
+
+Never too many, never too close, and every frame is given back exactly once.
+"""
 
 from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.client.history import History
-from hmdwarp.frames.frame import Frame
+from hmdwarp.client import History
+from hmdwarp.frames import Frame
 from hmdwarp.scenes.effects import SceneEffect
 
 MS = 1_000_000

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.frames.frame import Layer, Needs
+from hmdwarp.frames import Needs, Surface
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
@@ -118,11 +117,9 @@ def test_in_the_room_it_is_better_than_the_visible_layer_alone(gpu):
     server, choice = Server(gpu, scene), parse_warp("layered")
     eye = scene.viewpoint
     views = [View(Pose(eye.position_m + step, eye.orientation_xyzw), FOV) for step in ((0, 0, 0), (0.2, 0.05, 0.05))]
-    rendered = server.draw_frame(views[:1], 0, size, 1.4, Needs(layers=2)).eyes[0]
-    alone = attrs.evolve(
-        rendered,
-        layers=tuple(attrs.evolve(layer, inverse_depth=_nothing(gpu, rendered.size)) for layer in rendered.layers),
-    )
+    rendered = server.draw_frame(views[:1], 0, size, 1.4, Needs(peeled=2)).eyes[0]
+    nothing = (attrs.evolve(surface, inverse_depth=_nothing(gpu, rendered.size)) for surface in rendered["peeled"])
+    alone = rendered.having(peeled=tuple(nothing))
     truth = read(server.draw(views[1], size).colour)
     warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
     wrong, holes = [], []
@@ -162,8 +159,8 @@ def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
 
 def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
     choice = parse_warp(spec)
-    layers = tuple(Layer(*world._textures(gpu, one.colour, one.inverse_depth)) for one in world.layers)
-    rendered = attrs.evolve(world.rendered, layers=layers)
+    peeled = tuple(Surface(*world._textures(gpu, one.colour, one.inverse_depth)) for one in world.layers)
+    rendered = world.rendered.having(peeled=peeled)
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     warp.run(PassInputs(rendered, world.shown_view), canvas)
     gpu.gl.memory_barrier()
@@ -210,11 +207,5 @@ def test_impossible_numbers_of_layers_are_refused(layers):
 
 
 def test_what_it_needs_of_a_frame():
-    assert [
-        parse_warp(f"layered:layers={n}").entry.needs(parse_warp(f"layered:layers={n}").settings).layers
-        for n in (2, 3, 4)
-    ] == [
-        1,
-        2,
-        3,
-    ]
+    choices = [parse_warp(f"layered:layers={n}") for n in (2, 3, 4)]
+    assert [choice.entry.needs(choice.settings)["peeled"] for choice in choices] == [1, 2, 3]

@@ -13,15 +13,13 @@ from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fills._keyframes import Keyframe, covered, is_new, most_redundant, most_useful
 from hmdwarp.client.fills._memory_passes import Keeper, Slot, seeds_for
 from hmdwarp.client.fills._remembered import HoleFiller
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps._composite import Picture
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, Canvas, allocate
 
@@ -154,7 +152,7 @@ def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
     else:
         texture = allocate(gpu.gl, SIZE, COLOUR)
         texture.write((moving[..., None] * np.array([0, 0, 0, 1.0])).astype(np.float16).tobytes(), alignment=1)
-    rendered = attrs.evolve(image, **{what: texture})
+    rendered = image.having(**{what: BodyIds(texture) if what == "ids" else texture})
     inputs = PassInputs(image, turned(0), drawn=rendered) if moved_on else PassInputs(rendered, turned(0))
     client.fill.run(inputs, client.empty, client.into)
     out = client.sees(seconds(drawn(gpu, scene_of(WALL), turned(-60)), 1), turned(0))

@@ -8,11 +8,10 @@ import pytest
 from reference.picture import Asked
 from worlds import World, read, twin_of
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warps._mesh import MOST_SIDE, reach, steepest
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 

@@ -10,14 +10,12 @@ from reference.motion import MotionAsked, moved_picture
 from reference.picture import HALF_UNIT
 from worlds import read
 
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import build_plan
 from hmdwarp.client.warps._mesh import steepest
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage, Needs
+from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, allocate
 from hmdwarp.scenes import Body, Mesh, Scene, SceneEffect, Texture
@@ -85,9 +83,9 @@ class MovingWorld:
             self.view, textured(gpu, self.colour, COLOUR), textured(gpu, self.inverse_depth, SCALAR), drawn_ns=drawn_ns
         )
         if RIGID in parts:
-            image = attrs.evolve(image, ids=textured(gpu, self.ids, NUMBER), bodies=self.states)
+            image = image.having(ids=BodyIds(textured(gpu, self.ids, NUMBER), self.states))
         if SOFT in parts:
-            image = attrs.evolve(image, velocity=textured(gpu, self.velocity, COLOUR))
+            image = image.having(velocity=textured(gpu, self.velocity, COLOUR))
         return image
 
     def asked(self, parts: set[str], age_ns: int) -> MotionAsked:
@@ -100,6 +98,10 @@ class MovingWorld:
             way = np.where(self.velocity[..., 3:] > 0, way * np.minimum(1, REACH_M / np.maximum(far, 1e-12)), np.nan)
         edge = steepest(self.view, self.size, STEEPEST_DEG)
         return MotionAsked(self.colour, self.inverse_depth, self.ids, self.view, edge, poses, way)
+
+
+def with_bodies(image: EyeImage, bodies: tuple[RigidState, ...]) -> EyeImage:
+    return image.having(ids=attrs.evolve(image["ids"], bodies=bodies))
 
 
 def pass_for(gpu, size: tuple[int, int], *parts: str, images: int = 1) -> MotionPass:
@@ -169,14 +171,14 @@ def test_what_stands_still_keeps_its_bits(gpu):
 
 def test_a_body_at_rest_keeps_its_bits(gpu):
     world = MovingWorld(10)
-    resting = attrs.evolve(world.image(gpu, {RIGID}), bodies=(RigidState(Pose((1, 2, 3))), *world.states[1:]))
+    resting = with_bodies(world.image(gpu, {RIGID}), (RigidState(Pose((1, 2, 3))), *world.states[1:]))
     colour, _ = run(gpu, resting, 300 * MS, RIGID)
     untouched = (world.ids == 1) & (world.inverse_depth > 0)
     moved_there = np.abs(colour - world.colour).max(axis=-1) > 0
     assert untouched.any()
     assert np.array_equal(colour[untouched & ~moved_there], world.colour[untouched & ~moved_there])
     assert (colour[untouched][:, 3] == 1).all()
-    every = attrs.evolve(resting, bodies=(resting.bodies[0],) * 3)
+    every = with_bodies(resting, (resting["ids"].bodies[0],) * 3)
     made = pass_for(gpu, (26, 19), RIGID)
     assert made.run(given_at(every, 300 * MS)).rendered is every
     made.close()
@@ -184,16 +186,16 @@ def test_a_body_at_rest_keeps_its_bits(gpu):
 
 def test_a_number_beyond_the_table_stands_still(gpu):
     world = MovingWorld(11)
-    image = attrs.evolve(world.image(gpu, {RIGID}), bodies=world.states[:1])
+    image = with_bodies(world.image(gpu, {RIGID}), world.states[:1])
     colour, inverse_depth = run(gpu, image, 250 * MS, RIGID)
     beyond = (world.ids > 1) & (inverse_depth == world.inverse_depth)
     assert beyond.sum() > 20
     assert np.array_equal(colour[beyond], world.colour[beyond])
-    none = attrs.evolve(image, bodies=())
+    none = with_bodies(image, ())
     made = pass_for(gpu, (26, 19), RIGID)
     assert made.run(given_at(none, 250 * MS)).rendered is none
     with pytest.raises(InputError, match=f"{MOST_BODIES + 1} bodies: 'motion' takes {MOST_BODIES} at most"):
-        made.run(given_at(attrs.evolve(image, bodies=world.states[:1] * (MOST_BODIES + 1)), 250 * MS))
+        made.run(given_at(with_bodies(image, world.states[:1] * (MOST_BODIES + 1)), 250 * MS))
     made.close()
 
 
@@ -206,8 +208,8 @@ def test_older_pictures_move_by_their_own_age(gpu):
     made.close()
     for image, age in zip(found, (100 * MS, 250 * MS), strict=True):
         assert np.array_equal(image, run(gpu, world.image(gpu, {RIGID}), age, RIGID)[0])
-    assert out.rendered.ids is None
-    assert out.others[0].bodies == ()
+    assert "ids" not in out.rendered
+    assert "ids" not in out.others[0]
 
 
 # --- what a user would notice -------------------------------------------------------------------------------------------------------
@@ -227,14 +229,13 @@ def one_body(gpu, state: RigidState, *, seen: tuple = (0.3, 0.0, 0.0), inverse_d
         EYE,
         textured(gpu, colour, COLOUR),
         textured(gpu, depth, SCALAR),
-        ids=textured(gpu, inside.astype(int), NUMBER),
-        bodies=(state,),
+        {"ids": BodyIds(textured(gpu, inside.astype(int), NUMBER), (state,))},
     )
 
 
 def area_after(image: EyeImage, age_ns: int) -> float:
     """Pixels that the square covers then: its four corners moved and projected."""
-    (wide, high), (state,) = SIZE, image.bodies
+    (wide, high), (state,) = SIZE, image["ids"].bodies
     left, right, down, up = EYE.fov.tangents
     half = np.array([20 / wide * (right - left), 20 / high * (up - down)]) * 2.0
     corners = np.array([(x * half[0], y * half[1], -2.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
@@ -294,9 +295,8 @@ def test_a_body_that_passes_behind_the_eye_is_gone(gpu):
 def test_a_ghost_far_from_the_origin_of_the_world_moves_as_one_near_it(gpu):
     near = one_body(gpu, RigidState(Pose((0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)))
     away = np.array([1e6, 0, -3e5])
-    far = attrs.evolve(
-        near, view=View(Pose(away), EYE.fov), bodies=(RigidState(Pose(away + (0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0)),)
-    )
+    moved = RigidState(Pose(away + (0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0))
+    far = attrs.evolve(with_bodies(near, (moved,)), view=View(Pose(away), EYE.fov))
     one, other = (run(gpu, image, 350 * MS, RIGID)[1] for image in (near, far))
     # Positions of 1e6 m hold 1e-10 m; a float32 map rounds the same numbers alike unless they lie on a border of rounding.
     assert np.abs(one - other).max() < 1e-5
@@ -307,7 +307,7 @@ def test_soft_motion_is_limited_in_reach(gpu):
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
     velocity[read_ids(image) == 1] = (20.0, 0, 0, 1)
-    soft = attrs.evolve(image, ids=None, bodies=(), velocity=textured(gpu, velocity, COLOUR))
+    soft = image.having(ids=None, velocity=textured(gpu, velocity, COLOUR))
     colour, _ = run(gpu, soft, round(250 * SWING_S) * MS, SOFT)
     left = np.flatnonzero((colour[..., 0] > 0).any(axis=0))[0]
     per_metre = 0.5 * SIZE[0] / (2 * np.tan(0.7))
@@ -325,7 +325,7 @@ def test_what_moves_another_way_at_the_same_depth_is_torn_off(gpu):
     low = (read_ids(image) == 1) & (np.arange(SIZE[1])[:, None] < SIZE[1] / 2)
     velocity[read_ids(image) == 1] = (1e-6, 0, 0, 1)
     velocity[low] = (3.0, 0, 0, 1)
-    soft = attrs.evolve(image, ids=None, bodies=(), velocity=textured(gpu, velocity, COLOUR))
+    soft = image.having(ids=None, velocity=textured(gpu, velocity, COLOUR))
     colour, _ = run(gpu, soft, 250 * MS, SOFT)
     starts = [np.flatnonzero(row)[0] for row in colour[..., 0] > 0 if row.any()]
     assert set(np.diff(starts).tolist()) == {0, starts[-1] - starts[0]}
@@ -333,7 +333,7 @@ def test_what_moves_another_way_at_the_same_depth_is_torn_off(gpu):
 
 
 def read_ids(image: EyeImage) -> np.ndarray:
-    return np.frombuffer(image.ids.read(alignment=1), np.uint16).reshape(SIZE[::-1])
+    return np.frombuffer(image["ids"].numbers.read(alignment=1), np.uint16).reshape(SIZE[::-1])
 
 
 def checkered(body: int) -> Mesh:
@@ -403,9 +403,9 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, mo
     plan = build_plan(declared, "forward", "none", "none", client_geometry=True)
     assert layer in plan.layers
     assert other not in plan.layers
-    assert (plan.needs.ids, plan.needs.velocity) == (layer == "rendered.ids", layer == "rendered.velocity")
+    assert ("ids" in plan.needs, "velocity" in plan.needs) == (layer == "rendered.ids", layer == "rendered.velocity")
     world = MovingWorld(13)
-    image, made = world.image(gpu, {RIGID} if plan.needs.ids else {SOFT}), Made(monkeypatch)
+    image, made = world.image(gpu, {RIGID} if "ids" in plan.needs else {SOFT}), Made(monkeypatch)
     compensator = Compensator(gpu, plan, None, world.size, world.size)
     assert made.texture == 2 + 2  # a canvas for each eye, colour and depth of what has moved
     before = dict(vars(made))
@@ -423,7 +423,7 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, mo
 def test_older_frames_have_pictures_of_their_own_to_move_into(gpu):
     plan = build_plan(SceneEffect.RIGID_MOTION, "multi", "none", "none", client_geometry=True)
     world = MovingWorld(14)
-    image, others = world.image(gpu, {RIGID}, 200 * MS), plan.needs.past + plan.needs.other_eye
+    image, others = world.image(gpu, {RIGID}, 200 * MS), plan.needs.others.count
     compensator = Compensator(gpu, plan, None, world.size, world.size)
     older = [world.image(gpu, {RIGID}, k * 20 * MS) for k in range(others)]
     shown = compensator.run(given_at(image, 300 * MS, *older)).shown

@@ -8,10 +8,9 @@ import pytest
 from reference.picture import LatePicture
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage, Needs, Others
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
@@ -174,7 +173,7 @@ def test_an_unmoved_eye_with_a_wider_view_is_given_more_around(gpu):
 def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     world = World(gpu, 30, (57, 43), (61, 40))
     needs = parse_warp(spec).entry.needs(parse_warp(spec).settings)
-    world.others = tuple(LatePicture(*world._picture(), world._beside()) for _ in range(needs.past + needs.other_eye))
+    world.others = tuple(LatePicture(*world._picture(), world._beside()) for _ in range(needs.others.count))
     if not world.others:
         world.bring = lambda gpu, entry: None
     got, wanted = world.warp(gpu, spec), world.reference(spec)
@@ -222,9 +221,9 @@ def test_in_the_room_past_frames_and_the_other_eye_leave_fewer_holes(gpu):
 def test_what_it_needs_of_frames():
     specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40")
     told = {spec: parse_warp(spec).entry.needs(parse_warp(spec).settings) for spec in specs}
-    assert (told["multi"].past, told["multi"].past_spacing_ns, told["multi"].other_eye) == (2, 300_000_000, True)
-    assert (told["multi:frames=0,eye=own"].past, told["multi:frames=0,eye=own"].other_eye) == (0, False)
-    assert told["multi:spacing=40"].past_spacing_ns == 40_000_000
+    assert told["multi"].others == Others(2, 300_000_000, True)
+    assert told["multi:frames=0,eye=own"] == Needs()
+    assert told["multi:spacing=40"].others.spacing_ns == 40_000_000
 
 
 @pytest.mark.parametrize(

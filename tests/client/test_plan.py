@@ -1,4 +1,7 @@
-"""The plan over every combination of registered passes: what runs, why, and that nothing else costs anything."""
+"""The plan over every combination of registered passes.
+
+What runs, why, and that nothing else costs anything.
+"""
 
 from __future__ import annotations
 
@@ -12,23 +15,36 @@ from hypothesis import given
 from hypothesis import strategies as st
 from worlds import World
 
-from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import (
+    CLIENT_DEPTH,
+    CLIENT_MODEL,
+    PANEL,
+    SHOWN,
+    SHOWN_DEPTH,
+    Carry,
+    Compensator,
+    PassInputs,
+    Plan,
+    ShownDepth,
+    build_plan,
+    needs_of,
+    parse_fills,
+    pictures_read,
+)
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
-from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, LATE, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
+from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.scenes.effects import SceneEffect
 
-# Each warp with and without a fill, each fill after a warp that carries depth and one that cannot, chains; each lens; geometry or not.
+# Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
+# chains; each lens; geometry or not.
 _PAIRS = [
     *itertools.product(warps.names(), ("none", "interpolate")),
     *itertools.product(("forward", "environment"), fills.names()),
@@ -53,13 +69,13 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
     return build_plan(SceneEffect.NONE, warp, fill, lens, client_geometry=geometry)
 
 
-# --- what is in it -------------------------------------------------------------------------------------------------------
+# --- what is in it --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_everything_read_was_written_before(choice):
     plan = plan_of(*choice)
-    known = {*LATE, *((CLIENT_MODEL,) if choice[3] else ())}
+    known = {*readable_names(), *((CLIENT_MODEL,) if choice[3] else ())}
     for step in plan.steps:
         assert set(step.reads) <= known, step.name
         known |= set(step.writes)
@@ -94,7 +110,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
 def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
     entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
-    wanted = {name for entry in entries for name in entry.reads if name in LATE}
+    wanted = {name for entry in entries for name in entry.reads if name in readable_names()}
     if any(step.name == "shown depth" for step in plan.steps):
         wanted.add("rendered.inverse_depth")
     assert set(plan.layers) == wanted
@@ -112,7 +128,7 @@ def test_reasons_speak_of_what_was_asked_for(warp):
 
 @pytest.mark.parametrize("registry", [warps, fills, lenses], ids=lambda r: r.kind)
 def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
-    known = {*LATE, CLIENT_DEPTH, CLIENT_MODEL, SHOWN, SHOWN_DEPTH, PANEL}
+    known = {*readable_names(), CLIENT_DEPTH, CLIENT_MODEL, SHOWN, SHOWN_DEPTH, PANEL}
     for entry in registry:
         assert entry.summary
         assert entry.source
@@ -125,7 +141,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
             assert isinstance(entry.is_pass, bool)
 
 
-# --- what is refused -----------------------------------------------------------------------------------------------------
+# --- what is refused ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("fill", "lens"), list(itertools.product(("none", "interpolate", "pyramid"), lenses.names())))
@@ -134,7 +150,8 @@ def test_backward_without_geometry_is_refused(fill, lens):
         plan_of("backward", fill, lens, False)
     message = str(caught.value)
     assert message == (
-        "warp backward reads client.inverse_depth, which no pass before it writes; it needs the scene's geometry on the client"
+        "warp backward reads client.inverse_depth, which no pass before it writes; "
+        "it needs the scene's geometry on the client"
     )
 
 
@@ -186,7 +203,7 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
             )
 
 
-# --- what it costs -------------------------------------------------------------------------------------------------------
+# --- what it costs --------------------------------------------------------------------------------
 
 LATE_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
@@ -227,19 +244,21 @@ def given_for(gpu, warp: str) -> PassInputs:
     world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
-    return attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, wide=world.rendered))
+    return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered))
 
 
 @pytest.fixture(scope="module")
 def geometry(gpu):
-    """Everything the client can draw, drawn once, so that what is compiled and allocated for it is there already."""
+    """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
+    there already."""
     scene = ClientScene(gpu)
     scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
     return scene
 
 
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
-    """What the warp and the fills ask for by themselves, and the shown depth where a fill reads it."""
+    """What the warp and the fills ask for by themselves, and the shown depth where a fill reads
+    it."""
     costs = Costs(gpu, monkeypatch)
     warp = warps.get(choice[0])(gpu, LATE_SIZE, SHOWN_SIZE)
     chain = parse_fills(choice[1])
@@ -262,8 +281,9 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     own_counts, own_paths = own.counts, own.paths()
     costs = Costs(gpu, monkeypatch)
     compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, geometry)
-    # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the warp, and one more after each fill that
-    # writes one, where anybody reads it; the client's depth once.
+    # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
+    # warp, and one more after each fill that writes one, where anybody reads it; the client's depth
+    # once.
     canvases = 2 * (1 + len(chain) + (lens != "none"))
     has_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
     depths = 2 * (1 + sum(SHOWN_DEPTH in one.entry.writes for one in chain)) if has_depth else 0
@@ -286,7 +306,8 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     assert stages == [step.stage for step in plan.steps] * 3
 
     compensator.close()
-    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry, which is not closed.
+    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry,
+    # which is not closed.
     left = [thing for thing in costs.alive() if not (_draws(warp, fill) and isinstance(thing, moderngl.Framebuffer))]
     assert left == [], "close() frees everything"
 

@@ -1,4 +1,7 @@
-"""The plan of every set of effects: which passes run, in which order, what frames carry for them, and why the others do not."""
+"""The plan of every set of effects.
+
+Which passes run, in which order, what frames carry for them, and why the others do not.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmdwarp.client import SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.effects import LatePass, effects
-from hmdwarp.client.plan import LATE, SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.warps import warps
-from hmdwarp.client.weight import EyeSizes, eye_bytes
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import EyeSizes, Needs, frame_bytes
+from hmdwarp.frames.layers import readable_names
+from hmdwarp.geometry import Fov
 from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
 
 SETS = [
@@ -23,7 +27,7 @@ SETS = [
     for count in range(8)
     for chosen in itertools.combinations(EVERY_EFFECT, count)
 ]
-SIZES = EyeSizes((40, 30), (20, 10), (90, 60), (16, 16))
+SIZES = EyeSizes((40, 30), (20, 10), (Fov.symmetric(1, 1),) * 2)
 
 
 def plan_of(declared: SceneEffect, warp: str = "forward", fill: str = "none", lens: str = "none", **more):
@@ -52,7 +56,7 @@ def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(dec
     assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), (
         "effects that share a pass are one pass"
     )
-    known = set(LATE)
+    known = set(readable_names())
     for step in plan.steps:
         assert set(step.reads) <= known, step.name
         known |= set(step.writes)
@@ -66,9 +70,9 @@ def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
     plan = plan_of(declared)
     needs = reduce(or_, (effect.needs for one in plan.effect_passes for effect in one.effects), Needs())
     assert plan.needs == needs
-    parts = eye_bytes(plan.needs, SIZES, plan.layers)
+    parts = frame_bytes(plan.needs, SIZES, plan.layers)
     extra = set(parts) - {"rendered.colour", "rendered.inverse_depth"}
-    read = {name for step in plan.steps for name in step.reads if name in LATE}
+    read = {name for step in plan.steps for name in step.reads if name in readable_names()}
     assert extra <= read, "what nobody reads is not sent"
     assert (extra == set()) == (needs == Needs())
 
@@ -105,7 +109,7 @@ def test_what_was_forced_or_forbidden_is_told_as_that():
     assert step.reason.startswith("forced, though the scene has nothing of overlay")
 
 
-# --- what an experiment asks for -----------------------------------------------------------------------------------------
+# --- what an experiment asks for ------------------------------------------------------------------
 
 
 def test_auto_changes_nothing_and_none_forbids_everything():

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import attrs
 import numpy as np
 import pytest
 from mirrored import VIEW, mirrored_scene, moved
 from reference.picture import HALF_UNIT
 from worlds import read
 
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import effects
 from hmdwarp.client.effects._closing import Closing
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import build_plan
 from hmdwarp.errors import PlanError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.gpu.textures import COLOUR, allocate
 from hmdwarp.scenes.effects import SceneEffect
 from hmdwarp.server import Server
@@ -48,7 +45,7 @@ def shown(
 
 def mirrors_of(server: Server, view, needs: Needs) -> np.ndarray:
     frame = server.draw_frame([view], 0, SIZE, needs=needs)
-    found = read(frame.eyes[0].reflection.surface)[..., 0] > 0
+    found = read(frame.eyes[0]["reflection"].surface)[..., 0] > 0
     server.recycle(frame)
     return found
 
@@ -82,7 +79,7 @@ MOVES = [((0.12, 0.02, 0.0), 0.05), ((0.0, -0.1, 0.1), -0.1), ((-0.2, 0.05, 0.1)
 @pytest.mark.parametrize(("by", "turn"), MOVES)
 def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
     view = moved(by, turn)
-    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflections=True))
+    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflection=Mirrored.PLANE))
     glued, covered = shown(gpu, server, view, SceneEffect.NONE)
     where &= covered
     even, _ = shown(gpu, server, view, EVERY & ~SceneEffect.GLOSSY_REFLECTIONS)
@@ -94,7 +91,7 @@ def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
 @pytest.mark.parametrize(("by", "turn"), MOVES)
 def test_a_curved_mirror_is_never_worse_than_glued_on(gpu, server, by, turn):
     view = moved(by, turn)
-    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(curved_reflections=True))
+    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflection=Mirrored.CURVED))
     glued, covered = shown(gpu, server, view, EVERY & ~SceneEffect.CURVED_REFLECTIONS)
     found, _ = shown(gpu, server, view)
     assert error(found, truth, where & covered) <= error(glued, truth, where & covered)
@@ -105,7 +102,7 @@ def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
     """Every mirror of this scene shows something bright, its own colour is what is dark."""
     view = moved((0.25, 0.1, 0.15), 0.15)
     found, covered = shown(gpu, server, view, warp=warp)
-    wall = mirrors_of(server, view, Needs(reflections=True)) & covered
+    wall = mirrors_of(server, view, Needs(reflection=Mirrored.PLANE)) & covered
     assert np.isfinite(found).all()
     assert (found[~covered] == 0).all()
     assert set(np.unique(found[..., 3])) <= {0, 1}
@@ -119,7 +116,7 @@ def test_scan_out_shows_the_mirrors_as_in_its_middle(gpu, server):
     found, _ = shown(gpu, server, first, shown_last=last)
     middle, covered = shown(gpu, server, PassInputs(None, first, shown_last=last).middle)
     assert found.shape == middle.shape
-    where = mirrors_of(server, first, Needs(reflections=True)) & covered
+    where = mirrors_of(server, first, Needs(reflection=Mirrored.PLANE)) & covered
     assert error(found, middle, where) < 0.01
 
 
@@ -127,7 +124,7 @@ def test_running_compiles_and_allocates_nothing(gpu, server):
     plan = build_plan(EVERY, "multi", "interpolate", "none", client_geometry=False)
     frames = [server.draw_frame([VIEW], 0, SIZE, needs=plan.needs) for _ in range(2)]
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
-    inputs = PassInputs(frames[0].eyes[0], moved((0.1, 0, 0)), others=(frames[1].eyes[0],) * plan.needs.past)
+    inputs = PassInputs(frames[0].eyes[0], moved((0.1, 0, 0)), others=(frames[1].eyes[0],) * plan.needs.others.past)
     before = gpu.shaders.compiled
     for _ in range(2):
         compensator.run(inputs)
@@ -139,7 +136,7 @@ def test_running_compiles_and_allocates_nothing(gpu, server):
 def test_each_effect_is_an_entry_of_the_one_pass(name):
     effect = effects.get(name)
     assert effect.made_by.name == "reflections"
-    assert effect.needs.reflections or effect.needs.curved_reflections
+    assert effect.needs["reflection"] in (Mirrored.PLANE, Mirrored.CURVED)
     plan = build_plan(effect.flag, "iterative", "none", "none", client_geometry=False)
     passes = [step for step in plan.steps if step.stage == "effects"]
     assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
@@ -157,7 +154,7 @@ def test_a_frame_without_the_layer_is_told(gpu, server):
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
     eye = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs).eyes[0]
     with pytest.raises(PlanError, match="no layer of them"):
-        compensator.run(PassInputs(attrs.evolve(eye, reflection=None), VIEW))
+        compensator.run(PassInputs(eye.having(reflection=None), VIEW))
     compensator.close()
 
 

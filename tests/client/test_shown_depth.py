@@ -1,4 +1,7 @@
-"""The inverse depth of the shown picture: late depth seen from the shown eye, carried along by whichever warp is planned."""
+"""The inverse depth of the shown picture.
+
+Late depth seen from the shown eye, carried along by whichever warp is planned.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,7 @@ import pytest
 from reference.shown_depth import shown_depth
 from worlds import World, read, twin_of
 
-from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import Carry, ShownDepth, parse_warp, pictures_read
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu.textures import SCALAR, allocate
 
@@ -49,7 +51,10 @@ def test_it_equals_its_twin_under_every_warp(gpu, name):
 
 @pytest.mark.parametrize("name", CARRYING)
 def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
-    """Whatever the warp decides is decided once, by the same depths: a pixel with a colour has that colour's depth, a hole none."""
+    """Whatever the warp decides is decided once, by the same depths.
+
+    A pixel with a colour has that colour's depth, a hole none.
+    """
     world = World(gpu, 5, SIZE)
     got, colour = depth_of(gpu, world, name), world.warp(gpu, name)
     assert np.array_equal(got >= 0, colour[..., 3] > 0)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hmdwarp.client import PassInputs, ShownPicture, parse_warp
 from hmdwarp.client.fills import fills
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.poses import load_trace

@@ -9,13 +9,13 @@ from reference.picture import HALF_UNIT
 from reference.veil import lay_over
 from worlds import World, read
 
+from hmdwarp.client import ShownPicture
 from hmdwarp.client.effects import effects
 from hmdwarp.client.effects.overlay import OverlayPass
 from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
-from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps.iterative import IterativeSettings
 from hmdwarp.errors import InputError
-from hmdwarp.frames.frame import EyeImage, Layer, Needs, Transparent
+from hmdwarp.frames import EyeImage, Needs, Surface, Transparent
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import load_scene
@@ -49,9 +49,8 @@ class Veiled:
         picture.colour.texture.write(self.behind.astype(np.float16).tobytes(), alignment=1)
         depth = np.broadcast_to(np.float32(shown_depth), self.behind.shape[:2])
         picture.inverse_depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
-        rendered = attrs.evolve(
-            world.rendered, transparent=Transparent(Layer(world.rendered.colour, world.rendered.inverse_depth), passing)
-        )
+        veil = Surface(world.rendered.colour, world.rendered.inverse_depth)
+        rendered = world.rendered.having(transparent=Transparent(veil, passing))
         made = TransparencyPass(self.gpu, frozenset({"transparency"}), world.size, world.shown_size, None)
         found = []
         for _ in range(2):
@@ -130,7 +129,7 @@ def test_the_overlay_lies_over_the_picture_and_fills_holes_where_nothing_passes(
     overlay.write(over.astype(np.float16).tobytes(), alignment=1)
     view = View(Pose(), Fov(-0.5, 0.5, -0.5, 0.5))
     world = World(gpu, 0, (8, 8))
-    inputs = attrs.evolve(world.inputs(None), rendered=EyeImage(view, overlay, overlay, overlay=overlay))
+    inputs = attrs.evolve(world.inputs(None), rendered=EyeImage(view, overlay, overlay, {"overlay": overlay}))
     made = OverlayPass(gpu, frozenset({"overlay"}), (8, 8), size, None)
     made.run(inputs, ShownPicture(picture), into)
     gl.memory_barrier()
@@ -160,7 +159,7 @@ def shown(gpu, scene: str, needs: Needs, run) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(
     ("scene", "needs", "made_by"),
-    [("greenhouse", Needs(transparency=True), TransparencyPass), ("cockpit", Needs(overlay=True), OverlayPass)],
+    [("greenhouse", Needs(transparent=True), TransparencyPass), ("cockpit", Needs(overlay=True), OverlayPass)],
 )
 def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs, made_by):
     def run(size, inputs, picture, into):

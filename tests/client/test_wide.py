@@ -13,11 +13,8 @@ from scipy.spatial.transform import Rotation
 from worlds import read
 
 from client.test_multi import HALF_FLOAT, WALL, scene_of, square
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_fills
-from hmdwarp.client.weight import EyeSizes, eye_bytes
-from hmdwarp.frames.frame import Needs
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
+from hmdwarp.frames import Needs, frame_bytes
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
@@ -56,15 +53,15 @@ def test_its_pixels_are_a_quarter_as_dense_and_half_as_many():
 
 def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
     server = Server(gpu, scene_of(WALL))
-    assert all(eye.wide is None for eye in server.draw_frame([turned(0)], 0, SIZE).eyes)
+    assert all("wide" not in eye for eye in server.draw_frame([turned(0)], 0, SIZE).eyes)
     for _ in range(2):
         frame = server.draw_frame([turned(0), turned(3)], 70, SIZE, 1.5, Needs(wide=True))
         for eye, view in zip(frame.eyes, (turned(0), turned(3)), strict=True):
-            assert eye.wide.size == wide_size(FOV, SIZE)
-            assert eye.wide.view.fov == wide_view(view).fov
-            assert eye.wide.view.pose.isclose(view.pose)
-            assert eye.wide.drawn_ns == 70
-            assert (read(eye.wide.colour)[..., 3] == 1).all()
+            assert eye["wide"].size == wide_size(FOV, SIZE)
+            assert eye["wide"].view.fov == wide_view(view).fov
+            assert eye["wide"].view.pose.isclose(view.pose)
+            assert eye["wide"].drawn_ns == 70
+            assert (read(eye["wide"].colour)[..., 3] == 1).all()
         server.recycle(frame)
     assert server.pool(wide_size(FOV, SIZE)).made == 2
     assert server.pool(wide_size(FOV, SIZE)).live == 0
@@ -74,9 +71,9 @@ def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
 def test_its_bytes_count():
     headset, options = load_headset("rift-dk1"), RunOptions(trace="", size=(480, 600))
     sizes = eye_sizes(options.guard, headset, options.size)
-    wide, high = sizes.wide
-    assert eye_bytes(Needs(wide=True), sizes)["rendered.wide"] == 12 * wide * high
-    assert "rendered.wide" not in eye_bytes(Needs(), EyeSizes((8, 8), (8, 8), wide=sizes.wide))
+    wide, high = max(wide_size(view.fov, options.size) for view in headset.views(Pose()))
+    assert frame_bytes(Needs(wide=True), sizes)["rendered.wide"] == 2 * 12 * wide * high
+    assert "rendered.wide" not in frame_bytes(Needs(), sizes)
 
 
 def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):

@@ -20,9 +20,9 @@ from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.variants import every_warp
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.frames.frame import EyeImage, Layer, Needs
+from hmdwarp.frames import EyeImage, Needs, Surface
 from hmdwarp.pipeline.planning import build_plan_for
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.report import validate_summary
 from hmdwarp.run.bench_levels import ladder_from_file, read_rows
 from hmdwarp.run.rig import build_rig
 from hmdwarp.run.trial import FILLS, candidates, lens_ms, tried
@@ -292,12 +292,14 @@ def test_each_rung_gets_what_it_would_get_alone():
         needs: Needs
 
     levels = (QualityLevel("plain", "none", 1.0, 0.2), QualityLevel("rich", "none", 2.0, 0.1))
-    plain, rich = Noted(PlanLike(Needs())), Noted(PlanLike(Needs(layers=1, cube=True)))
-    inputs = PassInputs(EyeImage(None, None, None, (Layer(None, None), Layer(None, None)), cube="cube"), None)
+    plain, rich = Noted(PlanLike(Needs())), Noted(PlanLike(Needs(peeled=1, cube=True)))
+    inputs = PassInputs(
+        EyeImage(None, None, None, {"peeled": (Surface(None, None), Surface(None, None)), "cube": "cube"}), None
+    )
     AdaptiveCompensator(Governor(levels, 1.5), dict(zip(levels, (plain, rich), strict=True))).run(inputs)
-    assert (plain.inputs.rendered.layers, plain.inputs.rendered.cube) == ((), None)
+    assert plain.inputs.rendered.carried == {}
     AdaptiveCompensator(Governor(levels, 2.5), dict(zip(levels, (plain, rich), strict=True))).run(inputs)
-    assert (len(rich.inputs.rendered.layers), rich.inputs.rendered.cube) == (1, "cube")
+    assert (len(rich.inputs.rendered["peeled"]), rich.inputs.rendered["cube"]) == (1, "cube")
 
 
 def test_a_rig_compiles_every_rung_at_the_start(tmp_path):

@@ -1,4 +1,5 @@
-"""What mirrors show, against rays that are mirrored in the world, and how it gets into the picture."""
+"""What mirrors show, against rays that are mirrored in the world, and how it gets into the
+picture."""
 
 from __future__ import annotations
 
@@ -12,14 +13,14 @@ from reference.reflection import MirrorPictures, with_reflection
 from worlds import read
 
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.geometry.mirror import image_behind_ball
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.parts import parts
 
 SIZE = (97, 83)
-EVERY = Needs(reflections=True, curved_reflections=True)
+EVERY = Needs(reflection=Mirrored.PLANE | Mirrored.CURVED)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +52,7 @@ def hits_of(quad, view, rays) -> Hits:
 @pytest.mark.parametrize("quad", [FLOOR, WALL], ids=["floor", "wall"])
 def test_the_depth_of_what_a_plane_mirror_shows_is_that_of_the_whole_path(server, quad, view):
     eye = layered(server, view)
-    found = read(eye.reflection.seen.inverse_depth)[..., 0].ravel()
+    found = read(eye["reflection"].seen.inverse_depth)[..., 0].ravel()
     rays = world_directions(view, SIZE).reshape(-1, 3)
     met = hits_of(quad, view, rays).inverse_depth
     others = [hits_of(other, view, rays).inverse_depth for other in (FLOOR, WALL) if other is not quad]
@@ -70,7 +71,8 @@ def test_the_depth_of_what_a_plane_mirror_shows_is_that_of_the_whole_path(server
         beyond = max(beyond, chrome_there, other_mirror)
         expected.append(1 / (1 / met[k] + 1 / beyond) if beyond else 0.0)
     expected, chosen_found = np.array(expected), found[chosen]
-    # Flat cells lie inside the balls by Ball.sagitta (1.5 mm); silhouettes are of one pixel; and the backs of things are not drawn.
+    # Flat cells lie inside the balls by Ball.sagitta (1.5 mm); silhouettes are of one pixel; and
+    # the backs of things are not drawn.
     close = np.abs(chosen_found - expected) <= 0.004 * expected + 1e-5
     assert len(chosen) > 200
     assert close.mean() > 0.95
@@ -83,13 +85,13 @@ def test_a_mirror_is_drawn_behind_what_stands_before_it_and_the_surface_is_not(s
     wall = hits_of(WALL, VIEW, rays)
     hidden = ((ball.inverse_depth > 0) & (ball.cosine > 0.3) & (wall.inverse_depth > 0)).reshape(SIZE[::-1])
     assert hidden.sum() > 20
-    assert (read(eye.reflection.seen.colour)[hidden, 3] == 1).all()
-    assert (read(eye.reflection.surface)[hidden] == (0, 0, 0, 1)).all()
+    assert (read(eye["reflection"].seen.colour)[hidden, 3] == 1).all()
+    assert (read(eye["reflection"].surface)[hidden] == (0, 0, 0, 1)).all()
 
 
 def test_the_surface_tells_reflectivity_where_the_picture_shows_a_mirror(server):
     eye = layered(server)
-    surface = read(eye.reflection.surface)
+    surface = read(eye["reflection"].surface)
     rays = world_directions(VIEW, SIZE).reshape(-1, 3)
     everything = [*(quad_of(q) for q in (FLOOR, WALL))]
     near = cast_spheres([(*b.centre, b.radius) for b in (*BALLS, CHROME)], VIEW.pose.position_m, rays).inverse_depth
@@ -104,7 +106,7 @@ def test_the_surface_tells_reflectivity_where_the_picture_shows_a_mirror(server)
 
 def test_the_chrome_ball_shows_things_at_the_depth_of_the_mirror_formula(server):
     eye = layered(server)
-    found = read(eye.reflection.seen.inverse_depth)[..., 0].ravel()
+    found = read(eye["reflection"].seen.inverse_depth)[..., 0].ravel()
     rays = world_directions(VIEW, SIZE).reshape(-1, 3)
     met = cast_spheres([(*CHROME.centre, CHROME.radius)], VIEW.pose.position_m, rays)
     chosen = np.flatnonzero((met.inverse_depth > 0) & (met.cosine > 0.35))
@@ -120,7 +122,8 @@ def test_the_chrome_ball_shows_things_at_the_depth_of_the_mirror_formula(server)
         )
         behind = image_behind_ball(1 / way if way else np.inf, CHROME.radius, met.cosine[k])
         expected = 1 / (1 / met.inverse_depth[k] + behind / length)
-        # The ball's triangles are flat (normals are not: 1 mm in 2 m); what is looked up in the cube is within a texel of an edge.
+        # The ball's triangles are flat (normals are not: 1 mm in 2 m); what is looked up in the
+        # cube is within a texel of an edge.
         wrong += abs(found[k] - expected) > 4e-3 * expected
     assert len(chosen) > 150
     assert wrong < 0.06 * len(chosen)
@@ -132,7 +135,7 @@ def test_the_whole_picture_is_what_the_twin_makes_of_its_layers(gpu, uneven, vie
     server = Server(gpu, mirrored_scene(uneven=uneven))
     eye = layered(server, view)
     whole = read(server.draw(view, SIZE).colour)
-    reflection = eye.reflection
+    reflection = eye["reflection"]
     layers = (eye.colour, reflection.surface, reflection.seen.colour)
     depth = read(reflection.seen.inverse_depth)[..., 0]
     made = with_reflection(MirrorPictures(*map(read, layers), depth, view), reflection.mirrors)
@@ -145,19 +148,20 @@ def test_the_whole_picture_is_what_the_twin_makes_of_its_layers(gpu, uneven, vie
 
 @pytest.mark.parametrize(
     "needs",
-    [Needs(), Needs(reflections=True), Needs(curved_reflections=True), EVERY],
+    [Needs(), Needs(reflection=Mirrored.PLANE), Needs(reflection=Mirrored.CURVED), EVERY],
     ids=["-", "plane", "ball", "both"],
 )
 def test_what_is_wanted_as_a_layer_is_left_out_of_the_picture_and_nothing_else(server, needs):
     eye, whole = layered(server, needs=needs), read(server.draw(VIEW, SIZE).colour)
     changed = np.abs(read(eye.colour) - whole).max(axis=-1) > 0
-    surface = read(eye.reflection.surface)[..., 0] if eye.reflection else np.zeros(SIZE[::-1])
-    # An uneven floor is looked into beside the pixel, which beside the ball may hold the ball, if that is in the same layers.
-    assert (changed & (surface == 0)).mean() <= (0.01 if needs == Needs(curved_reflections=True) else 0)
-    assert (eye.reflection is not None) == (needs.reflections or needs.curved_reflections)
-    if eye.reflection is not None:
+    surface = read(eye["reflection"].surface)[..., 0] if "reflection" in eye else np.zeros(SIZE[::-1])
+    # An uneven floor is looked into beside the pixel, which beside the ball may hold the ball, if
+    # that is in the same layers.
+    assert (changed & (surface == 0)).mean() <= (0.01 if needs == Needs(reflection=Mirrored.CURVED) else 0)
+    assert ("reflection" in eye) == ("reflection" in needs)
+    if "reflection" in eye:
         assert changed[surface > 0].mean() > 0.9
-        assert sum(mirror.is_curved for mirror in eye.reflection.mirrors) == needs.curved_reflections
+        assert sum(mirror.is_curved for mirror in eye["reflection"].mirrors) == (Mirrored.CURVED in needs["reflection"])
 
 
 def test_targets_come_back_with_the_frame(server):
@@ -179,9 +183,9 @@ def test_a_scene_without_mirrors_compiles_and_holds_nothing_of_them(gpu):
 def test_asked_for_where_nothing_mirrors_the_layers_are_empty(gpu):
     server = Server(gpu, load_scene("planes"))
     eye = layered(server)
-    assert (read(eye.reflection.seen.colour) == 0).all()
-    assert (read(eye.reflection.seen.inverse_depth) == -1).all()
-    assert (read(eye.reflection.surface) == (0, 0, 0, 1)).all()
+    assert (read(eye["reflection"].seen.colour) == 0).all()
+    assert (read(eye["reflection"].seen.inverse_depth) == -1).all()
+    assert (read(eye["reflection"].surface) == (0, 0, 0, 1)).all()
     assert np.array_equal(read(eye.colour), read(server.draw(VIEW, SIZE).colour))
     server.close()
 
@@ -194,9 +198,9 @@ def test_no_mirror_shows_what_stands_behind_it(gpu):
     pictures = []
     for each in (scene, more):
         server = Server(gpu, each)
-        eye = layered(server, needs=Needs(reflections=True))
-        wall = np.abs(read(eye.reflection.surface)[..., 0] - 0.9) < 1e-2
-        pictures.append(read(eye.reflection.seen.colour)[wall])
+        eye = layered(server, needs=Needs(reflection=Mirrored.PLANE))
+        wall = np.abs(read(eye["reflection"].surface)[..., 0] - 0.9) < 1e-2
+        pictures.append(read(eye["reflection"].seen.colour)[wall])
         server.close()
     assert len(pictures[0]) > 100
     assert np.array_equal(*pictures)
@@ -204,7 +208,7 @@ def test_no_mirror_shows_what_stands_behind_it(gpu):
 
 def test_a_marched_mirror_shows_what_the_picture_shows_and_nothing_else(gpu, server):
     marched = Server(gpu, mirrored_scene(), mirrors="screen")
-    exact, found = layered(server).reflection, layered(marched).reflection
+    exact, found = layered(server)["reflection"], layered(marched)["reflection"]
     depth, marched_depth = (read(each.seen.inverse_depth)[..., 0] for each in (exact, found))
     floor = np.abs(read(exact.surface)[..., 0] - 0.3) < 1e-2
     hit = floor & (marched_depth >= 0) & (depth >= 0)

@@ -1,4 +1,7 @@
-"""What one sees through and what is fixed to the head: the server against rays that add up light in float64, whole and in layers."""
+"""What one sees through and what is fixed to the head.
+
+The server against rays that add up light in float64, whole and in layers.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from worlds import read
 
 from hmdwarp.errors import SceneError
-from hmdwarp.frames.frame import Needs
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
@@ -21,7 +24,7 @@ from hmdwarp.server import Server
 
 SIZE = (96, 70)
 FOV = Fov(-0.7, 0.6, -0.55, 0.6)
-NONE, LAYERS = Needs(), Needs(transparency=True, overlay=True)
+NONE, LAYERS = Needs(), Needs(transparent=True, overlay=True)
 
 
 def pane(name: str, quad: Quad, **material: object) -> Mesh:
@@ -29,7 +32,10 @@ def pane(name: str, quad: Quad, **material: object) -> Mesh:
 
 
 def random_panes(seed: int, count: int = 4) -> list[Mesh]:
-    """Tilted panes one behind the other, none through another: 25 cm apart, tilted by less than that over their size."""
+    """Tilted panes one behind the other, none through another.
+
+    25 cm apart, tilted by less than that over their size.
+    """
     rng = np.random.default_rng(seed)
     made = []
     for k in rng.permutation(count):
@@ -59,15 +65,15 @@ def picture(gpu, scene: Scene, view: View, needs: Needs = NONE) -> dict[str, np.
     server = Server(gpu, scene)
     eye = server.draw_frame([view], 0, SIZE, needs=needs).eyes[0]
     found = {"colour": read(eye.colour), "inverse_depth": read(eye.inverse_depth)[..., 0]}
-    if eye.transparent is not None:
-        layer = eye.transparent
+    if "transparent" in eye:
+        layer = eye["transparent"]
         found |= {
             "veil": read(layer.veil.colour),
             "depth": read(layer.veil.inverse_depth)[..., 0],
             "passing": read(layer.passing),
         }
-    if eye.overlay is not None:
-        found["overlay"] = read(eye.overlay)
+    if "overlay" in eye:
+        found["overlay"] = read(eye["overlay"])
     server.close()
     return found
 
@@ -95,7 +101,8 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
     safe = away_from_changes(seen.inverse_depth.reshape(SIZE[::-1]) < 0) & away_from_changes(
         seen.count.reshape(SIZE[::-1])
     )
-    # Every sheet is a product and a sum stored in half floats, on top of the picture that was one before; light is at most 1.
+    # Every sheet is a product and a sum stored in half floats, on top of the picture that was one
+    # before; light is at most 1.
     tolerance = 2 * HALF_UNIT * (1 + seen.count.reshape(SIZE[::-1]))[..., None]
     assert safe.mean() > 0.4 and (seen.count.max() >= 2)
     assert (np.abs(whole["colour"][..., :3] - expected) <= tolerance)[safe].all()
@@ -230,9 +237,9 @@ def test_what_is_head_locked_does_not_depend_on_where_the_head_is_and_looks(gpu)
         Pose((3, -1, 7), Rotation.from_euler("YXZ", (140, 30, 10), degrees=True).as_quat()),
     ):
         frame = server.draw_frame(headset.views(pose), 0, SIZE, 1.3, Needs(overlay=True))
-        found.append([read(eye.overlay) for eye in frame.eyes])
+        found.append([read(eye["overlay"]) for eye in frame.eyes])
         assert all(
-            eye.overlay.size == SIZE and eye.size != SIZE for eye in frame.eyes
+            eye["overlay"].size == SIZE and eye.size != SIZE for eye in frame.eyes
         )  # no guard band for what does not move
     for first, second in zip(*found, strict=True):
         assert np.array_equal(first, second)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...scenes.effects import SceneEffect
 
 if TYPE_CHECKING:
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 @attrs.frozen
 class Effect:
     """How one SceneEffect is compensated. made_by: its pass; effects may share one. needs: what frames carry for it. without: what is seen
-    where its pass is left out. refines: the name of an effect without which it means nothing, "" for none."""
+    where its pass is left out. refines: the name of an effect without which it means nothing, "" for none.
+    """
 
     flag: SceneEffect
     summary: str
@@ -41,7 +42,8 @@ class Effect:
 class Tools:
     """What passes may use: `carry` takes other late pictures along with the colour; pictures: how many it hands over at most.
 
-    images: how many late images of one eye a pass is given at most, the newest and `others`."""
+    images: how many late images of one eye a pass is given at most, the newest and `others`.
+    """
 
     carry: Carry
     pictures: int
@@ -59,6 +61,7 @@ class EffectPass(ABC):
     name: ClassVar[str]
     order: ClassVar[int]
     reads: ClassVar[tuple[str, ...]]
+    writes: ClassVar[tuple[str, ...]]
     carries: ClassVar[bool] = False
 
     def __init__(

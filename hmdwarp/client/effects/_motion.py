@@ -18,7 +18,7 @@ from ._base import LatePass
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from ...frames.frame import EyeImage
+    from ...frames import EyeImage
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
@@ -136,12 +136,11 @@ class MotionPass(LatePass):
 
     def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
         """The image as it is `age_ns` later; itself where nothing has moved by then. ids and velocities are used up: they no longer fit."""
-        maps = (
-            [body_map(state, age_ns, image.view, image.size) for state in image.bodies] if RIGID in self.parts else []
-        )
+        ids = image.get("ids") if RIGID in self.parts else None
+        maps = [body_map(state, age_ns, image.view, image.size) for state in ids.bodies] if ids is not None else []
         if len(maps) > MOST_BODIES:
             raise InputError(f"a frame with {len(maps)} bodies: '{self.name}' takes {MOST_BODIES} at most")
-        soft = image.velocity is not None and SOFT in self.parts and swing_seconds(age_ns) != 0
+        soft = "velocity" in image and SOFT in self.parts and swing_seconds(age_ns) != 0
         if not soft and all(map(rests, maps)):
             return image
         into = next(free)
@@ -151,9 +150,8 @@ class MotionPass(LatePass):
         self._run(self._order, named, (1, 1))
         self._run(self._list, named, self.rendered_size)
         self._draw_moving(named, into)
-        return attrs.evolve(
-            image, colour=into.colour, inverse_depth=into.inverse_depth, ids=None, bodies=(), velocity=None
-        )
+        moved = attrs.evolve(image, colour=into.colour, inverse_depth=into.inverse_depth)
+        return moved.having(ids=None, velocity=None)
 
     def _named(self, image: EyeImage, maps: Sequence[WarpMap], age_ns: int) -> dict[str, Any]:
         """Uniforms by name, for whichever program has them."""
@@ -175,7 +173,8 @@ class MotionPass(LatePass):
         }
 
     def _bind(self, image: EyeImage, maps: Sequence[WarpMap], into: _Moved) -> None:
-        for unit, texture in enumerate((image.colour, image.inverse_depth, image.ids, image.velocity)):
+        ids = image["ids"].numbers if "ids" in image else None
+        for unit, texture in enumerate((image.colour, image.inverse_depth, ids, image.get("velocity"))):
             if texture is not None:
                 texture.use(unit)
                 texture.bind_to_image(unit, read=True, write=False)

@@ -16,7 +16,7 @@ from ._base import ShownPass
 from ._closing import Closing
 
 if TYPE_CHECKING:
-    from ...frames.frame import EyeImage
+    from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
     from ..picture import ShownPicture
@@ -71,7 +71,7 @@ class Reflections(ShownPass):
         return 4 * rendered_pixels + 8 * shown_pixels * (2 * 3 + 2)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
-        reflection = inputs.rendered.reflection
+        reflection = inputs.rendered.get("reflection")
         if reflection is None:
             raise PlanError(
                 "reflections are compensated, but this frame has no layer of them; frames from a scene have it"
@@ -87,8 +87,8 @@ class Reflections(ShownPass):
         self._draw(inputs, picture, into)
 
     def _surface_of(self, image: EyeImage, free) -> moderngl.Texture:
-        if image.reflection is not None:
-            return image.reflection.surface
+        if "reflection" in image:
+            return image["reflection"].surface
         into = next(free)
         image.colour.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)
@@ -106,7 +106,7 @@ class Reflections(ShownPass):
         into.bind_for_writing()
         self._seen.texture.use(0)
         units = {name: unit for unit, name in enumerate(read, start=1)}
-        mirrors = mirrors_in_eye(inputs.rendered.reflection.mirrors, inputs.middle) | tangents_of_pixels(
+        mirrors = mirrors_in_eye(inputs.rendered["reflection"].mirrors, inputs.middle) | tangents_of_pixels(
             inputs.middle, self.shown_size
         )
         pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...frames.frame import Needs
+from ...frames import Mirrored, Needs
 from ...scenes.effects import SceneEffect
 from . import Effect, effects
 from ._reflection import Reflections
@@ -12,7 +12,7 @@ effects.register(
         flag=SceneEffect.CURVED_REFLECTIONS,
         summary="what a curved mirror shows is warped at the depth of its image by the mirror formula: half the radius for far things",
         made_by=Reflections,
-        needs=Needs(curved_reflections=True),
+        needs=Needs(reflection=Mirrored.CURVED),
         without="reflections stick to the ball, as if painted on it",
         source="Coddington 1829 (oblique pencils), see hmdwarp/geometry/mirror.py; Lochmann et al. 2014",
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...frames.frame import Needs
+from ...frames import Mirrored, Needs
 from ...scenes.effects import SceneEffect
 from . import Effect, effects
 from ._reflection import Reflections
@@ -12,7 +12,7 @@ effects.register(
         flag=SceneEffect.GLOSSY_REFLECTIONS,
         summary="the normal map disturbs where the warped reflection is looked into, from where the head is now",
         made_by=Reflections,
-        needs=Needs(reflections=True),
+        needs=Needs(reflection=Mirrored.PLANE),
         without="uneven mirrors show an even reflection",
         source="the 2014 thesis's order of steps (warp the even reflection, then disturb it); hmdwarp/reference/reflection.py",
         refines="planar_reflections",

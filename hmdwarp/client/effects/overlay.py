@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...scenes.effects import SceneEffect
 from . import effects
 from ._base import Effect, ShownPass
@@ -27,7 +27,7 @@ class OverlayPass(ShownPass):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         picture.colour.texture.bind_to_image(0, read=True, write=False)
-        inputs.rendered.overlay.bind_to_image(1, read=True, write=False)
+        inputs.rendered["overlay"].bind_to_image(1, read=True, write=False)
         into.bind_for_writing(2)
         self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
         self._program.run(*into.size)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...frames.frame import Needs
+from ...frames import Mirrored, Needs
 from ...scenes.effects import SceneEffect
 from . import Effect, effects
 from ._reflection import Reflections
@@ -12,7 +12,7 @@ effects.register(
         flag=SceneEffect.PLANAR_REFLECTIONS,
         summary="what plane mirrors show is a layer with the depth of the whole path, and is warped as the world behind the mirror",
         made_by=Reflections,
-        needs=Needs(reflections=True),
+        needs=Needs(reflection=Mirrored.PLANE),
         without="reflections stick to the mirrors, as if painted on them",
         source="Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (mirrored geometry); Lochmann et al. 2014, Real-time Reflective "
         "and Refractive Novel-view Synthesis (warping by the length of the path)",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...scenes.effects import SceneEffect
 from . import effects
 from ._base import Effect

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...scenes.effects import SceneEffect
 from ..carry import as_image
 from ..warps._gather import GatherWarp
@@ -37,7 +37,7 @@ class _Veil(GatherWarp):
 
     def run(self, inputs: PassInputs, into: Canvas, picture: ShownPicture) -> None:
         """given.late: as the frame brought it; picture: what the veil is laid over."""
-        layer, settings, (wide, high) = inputs.rendered.transparent, self.settings, self.rendered_size
+        layer, settings, (wide, high) = inputs.rendered["transparent"], self.settings, self.rendered_size
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
         surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": settings.tolerance, "depth_floor": settings.floor}
@@ -89,7 +89,7 @@ effects.register(
         SceneEffect.TRANSPARENCY,
         "glass and what else one sees through is a layer of its own depth, laid over the warped picture",
         TransparencyPass,
-        Needs(transparency=True),
+        Needs(transparent=True),
         "a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the room behind",
         "Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ..settings import NoSettings
 
 if TYPE_CHECKING:
@@ -52,7 +52,8 @@ class Fill(ABC):
     @abstractmethod
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0. Inverse depth is None on both or neither
-        side; into's is written by a fill that writes shown.inverse_depth alone, for others it is that of `picture`."""
+        side; into's is written by a fill that writes shown.inverse_depth alone, for others it is that of `picture`.
+        """
 
     def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""

@@ -12,7 +12,7 @@ from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate
 from ..warps._composite import DEPTH_FLOOR
 
 if TYPE_CHECKING:
-    from ...frames.frame import EyeImage
+    from ...frames import EyeImage
     from ...gpu.context import Gpu
 
 BYTES_PER_PIXEL = 13  # of a kept picture
@@ -69,8 +69,8 @@ class Keeper:
         """Copy what stands still."""
         self._bind_rendered(rendered)
         self._bind_slot(slot, read=False)
-        ids = rendered.ids if rendered.ids is not None else self._no_ids
-        velocity = rendered.velocity if rendered.velocity is not None else self._no_velocity
+        ids = rendered["ids"].numbers if "ids" in rendered else self._no_ids
+        velocity = rendered.get("velocity", self._no_velocity)
         ids.use(_IDS)
         velocity.bind_to_image(_SECOND, read=True, write=False)
         units = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...geometry.wide import COARSER
 from ..warps._composite import Picture
 from . import fills
@@ -30,7 +30,7 @@ class Wide(Fill):
         self._holes = HoleFiller(self.gpu, self.shown_size, cell=COARSER)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        wide = inputs.rendered.wide
+        wide = inputs.rendered["wide"]
         self._holes.start(picture, into)
         self._holes.add(Picture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
 

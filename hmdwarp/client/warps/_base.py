@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import attrs
 
-from ...frames.frame import Needs
+from ...frames import Needs
 from ..settings import NoSettings
 
 if TYPE_CHECKING:
@@ -24,7 +24,8 @@ COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES = 8, 4, 4
 @attrs.frozen(eq=False)
 class Output:
     """What a warp writes. lens: the lens it looks through itself (one resample from the late picture to the panel), None for the
-    shown view before the lens. scanout: whether rows are shown one after the other, from Given.shown to Given.shown_last."""
+    shown view before the lens. scanout: whether rows are shown one after the other, from Given.shown to Given.shown_last.
+    """
 
     lens: LensPass | None = None
     scanout: bool = False

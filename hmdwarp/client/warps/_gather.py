@@ -12,7 +12,7 @@ from ..lens import bind_texels
 from ._base import Warp
 
 if TYPE_CHECKING:
-    from ...frames.frame import EyeImage
+    from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ...errors import PlanError
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
 from . import warps
@@ -48,17 +48,17 @@ class Environment(GatherWarp):
         return WarpMap(turn.as_matrix() @ _EYE_FROM_HOMOGENEOUS @ tangent_from_pixel, np.zeros(3))
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:
-        return inputs.rendered.cube
+        return inputs.rendered["cube"]
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
-        cube = inputs.rendered.cube
+        cube = inputs.rendered["cube"]
         chosen = moderngl.NEAREST if self._looks_along_a_face(inputs) else moderngl.LINEAR
         cube.filter = (chosen, chosen)
         cube.use(unit)
 
     def _looks_along_a_face(self, inputs: PassInputs) -> bool:
         """Whether each shown pixel is a pixel of one face of the cube, so that it can be copied without a bilinear look."""
-        shown, side = inputs.shown, inputs.rendered.cube.size[0] // 3
+        shown, side = inputs.shown, inputs.rendered["cube"].size[0] // 3
         if self.output.lens is not None or self.output.scanout or np.abs(shown.fov.tangents).max() > 1 + 1e-9:
             return False
         here = View(Pose(shown.pose.position_m, inputs.rendered.view.pose.orientation_xyzw), shown.fov)
@@ -66,7 +66,7 @@ class Environment(GatherWarp):
         return any(WarpMap.between(shown, self.shown_size, face, (side, side)).moves_whole_pixels() for face in faces)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        cube = inputs.rendered.cube
+        cube = inputs.rendered.get("cube")
         if cube is None:
             raise PlanError(
                 "warp 'environment' needs a cube map around the eye, which this frame has not; frames from a scene have it"

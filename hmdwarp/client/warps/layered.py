@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...errors import PlanError
-from ...frames.frame import Needs
+from ...frames import Needs
 from . import warps
 from ._composite import CompositeWarp, Picture
 
@@ -34,7 +34,7 @@ class Layered(CompositeWarp):
 
     name = "layered"
     summary = "warps two to four depth layers of the server together: real content behind edges"
-    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.layers")
+    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.peeled")
     exact_when = "always, up to one bilinear resample, where a layer holds the surface"
     gets_wrong = "what no layer holds or the late field of view did not; the server draws the scene once more per layer"
     source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
@@ -42,7 +42,7 @@ class Layered(CompositeWarp):
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
-        return Needs(layers=settings.layers - 1)
+        return Needs(peeled=settings.layers - 1)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
@@ -54,10 +54,9 @@ class Layered(CompositeWarp):
 
     def pictures(self, inputs: PassInputs) -> list[Picture]:
         rendered, behind = inputs.rendered, self.settings.layers - 1
-        if len(rendered.layers) < behind:
+        peeled = rendered.get("peeled", ())
+        if len(peeled) < behind:
             raise PlanError(
-                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(rendered.layers)}"
+                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(peeled)}"
             )
-        return [
-            Picture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *rendered.layers[:behind])
-        ]
+        return [Picture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]

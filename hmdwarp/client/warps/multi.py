@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import attrs
 import numpy as np
 
-from ...frames.frame import Needs
+from ...frames import Needs, Others
 from ...geometry import WarpMap
 from . import warps
 from ._composite import CompositeWarp, Picture
@@ -22,7 +22,8 @@ MOST_FRAMES = 8
 @attrs.frozen
 class MultiSettings:
     """frames: how many past frames of the same eye are used. spacing: at least so many milliseconds between them. eye: whether the other
-    eye's picture is used too, or only the eye's own."""
+    eye's picture is used too, or only the eye's own.
+    """
 
     frames: int = 2
     spacing: float = 300.0
@@ -51,7 +52,7 @@ class Multi(CompositeWarp):
     @classmethod
     def needs(cls, settings: Any) -> Needs:
         spacing_ns = round(settings.spacing * 1e6) if settings.frames else 0
-        return Needs(past=settings.frames, past_spacing_ns=spacing_ns, other_eye=settings.eye == "other")
+        return Needs(others=Others(settings.frames, spacing_ns, settings.eye == "other"))
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:

@@ -8,7 +8,7 @@ from ...client.lens import lenses
 from ...client.plan import Plan, needs_of
 from ...display import Display
 from ...errors import InputError
-from ...frames.frame import Needs
+from ...frames import Needs
 from ...geometry import Pose
 from ...link.codec import check_codec
 from ...pipeline.build import Pipeline, Timing, build_pipeline, check_held, expected_age_ns, latency_ns
@@ -82,7 +82,7 @@ class Stage:
         if AUTO in (before.warp, options.warp) or attrs.evolve(options, **same) != before:
             return False
         (plan,) = self._plans(options, self.scene, Ladder())
-        if not _carries(self.pipeline.requested.needs, plan.needs):
+        if not self.pipeline.requested.needs.serve(plan.needs):
             return False
         self.pipeline.exchange(plan)
         return True
@@ -157,17 +157,9 @@ class Stage:
         self.pipeline.close()
 
 
-def _carries(carried: Needs, wanted: Needs) -> bool:
-    """Whether frames that carry the one are what a plan of the other expects: more older ones and the other eye do not disturb it."""
-    beside = {"past": 0, "past_spacing_ns": 0, "other_eye": False}
-    same = attrs.evolve(carried, **beside) == attrs.evolve(wanted, **beside)
-    past = not wanted.past or (wanted.past <= carried.past and wanted.past_spacing_ns == carried.past_spacing_ns)
-    return same and past and carried.other_eye >= wanted.other_eye
-
-
 def refuse_one_eye(needs: Needs, eyes: int) -> None:
     """Errors: InputError where the passes look into the other eye's picture, and there is none."""
-    if needs.other_eye and eyes < 2:
+    if needs.others.other_eye and eyes < 2:
         raise InputError(
             "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes"
         )

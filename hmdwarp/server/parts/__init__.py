@@ -1,4 +1,4 @@
-"""What a scene may have besides plain surfaces, one file each: drawn into the picture, or sent as a layer of its own."""
+"""What frames have besides plain surfaces, one file each: in the picture, or as layers."""
 
 from ...registry import Registry
 from ._base import DrawContext, Drawing, Part

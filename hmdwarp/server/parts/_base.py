@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
 
-from ...frames.frame import Needs
+from ...frames import Needs
 
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames.frame import EyeImage
+    from ...frames import EyeImage
     from ...geometry import View
     from ...gpu.context import Gpu
     from ...scenes import Scene
@@ -23,34 +23,44 @@ if TYPE_CHECKING:
 
 
 @attrs.frozen(eq=False)
-class DrawContext:
-    """What parts draw with: the scene, its textures on the GPU, the plain surfaces' own passes (`colour`), framebuffers, and targets
-    that are freed with the frame. acquire(size, kind, depth): kind as in gpu.textures, depth: with an r32f texture beside it."""
-
-    gpu: Gpu
-    scene: Scene
-    textures: SceneTextures
-    framebuffers: Framebuffers
-    colour: ScenePasses
-    acquire: Callable[..., Target]
-
-
-@attrs.frozen(eq=False)
 class Drawing:
-    """What is asked for: the view as the eye has it, without guard band, (w, h) pixels of it, the layers wanted, the scene's clock.
+    """One picture to draw."""
 
-    marched: plane mirrors show only what the picture itself shows, see Server.
-    """
-
+    # The view as the eye has it, without guard band, and (w, h) pixels of it.
     view: View
     size: tuple[int, int]
+    # The scene's clock.
     time_ns: int = 0
+    # The layers to draw.
     needs: Needs = Needs()
+    # Whether plane mirrors show only what the picture itself shows, see Server.
     marched: bool = False
 
 
+@attrs.frozen(eq=False)
+class DrawContext:
+    """What parts draw with."""
+
+    gpu: Gpu
+    scene: Scene
+    # The scene's textures on the GPU.
+    textures: SceneTextures
+    framebuffers: Framebuffers
+    # The passes of the plain surfaces.
+    colour: ScenePasses
+    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
+    # depth: with an r32f texture beside it.
+    acquire: Callable[..., Target]
+    # draw(view, size, drawing): a whole picture of another view.
+    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
+
+
 class Part(ABC):
-    """One kind of content. Parts are added in the order of `order`, each to the picture that those before it have left."""
+    """One kind of content, added to the picture that the parts of a lower `order` have left.
+
+    A part is made when a scene has any of its content, or when frames need a layer whose file names
+    it in `drawn_by`: then the layer is there, empty at worst, whatever the scene has.
+    """
 
     name: ClassVar[str]
     order: ClassVar[int]
@@ -59,22 +69,23 @@ class Part(ABC):
         self.context = context
 
     @classmethod
-    @abstractmethod
     def in_scene(cls, scene: Scene) -> bool:
-        """Whether the scene has any of it."""
-
-    @classmethod
-    @abstractmethod
-    def wanted(cls, needs: Needs) -> bool:
-        """Whether any of it is asked for as a layer: then it is there, empty at worst, whatever the scene has."""
+        """Return whether the picture itself shows any of it."""
+        return False
 
     @abstractmethod
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        """Draw into the eye's colour and inverse depth what is not wanted as a layer; the eye with the layers that are."""
+        """Draw what is not needed as a layer into the eye; return the eye with its layers."""
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:  # noqa: B027 (most have none)
-        """Draw into an inverse depth, of all plain surfaces so far, what has a depth of its own in the picture."""
+        """Draw what has a depth of its own into the inverse depth of the plain surfaces."""
 
-    @abstractmethod
-    def close(self) -> None:
-        """Free what it holds; programs belong to the shader library, acquired targets to the server."""
+    def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
+        """Return the layers that all eyes share, by name; called once for each frame.
+
+        views: of the eyes, with guard band.
+        """
+        return {}
+
+    def close(self) -> None:  # noqa: B027 (some hold nothing)
+        """Free what it holds; the shader library owns programs, the server acquired targets."""

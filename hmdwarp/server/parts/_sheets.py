@@ -1,4 +1,4 @@
-"""Sheets that are blended over a picture: sorted by triangle, farthest first, for every drawing anew."""
+"""Sheets that are blended over a picture, sorted by triangle for every drawing, farthest first."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from ._base import DrawContext
 
 Blending = tuple[int, int, int, int]
-# rgb and alpha: factor of what is drawn, factor of what is there. The names that moderngl has not are GL's.
+# rgb and alpha: factor of what is drawn, factor of what is there. Names that moderngl lacks are
+# OpenGL's.
 _SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589
 OVER_KEEPING_COVERAGE = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
 OVER = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, _SRC1_ALPHA)
@@ -30,7 +31,7 @@ THROUGH = (moderngl.ZERO, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
 
 @attrs.frozen(eq=False)
 class _Run:
-    """Triangles of one mesh that are drawn one after the other."""
+    """Triangles of one mesh that are drawn one after the other: index range and mesh number."""
 
     mesh: int
     first: int
@@ -38,13 +39,14 @@ class _Run:
 
 
 class Sheets:
-    """Some meshes of a scene, on the GPU, that are drawn in order of their distance.
+    """Some meshes of a scene on the GPU, drawn in order of their distance.
 
-    Triangles that pass through each other, or large ones close together, may come in the wrong order where they overlap.
+    Triangles that pass through each other, or large ones close together, may come in the wrong
+    order where they overlap.
     """
 
     def __init__(self, context: DrawContext, meshes: Sequence[Mesh]) -> None:
-        self._easel, self._meshes = context, tuple(meshes)
+        self._context, self._meshes = context, tuple(meshes)
         self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._positions = [mesh.positions.astype(np.float64) for mesh in meshes]
         gl = context.gpu.gl
@@ -64,13 +66,13 @@ class Sheets:
         *,
         hidden_by_surfaces: bool = False,
     ) -> None:
-        """All sheets of `view` at that instant, farthest first.
+        """Draw all sheets of `view` at that instant, farthest first.
 
-        blending: None for a depth, of which the nearest stays. hidden_by_surfaces: whether what is blended is tested against the depth
-        buffer.
+        blending: None for a depth, of which the nearest stays. hidden_by_surfaces: whether what is
+        blended is tested against the depth buffer.
         """
         runs, eye_from = self._ordered(view, time_ns)
-        gl, clip = self._easel.gpu.gl, clip_from_eye(view.fov)
+        gl, clip = self._context.gpu.gl, clip_from_eye(view.fov)
         vertices = self._array(program)
         flags = (moderngl.BLEND if blending else 0) | (
             moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0
@@ -78,33 +80,35 @@ class Sheets:
         framebuffer.depth_mask = blending is None
         with drawing_into(framebuffer, flags):
             if blending is not None:
-                gl.blend_func = blending
+                gl.blend_func = blending  # type: ignore[assignment]  # its stub knows two factors
             for run in runs:
                 mesh = self._meshes[run.mesh]
                 (gl.disable if mesh.double_sided else gl.enable)(moderngl.CULL_FACE)
-                self._easel.textures[mesh.texture].use(0)
-                told = {"tint": mesh.material.tint} if program.uniforms.declares("tint") else {}
+                self._context.textures[mesh.texture].use(0)
+                tint = {"tint": mesh.material.tint} if program.uniforms.declares("tint") else {}
                 program.uniforms.set(
-                    clip_from_scene=clip @ eye_from[run.mesh], surface=0, opacity=mesh.material.opacity, **told
+                    clip_from_scene=clip @ eye_from[run.mesh], surface=0, opacity=mesh.material.opacity, **tint
                 )
                 vertices.render(moderngl.TRIANGLES, vertices=run.count, first=run.first)
-            gl.blend_func = (
-                moderngl.DEFAULT_BLENDING
-            )  # Mesa refuses to draw into two textures while a second source is set, blended or not
+            # Mesa refuses to draw into two textures while a second source is set, blended or not.
+            gl.blend_func = moderngl.DEFAULT_BLENDING  # type: ignore[assignment]
         framebuffer.depth_mask = True
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
         if program.program not in self._arrays:
-            lit = "in_light" in program.program  # where depth alone is drawn, the compiler leaves it out
+            lit = "in_light" in program.program  # the compiler leaves it out for depth alone
             layout, names = ("3f4 2f4 3f4", ("in_light",)) if lit else ("3f4 2f4 12x", ())
             inputs = [(self._vertices, layout, "in_position", "in_uv", *names)]
-            self._arrays[program.program] = self._easel.gpu.gl.vertex_array(
+            self._arrays[program.program] = self._context.gpu.gl.vertex_array(
                 program.program, inputs, self._indices, index_element_size=4
             )
         return self._arrays[program.program]
 
     def _ordered(self, view: View, time_ns: int) -> tuple[list[_Run], list[NDArray]]:
-        """The runs, farthest first, and eye_from_mesh (4x4) of each mesh. The drawings of one picture follow each other: done once."""
+        """Return the runs, farthest first, and eye_from_mesh (4x4) of each mesh.
+
+        Kept for the next drawing: those of one picture follow each other.
+        """
         key = (view.pose, view.head_from_eye, time_ns)
         if self._order is None or any(a is not b and a != b for a, b in zip(self._order[0], key, strict=True)):
             self._deform(time_ns)
@@ -126,15 +130,18 @@ class Sheets:
         self._written_ns = time_ns
 
     def _eye_from(self, mesh: Mesh, view: View, time_ns: int) -> NDArray[np.float64]:
-        """4x4, relative to the eye before anything is turned. What is head-locked stands to the head as the rest to the world."""
-        scene = self._easel.scene
+        """Return 4x4, relative to the eye before anything is turned.
+
+        Head-locked meshes are placed in the head's space.
+        """
+        scene = self._context.scene
         place = Pose() if mesh.material.head_locked else Pose(scene.origin_m)
         if mesh.body:
             place = scene.bodies[mesh.body - 1].motion.state(time_ns).pose
         return place.relative_to(view.head_from_eye if mesh.material.head_locked else view.pose).matrix()
 
     def _sorted(self, eye_from: Sequence[NDArray]) -> list[_Run]:
-        """Writes the indices, by the distance of the triangles' middles from the eye."""
+        """Write the indices by the distance of the triangles' middles; return the runs."""
         if not self._meshes:
             return []
         squared = []
@@ -149,8 +156,10 @@ class Sheets:
 
     def close(self) -> None:
         """Free the buffers."""
-        for thing in (*self._arrays.values(), self._vertices, self._indices):
-            thing.release()
+        for vertices in self._arrays.values():
+            vertices.release()
+        self._vertices.release()
+        self._indices.release()
 
 
 def _runs(owner: NDArray) -> Iterator[_Run]:

@@ -1,4 +1,4 @@
-"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes, with a depth of their own in the picture."""
+"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes and depth."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from ._sheets import OVER_KEEPING_COVERAGE, Sheets
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...geometry import View
     from ...scenes import Scene
 
 
 @parts.register
 class Cutouts(Part):
-    """Comes before all others: the depth buffer is still that of the surfaces.
+    """Drawn before all others: the depth buffer is still that of the surfaces.
 
-    In a veil, such a sheet seen through glass would move with the glass. Its edges are blended, and have the depth of what there is
-    more of.
+    As part of the veil, such a sheet seen through glass would move with the glass. Its edges are
+    blended; their depth is that of the side that covers more.
     """
 
     name = "cutouts"
@@ -38,10 +38,6 @@ class Cutouts(Part):
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
         return any(mesh.material.see_through for mesh in scene.meshes)
-
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return False
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if self._sheets is not None:

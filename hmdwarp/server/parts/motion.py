@@ -1,33 +1,31 @@
-"""Which body each pixel belongs to and how the bodies move, and how fast each pixel of what deforms moves."""
+"""The body of each pixel and how bodies move; the velocity of each pixel of what deforms."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import attrs
 import moderngl
 import numpy as np
 
+from ...frames import BodyIds
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, MovingBody
-from ..passes import draw_chunks
-from ..peel import SAME_SURFACE
+from ..passes import SAME_SURFACE, draw_chunks
 from ..projection import clip_from_eye, visible
-from ..sight import draws_of
+from ..visibility import draws_of
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
 if TYPE_CHECKING:
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...gpu.shaders import Draw
-    from ...scenes import Scene
     from ..moving import Moving
 
 
 @parts.register
 class Motion(Part):
-    """Comes after all that is drawn into the picture: a pixel tells of what it shows, and that its depth says."""
+    """Drawn after all that goes into the picture: the depth says what a pixel shows."""
 
     name = "motion"
     order = 90
@@ -40,25 +38,16 @@ class Motion(Part):
         self._of_bodies: _Numbers | None = None
         self._of_deforming: _Velocities | None = None
 
-    @classmethod
-    def in_scene(cls, scene: Scene) -> bool:
-        return False  # in the picture itself there is nothing of it
-
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.ids or needs.velocity
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if drawing.needs.ids:
+        if "ids" in drawing.needs:
             if self._of_bodies is None:
                 self._of_bodies = _Numbers(self.context, self._bodies)
-            ids = self._of_bodies.draw(eye)
             bodies = tuple(body.motion.state(drawing.time_ns) for body in self.context.scene.bodies)
-            eye = attrs.evolve(eye, ids=ids, bodies=bodies)
-        if drawing.needs.velocity:
+            eye = eye.having(ids=BodyIds(self._of_bodies.draw(eye), bodies))
+        if "velocity" in drawing.needs:
             if self._of_deforming is None:
                 self._of_deforming = _Velocities(self.context, self._deforming)
-            eye = attrs.evolve(eye, velocity=self._of_deforming.draw(eye))
+            eye = eye.having(velocity=self._of_deforming.draw(eye))
         return eye
 
     def close(self) -> None:
@@ -68,10 +57,10 @@ class Motion(Part):
 
 
 class _Numbers:
-    """Draws the numbers of bodies."""
+    """Draws body numbers."""
 
     def __init__(self, context: DrawContext, bodies: tuple[MovingBody, ...]) -> None:
-        self._easel, self._bodies = context, bodies
+        self._context, self._bodies = context, bodies
         shaders, gl = context.gpu.shaders, context.gpu.gl
         self._draw = shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=0)
         self._none = shaders.draw("server/background.vert", "server/moving_none.frag")
@@ -79,10 +68,10 @@ class _Numbers:
         self._empty = gl.vertex_array(self._none.program, [])
 
     def draw(self, eye: EyeImage) -> moderngl.Texture:
-        """r16ui of the eye's size."""
-        gl = self._easel.gpu.gl
-        into = self._easel.acquire(eye.size, NUMBER, depth=False).colour
-        framebuffer = self._easel.framebuffers.over(into)
+        """Return the numbers: r16ui of the eye's size."""
+        gl = self._context.gpu.gl
+        into = self._context.acquire(eye.size, NUMBER, depth=False).colour
+        framebuffer = self._context.framebuffers.over(into)
         with drawing_into(framebuffer, moderngl.NOTHING):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
             for one, vertices in zip(self._bodies, self._vertices, strict=True):
@@ -96,10 +85,10 @@ class _Numbers:
 
 
 class _Velocities:
-    """Draws how fast deforming meshes move."""
+    """Draws the velocities of deforming meshes."""
 
     def __init__(self, context: DrawContext, deforming: tuple[DeformingMesh, ...]) -> None:
-        self._easel, self._deforming = context, deforming
+        self._context, self._deforming = context, deforming
         gl = context.gpu.gl
         self._draw = context.gpu.shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=1)
         self._velocities = [gl.buffer(reserve=12 * len(one.mesh.positions), dynamic=True) for one in deforming]
@@ -110,10 +99,10 @@ class _Velocities:
         self._written_ns: int | None = None
 
     def draw(self, eye: EyeImage) -> moderngl.Texture:
-        """rgba16f of the eye's size."""
-        gl = self._easel.gpu.gl
-        into = self._easel.acquire(eye.size, COLOUR, depth=False).colour
-        framebuffer = self._easel.framebuffers.over(into)
+        """Return the velocities: rgba16f of the eye's size."""
+        gl = self._context.gpu.gl
+        into = self._context.acquire(eye.size, COLOUR, depth=False).colour
+        framebuffer = self._context.framebuffers.over(into)
         self._write(eye.drawn_ns)
         self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation_matrix.T)
         with drawing_into(framebuffer, moderngl.NOTHING):
@@ -130,14 +119,18 @@ class _Velocities:
             self._written_ns = time_ns
 
     def close(self) -> None:
-        for thing in (*self._vertices, *self._velocities):
-            thing.release()
+        for vertices, buffer in zip(self._vertices, self._velocities, strict=True):
+            vertices.release()
+            buffer.release()
 
 
 def _draw_where_shown(
     gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage
 ) -> None:
-    """Into the framebuffer in use, at the pixels where the picture shows it. In any order: of two surfaces one alone has its depth."""
+    """Draw into the framebuffer in use, at the pixels where the picture shows it.
+
+    In any order: of two surfaces, one alone has the picture's depth.
+    """
     one.set_time(eye.drawn_ns)
     place = one.place(eye.view)
     clip = clip_from_eye(eye.view.fov) @ place.eye_from_here

@@ -1,10 +1,8 @@
-"""What is fixed to the head (a HUD): drawn over everything, or sent as a picture of its own that is never warped."""
+"""What is fixed to the head (a HUD): drawn over everything, or a layer that is never warped."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
-
-import attrs
 
 from ...gpu.scopes import drawing_into
 from . import parts
@@ -14,7 +12,7 @@ from ._sheets import OVER, OVER_KEEPING_COVERAGE, Sheets
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...geometry import View
     from ...scenes import Scene
     from ._sheets import Blending
@@ -22,7 +20,7 @@ if TYPE_CHECKING:
 
 @parts.register
 class Overlay(Part):
-    """Drawn into the picture it leaves the depth as it is: that of what it hides."""
+    """Drawn into the picture, it leaves the depth of what it hides."""
 
     name = "overlay"
     order = 95
@@ -35,12 +33,8 @@ class Overlay(Part):
     def in_scene(cls, scene: Scene) -> bool:
         return any(mesh.material.head_locked for mesh in scene.meshes)
 
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.overlay
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if not drawing.needs.overlay:
+        if "overlay" not in drawing.needs:
             self._draw(eye.view, drawing.time_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
             return eye
         into = self.context.acquire(drawing.size, depth=False).colour
@@ -48,7 +42,7 @@ class Overlay(Part):
         with drawing_into(framebuffer):
             framebuffer.clear()
         self._draw(drawing.view, drawing.time_ns, framebuffer, OVER)
-        return attrs.evolve(eye, overlay=into)
+        return eye.having(overlay=into)
 
     def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
         program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)

@@ -1,13 +1,12 @@
-"""What mirrors show: drawn into the picture, or as a layer with the depth of the world behind the mirror."""
+"""What mirrors show: drawn into the picture, or a layer with the depth of the mirrored world."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import attrs
 import moderngl
 
-from ...frames.frame import Layer, Reflection
+from ...frames import Mirrored, Reflection, Surface
 from ...gpu.textures import COLOUR
 from ..mirror import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
 from ..targets import Target, TargetPool
@@ -17,7 +16,7 @@ from ._base import DrawContext, Drawing, Part
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ...scenes import Scene
     from ..mirror import Bounds
@@ -25,7 +24,10 @@ if TYPE_CHECKING:
 
 @parts.register
 class Reflections(Part):
-    """Plane mirrors: the scene once more for each, mirrored. Curved ones: a look into a cube map with depth around their centre."""
+    """Plane mirrors: the scene once more for each, mirrored.
+
+    Curved ones: a look into a cube map with depth around their centre.
+    """
 
     name = "reflections"
     order = 10
@@ -46,33 +48,25 @@ class Reflections(Part):
     def in_scene(cls, scene: Scene) -> bool:
         return bool(scene.mirrors)
 
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.reflections or needs.curved_reflections
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        needs = drawing.needs
-        layered = [
-            one
-            for one in self._surfaces
-            if (needs.curved_reflections if one.mirror.shape.is_curved else needs.reflections)
-        ]
+        needed = drawing.needs.get("reflection", Mirrored(0))
+        layered = [one for one in self._surfaces if _kind_of(one) in needed]
         baked = [one for one in self._surfaces if one not in layered]
         if baked:
             seen, surface = self._own("seen", eye.size), self._own("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
             self._compose_into(eye, baked, seen, surface)
-        if not self.wanted(needs):
+        if not needed:
             return eye
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(one.mirror.shape for one in layered)
-        return attrs.evolve(eye, reflection=Reflection(Layer(seen.colour, seen.inverse_depth), surface.colour, shapes))
+        return eye.having(reflection=Reflection(Surface(seen.colour, seen.inverse_depth), surface.colour, shapes))
 
     def _draw(
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
     ) -> None:
-        """What the chosen mirrors show, and what they are."""
+        """Draw what the chosen mirrors show, and what they are."""
         over = self.context.framebuffers.over
         over(seen.colour).clear()
         over(seen.inverse_depth).clear(red=-1.0)
@@ -81,7 +75,8 @@ class Reflections(Part):
         for one in chosen:
             one.draw_surface(eye, onto)
         mirrors = uniforms_of([one.mirror for one in chosen], eye.view, eye.size)
-        # Plane ones come first and do not ask for balls: at the rim of a ball's triangles something else is seen after all.
+        # Plane ones come first and ignore balls: at the rim of a ball's triangles something else
+        # shows.
         planes = mirrors | {"mirror_count": sum(not one.mirror.shape.is_curved for one in chosen)}
         for number, one in enumerate(chosen):
             if isinstance(one, Ball):
@@ -112,7 +107,7 @@ class Reflections(Part):
     def _store(
         self, program: Compute, behind: Target, number: int, mirrors: dict, bounds: Bounds, seen: Target
     ) -> None:
-        """What mirror `number` shows, made by `program` from `behind`, into `seen`."""
+        """Write what mirror `number` shows into `seen`; `program` makes it from `behind`."""
         for unit, texture in enumerate((seen.colour, seen.inverse_depth)):
             texture.bind_to_image(unit, read=False, write=True)
         for unit, texture in enumerate((behind.colour, behind.inverse_depth), start=2):
@@ -142,7 +137,7 @@ class Reflections(Part):
         self.context.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def _own(self, use: str, size: tuple[int, int], *, depth: bool = True) -> Target:
-        """A target that stays with the part."""
+        """Return a target that stays with the part."""
         if (use, size) not in self._scratch:
             self._pools.append(TargetPool(self.context.gpu, size, COLOUR, depth=depth))
             self._scratch[use, size] = self._pools[-1].acquire()
@@ -155,3 +150,7 @@ class Reflections(Part):
             self._mirrored.close()
         for pool in self._pools:
             pool.close()
+
+
+def _kind_of(surface: MirrorSurface) -> Mirrored:
+    return Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE

@@ -1,16 +1,14 @@
-"""Glass and whatever else lets a part of the light pass: blended over the picture, or sent as a veil of their own depth."""
+"""Glass and the like: blended over the picture, or a veil with a depth of its own."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import attrs
-
-from ...frames.frame import Layer, Transparent
+from ...frames import Surface, Transparent
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import SCALAR, allocate
 from ...scenes import is_cutout
-from ..peel import SAME_SURFACE
+from ..passes import SAME_SURFACE
 from . import parts
 from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
@@ -18,17 +16,18 @@ from ._sheets import OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames.frame import EyeImage, Needs
+    from ...frames import EyeImage
     from ...gpu.shaders import Draw
     from ...scenes import Scene
 
 
 @parts.register
 class Transparency(Part):
-    """Blended into the picture, sheets leave its depth as it is: that of what lies behind.
+    """Blended into the picture, sheets leave the depth of what lies behind.
 
-    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the picture hides is left out where there is
-    one that it does not hide, else it is there: what is seen when the head looks past what stood before it.
+    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the
+    picture hides is left out where another is not hidden; else it is there, for when the head looks
+    past what stood before it.
     """
 
     name = "transparency"
@@ -46,13 +45,9 @@ class Transparency(Part):
     def in_scene(cls, scene: Scene) -> bool:
         return any(mesh.material.see_through for mesh in scene.meshes)
 
-    @classmethod
-    def wanted(cls, needs: Needs) -> bool:
-        return needs.transparency
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if drawing.needs.transparency:
-            return attrs.evolve(eye, transparent=self._layer(eye))
+        if "transparent" in drawing.needs:
+            return eye.having(transparent=self._layer(eye))
         eye.inverse_depth.use(1)
         self._sheets.draw(
             self._colour(1), eye.view, eye.drawn_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE
@@ -65,24 +60,29 @@ class Transparency(Part):
         self._draw_depth(eye, veil.inverse_depth, 2)
         for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
             self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
-        return Transparent(Layer(veil.colour, veil.inverse_depth), passing)
+        return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
 
     def _draw_depth(self, eye: EyeImage, into: moderngl.Texture, tests: int) -> None:
         self._draw(self._program(tests, COLOUR=0), eye, into, (-1.0, 0.0, 0.0, 0.0), None)
 
     def _draw(
-        self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: tuple[float, ...], blending: Blending | None
+        self,
+        program: Draw,
+        eye: EyeImage,
+        into: moderngl.Texture,
+        empty: tuple[float, float, float, float],
+        blending: Blending | None,
     ) -> None:
         framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
-            framebuffer.clear(*empty)
+            framebuffer.clear(color=empty)
         eye.inverse_depth.use(1)
         if into is not self._unhidden_of(eye.size):
             self._unhidden_of(eye.size).use(2)
         self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
 
     def _unhidden_of(self, size: tuple[int, int]) -> moderngl.Texture:
-        """The depth of sheets that are not hidden, for the next drawings of the same picture alone."""
+        """Return a texture for the depth of sheets that are not hidden, used within one picture."""
         if size not in self._unhidden:
             self._unhidden[size] = allocate(self.context.gpu.gl, size, SCALAR)
         return self._unhidden[size]

@@ -1,0 +1,91 @@
+"""The declaration of a layer: all that the program knows of it except its drawing and reading."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, ClassVar
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ._sizes import EyeSizes, Size
+
+# Bytes of a pixel, by OpenGL's name of the texture format.
+PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
+
+# How a layer is coded on the link: by the video codec, by the code of inverse depth, or packed
+# without loss. What is packed is only counted: the client gets what the server drew.
+VIDEO, DEPTH, PACKED = "video", "inverse depth", "packed"
+
+
+class Layer:
+    """One kind of content of a frame; a file of its own with a subclass is its declaration.
+
+    A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by`
+    are enough. A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
+    overrides `bytes`, `textures`, `coded_bytes` and, where its data must be freed, `release`.
+    """
+
+    # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
+    name: ClassVar[str]
+    # One line for listings.
+    summary: ClassVar[str]
+    # The texture formats of one unit of the layer, keys of PIXEL_BYTES.
+    formats: ClassVar[tuple[str, ...]] = ()
+    # The server's part that draws it, "" for what the server draws anyway or not at all.
+    drawn_by: ClassVar[str] = ""
+    # VIDEO, DEPTH or PACKED.
+    coding: ClassVar[str] = PACKED
+    # Whether both eyes carry the same data, which is drawn, sent, counted and released once for
+    # each frame.
+    per_frame: ClassVar[bool] = False
+    # Whether every frame has it, needed or not.
+    always: ClassVar[bool] = False
+    # The amount of plans that need none of it, and one that needs as much as there is, or some.
+    nothing: ClassVar[Any] = 0
+    something: ClassVar[Any] = True
+
+    @classmethod
+    def readable(cls) -> str:
+        """Return the name by which passes read it."""
+        return f"rendered.{cls.name}"
+
+    @classmethod
+    def size(cls, sizes: EyeSizes) -> Size:
+        """Return its (w, h) in pixels."""
+        return sizes.rendered
+
+    @classmethod
+    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
+        """Return the uncompressed bytes of `amount` of it, for one eye or (per_frame) all."""
+        width, height = cls.size(sizes)
+        return int(amount) * sum(PIXEL_BYTES[one] for one in cls.formats) * width * height
+
+    @classmethod
+    def merged(cls, amount: Any, other: Any) -> Any:
+        """Return an amount that is enough for both."""
+        return max(amount, other)
+
+    @classmethod
+    def serves(cls, carried: Any, needed: Any) -> bool:
+        """Return whether frames that carry `carried` suit passes that need `needed`."""
+        return carried == needed
+
+    @classmethod
+    def only(cls, data: Any, amount: Any) -> Any:
+        """Return the part of the data that a plan which needs `amount` would get alone."""
+        return data
+
+    @classmethod
+    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
+        """Return every texture of its data; the server takes back those of its pools."""
+        return (data,)
+
+    @classmethod
+    def coded_bytes(cls, data: Any, pack: Callable[[Any], int]) -> int:
+        """Return its bytes on the link if PACKED. pack: packed size of a texture or array."""
+        return sum(map(pack, cls.textures(data)))
+
+    @classmethod
+    def release(cls, data: Any) -> None:
+        """Free what belongs to no pool of the server's; called once, when the frame is recycled."""

@@ -1,0 +1,57 @@
+"""Other pictures of the same scene: the other eye's, and older ones that the client keeps."""
+
+from __future__ import annotations
+
+import attrs
+
+from . import EyeSizes, Layer, layers
+
+
+@attrs.frozen
+class Others:
+    """Which other pictures a plan uses."""
+
+    # How many older frames the client keeps.
+    past: int = 0
+    # The least time between two of them.
+    spacing_ns: int = 0
+    # Whether the other eye's picture is used as well.
+    other_eye: bool = False
+
+    def __bool__(self) -> bool:
+        """Return whether any other picture is used."""
+        return bool(self.past or self.other_eye)
+
+    @property
+    def count(self) -> int:
+        """The most other pictures that one eye gets."""
+        return self.past + self.other_eye
+
+
+@layers.register
+class OtherPictures(Layer):
+    """Adds nothing to a frame: these pictures are frames that the link has brought already.
+
+    The amount is an Others.
+    """
+
+    name = "others"
+    summary = "the other eye's picture and older frames, which the client has already"
+    nothing, something = Others(), Others(past=1, other_eye=True)
+
+    @classmethod
+    def bytes(cls, amount: Others, sizes: EyeSizes) -> int:
+        return 0
+
+    @classmethod
+    def merged(cls, amount: Others, other: Others) -> Others:
+        """Return enough for both, with the shorter of their spacings."""
+        spacings = [one.spacing_ns for one in (amount, other) if one.past]
+        past, other_eye = max(amount.past, other.past), amount.other_eye or other.other_eye
+        return Others(past, min(spacings, default=0), other_eye)
+
+    @classmethod
+    def serves(cls, carried: Others, needed: Others) -> bool:
+        """Return whether at least as many are kept, equally far apart; more do not disturb."""
+        past = not needed.past or (needed.past <= carried.past and needed.spacing_ns == carried.spacing_ns)
+        return past and carried.other_eye >= needed.other_eye

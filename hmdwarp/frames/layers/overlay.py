@@ -1,0 +1,19 @@
+"""What is fixed to the head."""
+
+from __future__ import annotations
+
+from . import EyeSizes, Layer, layers
+
+
+@layers.register
+class Overlay(Layer):
+    """Premultiplied light of what is fixed to the head, for the shown field of view and size."""
+
+    name = "overlay"
+    summary = "what is fixed to the head, as a picture of its own that is never warped"
+    formats = ("rgba16f",)
+    drawn_by = "overlay"
+
+    @classmethod
+    def size(cls, sizes: EyeSizes) -> tuple[int, int]:
+        return sizes.shown

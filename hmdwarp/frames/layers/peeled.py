@@ -1,0 +1,32 @@
+"""Surfaces behind the visible one, by depth peeling."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from . import Layer, Surface, layers
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import moderngl
+
+
+@layers.register
+class Peeled(Layer):
+    """A tuple of Surface, nearest first; the amount is their number."""
+
+    name = "peeled"
+    summary = "the surfaces behind the visible one, nearest first"
+    formats = ("rgba16f", "r32f")
+    drawn_by = "peeled"
+    something = 2
+
+    @classmethod
+    def only(cls, data: tuple[Surface, ...], amount: int) -> tuple[Surface, ...]:
+        """Return the nearest `amount` surfaces."""
+        return data[:amount]
+
+    @classmethod
+    def textures(cls, data: tuple[Surface, ...]) -> Iterable[moderngl.Texture]:
+        return (texture for surface in data for texture in surface.textures())

@@ -1,0 +1,15 @@
+"""How fast each pixel of what deforms moves."""
+
+from __future__ import annotations
+
+from . import Layer, layers
+
+
+@layers.register
+class Velocity(Layer):
+    """m/s along the eye's axes (rgb) of what deforms (coverage)."""
+
+    name = "velocity"
+    summary = "velocity in m/s of each pixel of what deforms"
+    formats = ("rgba16f",)
+    drawn_by = "motion"

@@ -1,0 +1,35 @@
+"""A second, wide and coarse picture of the same eye and instant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...geometry.wide import wide_size
+from . import EyeSizes, Layer, layers
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import moderngl
+
+    from ..frame import EyeImage
+
+
+@layers.register
+class Wide(Layer):
+    """An EyeImage of its own, with the view that geometry.wide gives."""
+
+    name = "wide"
+    summary = "a second picture of the same eye, wide and coarse"
+    formats = ("rgba16f", "r32f")
+    drawn_by = "wide"
+
+    @classmethod
+    def size(cls, sizes: EyeSizes) -> tuple[int, int]:
+        """Return the larger of both eyes' width and height."""
+        widths, heights = zip(*(wide_size(fov, sizes.shown) for fov in sizes.fovs), strict=True)
+        return max(widths), max(heights)
+
+    @classmethod
+    def textures(cls, data: EyeImage) -> Iterable[moderngl.Texture]:
+        return data.textures()

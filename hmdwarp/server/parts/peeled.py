@@ -1,0 +1,61 @@
+"""What lies behind the visible surfaces, one layer after the other: depth peeling.
+
+Source: Everitt 2001, Interactive Order-Independent Transparency. Each pass draws the scene again
+without all that is not behind the layer before. Every surface that faces the eye counts, also one
+close behind another (a picture on a wall): without it, what lies behind both would take its place,
+which it hides.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...frames import Surface
+from ..passes import SAME_SURFACE, ScenePasses
+from . import parts
+from ._base import DrawContext, Drawing, Part
+
+if TYPE_CHECKING:
+    from ...frames import EyeImage, Needs
+    from ..moving import Moving
+
+
+@parts.register
+class Peeled(Part):
+    """Surfaces behind the picture's own, nearest first.
+
+    What the client moves is left out: then the surface behind it fills the place that it leaves.
+    """
+
+    name = "peeled"
+    order = 100
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._passes: dict[tuple[Moving, ...], ScenePasses] = {}
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        passes = self._passes_for(drawing.needs)
+        before, surfaces = eye.inverse_depth, []
+        for _ in range(drawing.needs["peeled"]):
+            target = self.context.acquire(eye.size)
+            before.use(1)
+            into = self.context.framebuffers.over(target.colour, target.inverse_depth)
+            passes.draw(eye.view, into, eye.drawn_ns, in_front=1, keep=1 - SAME_SURFACE)
+            surfaces.append(Surface(target.colour, target.inverse_depth))
+            before = target.inverse_depth
+        return eye.having(peeled=tuple(surfaces))
+
+    def _passes_for(self, needs: Needs) -> ScenePasses:
+        plain = self.context.colour
+        moving = tuple(one for one in plain.moving if one.layer not in needs)
+        if moving not in self._passes:
+            context = self.context
+            self._passes[moving] = ScenePasses(
+                context.gpu, context.scene, plain.buffers, colour=True, peel=True, moving=moving
+            )
+        return self._passes[moving]
+
+    def close(self) -> None:
+        for passes in self._passes.values():
+            passes.close()

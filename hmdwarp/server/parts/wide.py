@@ -1,0 +1,30 @@
+"""The second, wide and coarse view of an eye: a whole picture of its own, with depth."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...frames import Needs
+from ...geometry.wide import wide_size, wide_view
+from . import parts
+from ._base import Drawing, Part
+
+if TYPE_CHECKING:
+    from ...frames import EyeImage
+
+
+@parts.register
+class Wide(Part):
+    """As wide as geometry.wide says, around the view without guard band.
+
+    Everything is drawn into it, nothing is a layer of its own, except what is fixed to the head:
+    that is no scenery.
+    """
+
+    name = "wide"
+    order = 120
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        view, size = wide_view(drawing.view), wide_size(drawing.view.fov, drawing.size)
+        needs = Needs(overlay=drawing.needs.get("overlay"))
+        return eye.having(wide=self.context.draw(view, size, Drawing(view, size, drawing.time_ns, needs)))

@@ -1,0 +1,119 @@
+"""The registry of layers.
+
+What its entries say is what the server draws, and what passes may read.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.client.effects import effects
+from hmdwarp.client.fills import fills
+from hmdwarp.client.warps import warps
+from hmdwarp.errors import UnknownNameError
+from hmdwarp.frames import EyeSizes, Mirrored, Needs, Others, frame_bytes
+from hmdwarp.frames.layers import DEPTH, PACKED, PIXEL_BYTES, VIDEO, layers, readable_names
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
+from hmdwarp.server.parts import parts
+
+SIZE = (24, 20)
+FOV = Fov.symmetric(1.0, 0.8)
+# Everything that a server can draw beside the picture.
+EVERYTHING = Needs(**{layer.name: layer.something for layer in layers if layer.drawn_by})
+GL_FORMAT = {(4, "f2"): "rgba16f", (1, "f4"): "r32f", (1, "u2"): "r16ui"}
+
+
+def test_everything_drawn_is_declared_and_everything_declared_is_drawn(gpu):
+    server = Server(gpu, load_scene("planes"))
+    views = [View(Pose((x, 1.6, 1.0)), FOV) for x in (-0.03, 0.03)]
+    frame = server.draw_frame(views, 0, SIZE, needs=EVERYTHING)
+    for eye in frame.eyes:
+        assert {layer.name for layer, _ in eye.contents()} == {*EVERYTHING, "colour", "inverse_depth"}
+    server.close()
+
+
+@pytest.mark.parametrize("name", [layer.name for layer in layers if layer.formats])
+def test_formats_and_bytes_are_those_of_the_textures(gpu, name):
+    layer = layers.get(name)
+    needs = Needs() if layer.always else Needs(**{name: EVERYTHING[name]})
+    server = Server(gpu, load_scene("planes"))
+    frame = server.draw_frame([View(Pose(), FOV)], 0, SIZE, needs=needs)
+    (data,) = [data for each, data in frame.contents() if each is layer]
+    textures = list(layer.textures(data))
+    found = [GL_FORMAT[texture.components, texture.dtype] for texture in textures]
+    assert found == list(layer.formats) * (len(found) // len(layer.formats))
+    weight = sum(
+        PIXEL_BYTES[one] * texture.width * texture.height for one, texture in zip(found, textures, strict=True)
+    )
+    assert frame_bytes(needs, EyeSizes(SIZE, SIZE, (FOV,)), eyes=1)[layer.readable()] == weight
+    server.recycle(frame)
+    assert not any(server.pool(texture.size, depth=depth).live for texture in textures for depth in (True, False))
+    server.close()
+
+
+@pytest.mark.parametrize("name", layers.names())
+def test_a_layer_says_what_it_is(name):
+    layer = layers.get(name)
+    assert layer.name == name and layer.summary
+    assert layer.coding in (VIDEO, DEPTH, PACKED)
+    assert layer.drawn_by in ("", *parts.names())
+    assert set(layer.formats) <= set(PIXEL_BYTES)
+
+
+def test_every_layer_is_read_by_some_pass():
+    readers = [*warps, *fills, *(effect.made_by for effect in effects)]
+    read = {name for reader in readers for name in reader.reads if name.startswith("rendered.")}
+    assert read == set(readable_names())
+
+
+# --- needs ----------------------------------------------------------------------------------------
+
+
+def test_two_needs_together_are_enough_for_both():
+    one, other = Needs(peeled=1, cube=True, others=Others(2, 50)), Needs(peeled=3, others=Others(1, 40, True))
+    both = one | other
+    assert both == other | one == Needs(peeled=3, cube=True, others=Others(2, 40, True))
+    assert both | both == both
+    assert one | Needs() == one
+    assert Needs(reflection=Mirrored.PLANE) | Needs(reflection=Mirrored.CURVED) == Needs(
+        reflection=Mirrored.PLANE | Mirrored.CURVED
+    )
+
+
+def test_older_frames_that_are_not_kept_have_no_spacing():
+    assert (Needs(others=Others(0, 0, True)) | Needs(others=Others(1, 50))).others == Others(1, 50, True)
+
+
+def test_what_is_not_needed_is_not_there():
+    assert Needs(cube=False, peeled=0, others=Others()) == Needs() == {}
+    assert "cube" not in Needs(cube=False)
+    assert hash(Needs(cube=True, ids=False)) == hash(Needs(cube=True))
+    assert repr(Needs(peeled=2, cube=True)) == "Needs(cube=True, peeled=2)"
+
+
+def test_a_need_of_an_unknown_layer_is_refused():
+    with pytest.raises(UnknownNameError, match="did you mean 'cube'"):
+        Needs(cubes=True)
+
+
+@pytest.mark.parametrize(
+    ("carried", "needed", "enough"),
+    [
+        (Needs(), Needs(), True),
+        (Needs(peeled=2), Needs(peeled=2), True),
+        (Needs(peeled=2), Needs(peeled=1), False),
+        (Needs(cube=True), Needs(), False),
+        (Needs(), Needs(cube=True), False),
+        (Needs(others=Others(2, 50, True)), Needs(), True),
+        (Needs(others=Others(2, 50, True)), Needs(others=Others(1, 50)), True),
+        (Needs(others=Others(2, 50)), Needs(others=Others(1, 40)), False),
+        (Needs(others=Others(1, 50)), Needs(others=Others(2, 50)), False),
+        (Needs(others=Others(2, 50)), Needs(others=Others(0, 0, True)), False),
+        (Needs(), Needs(others=Others(1, 50)), False),
+    ],
+)
+def test_a_plan_runs_on_frames_that_carry_the_same(carried, needed, enough):
+    """More or fewer layers are other frames; more older frames than needed disturb nobody."""
+    assert carried.serve(needed) == enough
