@@ -13,8 +13,8 @@ import needs
 import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
 
-# Two workers share two cores: threads of OpenMP (FLIP) that wait busily for each other took 20 times
-# as long. Before any library with OpenMP is loaded.
+# Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
+# Set before any library with OpenMP is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 

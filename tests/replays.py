@@ -1,4 +1,4 @@
-"""Small replays for tests: one call, small defaults, and the pixels where figures are not enough."""
+"""Small replays for tests: one call, small defaults, and pixels where figures are not enough."""
 
 from __future__ import annotations
 

@@ -77,9 +77,7 @@ def test_each_effect_is_paid_by_those_who_call_for_it(scene):
 
 @pytest.mark.parametrize("name", effects.names())
 def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
-    plain, forced = (
-        costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name))
-    )
+    plain, forced = (costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
     assert forced.shaders > plain.shaders
     assert {path for path in forced.shaders if path.startswith("effects/")}
     if effects.get(name).needs != Needs():

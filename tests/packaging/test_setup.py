@@ -127,7 +127,7 @@ def test_make_alone_lists_the_targets(clone):
 
 @pytest.fixture
 def machine(tmp_path, tools, monkeypatch):
-    """Return set-up's module on a machine without any tool; tmp_path/calls has the calls of apt-get.
+    """Return set-up's module on a machine without tools; tmp_path/calls has the calls of apt-get.
 
     Its package lists hold what `known` names; `apt-get update` brings the rest of `lists`.
     """
