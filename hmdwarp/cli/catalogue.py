@@ -154,9 +154,9 @@ def _scale_row(scale: Scale) -> dict[str, str]:
 
 
 def _studies() -> list[dict[str, str]]:
-    from ..study.design.read import load_design, ready_names
+    from ..study.design import load_design, study_names
 
-    return [_study_row(load_design(name, checked=False)) for name in ready_names()]
+    return [_study_row(load_design(name, checked=False)) for name in study_names()]
 
 
 def _study_row(design: Design) -> dict[str, str]:

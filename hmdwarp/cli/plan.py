@@ -47,12 +47,12 @@ def plan(said: Said) -> None:
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
     """Return the driver's options, and what it tells the plan. Errors: InputError for an unknown source."""
-    from ..display.openxr import WHO
+    from ..display.openxr import RUNTIME_LABEL
 
     if source not in (REPLAY, OPENXR, DESKTOP):
         raise InputError(f"source '{source}': wanted {REPLAY}, {OPENXR} or {DESKTOP}")
     kind = PipelineOptions if source == REPLAY else LiveOptions
-    return kind, {"distorts": WHO, "takes_depth": WHO} if source == OPENXR else {}
+    return kind, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
 
 
 def _assumed(source: str, headset: str) -> list[tuple[str, str]]:

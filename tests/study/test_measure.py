@@ -11,8 +11,7 @@ from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
 from hmdwarp.run import RunOptions, figures, replay, set_up_replay
-from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
 from hmdwarp.study.store import PERSON, Store
 
@@ -103,7 +102,7 @@ def test_what_is_known_is_not_measured_again_unless_otherwise_or_asked_for(store
     measure_study(store, OPTIONS)
     before = [one.measured for one in store.contents().showings]
     found = measure_study(store, OPTIONS)
-    assert (found.measured, found.known) == (0, 3) and "3 were measured before" in found.told()[0]
+    assert (found.measured, found.known) == (0, 3) and "3 were measured before" in found.describe()[0]
     assert [one.measured for one in store.contents().showings] == before
     smaller = measure_study(store, attrs.evolve(OPTIONS, size=(48, 60)))
     assert smaller.measured == 3 and {one.measured.get("size") for one in store.contents().showings} == {None, "48x60"}

@@ -22,7 +22,7 @@ from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
 from ...run.options import FLAT
 from ...scenes import Scene
 from ...server.draw import MIRRORS
-from ...tables import told
+from ...tables import quoted
 
 # What a value of the file has to be. A number may stand where the command line takes a text that is one.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
@@ -150,4 +150,4 @@ def _value(key: str, name: str, value: object) -> object:
         and math.isfinite(value)
     ):
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
-    raise SettingFault(key, f"{key} is {told(value)}: wanted {kind}")
+    raise SettingFault(key, f"{key} is {quoted(value)}: wanted {kind}")

@@ -8,7 +8,7 @@ import pytest
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study import actual, scales
-from hmdwarp.study.design.read import load_design
+from hmdwarp.study.design import load_design
 from hmdwarp.study.session import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
