@@ -74,7 +74,7 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     if isinstance(error, typer.Abort):
         _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
     if type(error).__name__ == "NoArgsIsHelpError":
-        print(error.format_message())
+        print(error.format_message())  # type: ignore[attr-defined]
         sys.exit(0)
     # Usage errors. Newer typers carry a click of their own, older ones use the real one: there is no one base class to name.
     if hasattr(error, "format_message"):

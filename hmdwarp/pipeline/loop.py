@@ -163,8 +163,10 @@ class Loop:
         )
 
     def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
+        """Return the other pictures that a plan looks into, without what they carry for other plans."""
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
-        return (*beside, *(past.eyes[eye] for past in self.history.frames[: needs.others.past]))
+        past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])
+        return tuple(image.only(needs) for image in (*beside, *past))
 
 
 def _total(stages: Stages) -> float:
