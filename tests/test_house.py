@@ -150,6 +150,97 @@ def test_every_part_has_its_place():
     assert not homeless, f"say in FLOORS of this file where {sorted(homeless)} stands"
 
 
+# Registries whose entries are files: an entry is called what it is, in whatever registry it stands.
+ENTRIES = (
+    "client/effects", "client/fills", "client/lens", "client/warps", "frames/layers", "link/codec/codecs", "link/delays",
+    "metrics/library", "poses/formats", "poses/predictors", "scenes/library", "server/parts",
+)  # fmt: skip
+COMMANDS = "cli"  # a command's file carries the name of the command
+# Names of modules or packages that stand in several places, with the reason.
+SAME_NAME = {
+    "analysis": "of a trace; of a study's ratings",
+    "bench": "the package, and its pages in the report",
+    "cases": "of a bench: run there, read back for its page here",
+    "charts": "of each kind of page",
+    "columns": "of a trace file; of an export",
+    "connection": "to the OpenXR runtime; to the database",
+    "cube": "its geometry; its drawing; the layer that carries it",
+    "depth": "conversions between depths; its code on the network",
+    "desktop": "the display; the head that its mouse moves",
+    "effects": "what a scene declares; the passes that compensate it",
+    "errors": "all of the project; the one of the codecs that is no error of the user",
+    "formats": "of traces; of an export",
+    "geometry": "the package; the geometry that the client draws",
+    "head": "of the runtime; of a trace file",
+    "layers": "of a frame; their bytes on the network",
+    "library": "the entries of a registry: metrics, scenes",
+    "link": "the package and its class",
+    "mirror": "its geometry; its drawing; the window that mirrors a headset",
+    "motion": "of a trace; of heads in an export",
+    "options": "those of each package; the package that declares them",
+    "page": "each kind of page",
+    "parts": "of a server; of a page",
+    "pictures": "what metrics need of them; of a report",
+    "power": "of a study, and its page in the report",
+    "prediction": "of a head; of ratings, and its page in the report",
+    "results": "of each kind of analysis of a study",
+    "rows": "of a trace file; of an export",
+    "schema": "of the files of a run; of the database",
+    "session": "with the OpenXR runtime; with a participant",
+    "settings": "of a warp or fill; of a condition",
+    "store": "the package and its class",
+    "study": "the package, and its pages in the report",
+    "style": "of the plots; of the control panel",
+    "summary": "of metrics; of each kind of analysis of a study",
+    "tables": "TOML tables; tables of a report",
+    "textures": "on the GPU; of the scenes",
+}
+# Names that differ by an s.
+APART_BY_S = {
+    "codec": "the package of coding, with the registry of codecs in it",
+    "frame": "the class, in its package",
+    "input": "of a window; the inputs of a pass are another matter",
+    "layer": "of an OpenXR frame; the layers of a frame are a registry",
+    "metric": "the class, in its package",
+    "motion": "of a trace; motions of made-up scenes",
+    "picture": "a picture in the client; what metrics and reports do with many",
+    "pose": "the class; the package of poses over time",
+    "reflection": "the layer; the part of the server that draws reflections",
+    "source": "of poses; sources of ratings",
+    "view": "the class; the two views of a window",
+}
+
+
+def names_of_modules() -> dict[str, list[str]]:
+    """The public modules and packages by their own names; entries of registries and commands aside."""
+    found: dict[str, list[str]] = {}
+    for path in modules():
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
+        parts = parts[:-1] if parts[-1] == "__init__" else parts
+        folder = "/".join(parts[:-1])
+        if not parts or parts[-1].startswith("_") or parts[0] == COMMANDS or folder in ENTRIES:
+            continue
+        found.setdefault(parts[-1], []).append("/".join(parts))
+    return found
+
+
+def test_one_name_is_one_module():
+    """Two modules of one name say why; a reason that nothing needs any more is taken out."""
+    names = names_of_modules()
+    several = {name for name, places in names.items() if len(places) > 1}
+    missing = {name: names[name] for name in several - SAME_NAME.keys()}
+    assert not missing, f"rename them, or say why in SAME_NAME: {missing}"
+    assert SAME_NAME.keys() <= several, f"take out of SAME_NAME: {SAME_NAME.keys() - several}"
+
+
+def test_no_two_modules_differ_by_an_s():
+    names = names_of_modules()
+    apart = {name for name in names if f"{name}s" in names}
+    missing = {name: (names[name], names[f"{name}s"]) for name in apart - APART_BY_S.keys()}
+    assert not missing, f"rename them, or say why in APART_BY_S: {missing}"
+    assert APART_BY_S.keys() <= apart, f"take out of APART_BY_S: {APART_BY_S.keys() - apart}"
+
+
 @pytest.mark.parametrize("path", modules(), ids=name_of)
 def test_imports_point_one_way(path):
     unit = unit_of(path)

@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 
 
 class AdaptiveCompensator:
-    """A compensator for each quality level, of which the governor's runs; stands where a Compensator stands.
+    """A compensator for each quality level, of which the governor's runs.
 
-    Frames carry what any of the levels needs. All are compiled and allocated at the start, so that a
-    change costs nothing at the refresh it happens. Both eyes change together. `changes` lists what
-    happened.
+    Stands where a Compensator stands.
+
+    Frames carry what any of the levels needs. All are compiled and allocated at the start, so that
+    a change costs nothing at the refresh it happens. Both eyes change together. `changes` lists
+    what happened.
     """
 
     def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
@@ -57,7 +59,10 @@ class AdaptiveCompensator:
         return self._running.run(attrs.evolve(inputs, rendered=inputs.rendered.only(self.plan.needs)))
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
-        """Hand the times of each eye's passes at the last refresh to the governor; the slower eye counts."""
+        """Hand the times of each eye's passes at the last refresh to the governor.
+
+        The slower eye counts.
+        """
         change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
         if change is not None:
             self.changes.append(change)

@@ -14,19 +14,20 @@ import attrs
 from ..errors import HmdwarpError
 from .levels import QualityLevel, best_within
 
-# Evidence against a level is the share by which its time exceeds the budget, summed while the sum is
-# above 0 (CUSUM). One refresh counts for a quarter at most, so that a spike alone is no evidence: 4
-# refreshes far over the budget are, or 10 that are 10 % over.
+# Evidence against a level is the share by which its time exceeds the budget, summed while the sum
+# is above 0 (CUSUM). One refresh counts for a quarter at most, so that a spike alone is no
+# evidence: 4 refreshes far over the budget are, or 10 that are 10 % over.
 CLIP = 0.25
 ENOUGH = 1.0
 # Up only into 95 % of the budget: from there, evenly spread noise of 10 % gathers enough evidence
-# once in exp(30) times: exp(-2 m h / s^2) with m = 0.05 below, h = 1, s^2 = 0.1^2 / 3 (Siegmund 1985,
-# the random walk's chance to ever get there).
+# once in exp(30) times: exp(-2 m h / s^2) with m = 0.05 below, h = 1, s^2 = 0.1^2 / 3 (Siegmund
+# 1985, the random walk's chance to ever get there).
 MARGIN = 0.95
 WINDOW = 31  # refreshes of the running median
 PATIENCE = 60  # refreshes the room must last before going up
 TRIAL = 240  # a way up was a failure if it led down again within so many refreshes
-# Both grow by this factor with each failure: tries at 60, 240, 960, 3840 refreshes, six in an hour at 60 Hz.
+# Both grow by this factor with each failure: tries at 60, 240, 960, 3840 refreshes, six in an hour
+# at 60 Hz.
 BACK_OFF = 4
 # What this run has seen of a level counts against the benchmark if it is this much better: two
 # medians of noise differ by less.
@@ -66,26 +67,32 @@ class _Stay:
 class Governor:
     """Choice of the level to run, from the levels, the budget and the time of each refresh.
 
-    It starts at the most accurate level within the budget. `level` is the one to run now; measured()
-    takes its time, the worse eye of each refresh.
+    It starts at the most accurate level within the budget. `level` is the one to run now;
+    measured() takes its time, the worse eye of each refresh.
 
     Down: as soon as there is enough evidence that the time exceeds the budget, to the most accurate
-    level that is expected to fit. Up: when a better level has been expected within 95 % of the budget
-    for a while; four times as long after each try that failed. The time expected of a level is that
-    of the present one, times the ratio of the two by the benchmark, or by what this run has measured
-    of both. Going down believes the worse of the two, so that it suffices; going up the benchmark,
-    unless what was measured is clearly better: one bad moment is not for ever.
-    Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes, Biometrika 41, eq. 1.
-    Errors: InputError for a budget in which no level fits; HmdwarpError for empty or unsorted levels.
+    level that is expected to fit. Up: when a better level has been expected within 95 % of the
+    budget for a while; four times as long after each try that failed. The time expected of a level
+    is that of the present one, times the ratio of the two by the benchmark, or by what this run has
+    measured of both. Going down believes the worse of the two, so that it suffices; going up the
+    benchmark, unless what was measured is clearly better: one bad moment is not for ever.
+    Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes,
+    Biometrika 41, eq. 1.
+    Errors: InputError for a budget in which no level fits; HmdwarpError for empty or unsorted
+    levels.
     """
 
     def __init__(self, levels: tuple[QualityLevel, ...], budget_ms: float) -> None:
-        """levels: from cheapest to most accurate, as levels_from returns them. budget_ms: per eye."""
+        """levels.
+
+        From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
+        """
         _check_levels(levels)
         self.levels, self.budget_ms = tuple(levels), float(budget_ms)
         self._at = best_within(self.levels, budget_ms)
         self._refresh = -1
-        self._own = {self._at: self.level.total_ms}  # the levels this run has seen, up to one common factor
+        # The levels this run has seen, up to one common factor.
+        self._own = {self._at: self.level.total_ms}
         self._failures = [0] * len(self.levels)
         self._stay = _Stay([0] * len(self.levels))
 
@@ -95,7 +102,10 @@ class Governor:
         return self.levels[self._at]
 
     def measured(self, total_ms: float) -> Change | None:
-        """Count the time of the refresh just shown; return the change for the next one, if there is one."""
+        """Count the time of the refresh just shown.
+
+        Return the change for the next one, if there is one.
+        """
         if not (math.isfinite(total_ms) and total_ms >= 0):
             raise HmdwarpError(f"a refresh took {total_ms} ms: wanted a finite time from 0")
         self._refresh += 1
@@ -131,7 +141,10 @@ class Governor:
         )
 
     def _judge_climb(self) -> None:
-        """Count a climb that soon led down as a failure, of dearer levels too; one that lasted makes up for one."""
+        """Count a climb that soon led down as a failure, of dearer levels too.
+
+        One that lasted makes up for one.
+        """
         if self._stay.climbed:
             failures = self._failures[self._at]
             lasted = self._refresh - self._stay.arrived >= TRIAL * BACK_OFF**failures
@@ -152,7 +165,8 @@ class Governor:
             return None
         to = ready[-1]
         reason = (
-            f"{self.level} takes {time_ms:.2f} ms, and for {self._stay.room[to]} refreshes {self.levels[to]} has been expected within "
+            f"{self.level} takes {time_ms:.2f} ms, and for {self._stay.room[to]} refreshes {self.levels[to]} has "
+            "been expected within "
             f"{MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {self._hoped(to, time_ms):.2f} ms"
         )
         return self._change(to, time_ms, reason)
@@ -169,7 +183,10 @@ class Governor:
         return by_run if by_run < DOUBT * by_bench else by_bench
 
     def _learn(self, time_ms: float) -> None:
-        """Compare this level with the one before, once for each stay: the machine was the same a moment ago."""
+        """Compare this level with the one before, once for each stay.
+
+        The machine was the same a moment ago.
+        """
         if self._stay.came is not None:
             before, its_ms = self._stay.came
             if its_ms > 0 and time_ms > 0:

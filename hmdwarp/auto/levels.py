@@ -1,4 +1,7 @@
-"""Quality levels: the combinations of warp and fill that are worth their time, from the rows of a benchmark."""
+"""Quality levels.
+
+The combinations of warp and fill that are worth their time, from the rows of a benchmark.
+"""
 
 from __future__ import annotations
 
@@ -40,9 +43,9 @@ class QualityLevel:
 def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
     """Return the Pareto front of error against time, from the cheapest level to the most accurate.
 
-    Each is slower and better than the last. rows: as in bench.json. Figures are means over the cases
-    (trace, scene, latency, ..) that every combination was measured in; of several sizes the largest
-    counts, where time is scarcest. A row without a time or a FLIP is no measurement.
+    Each is slower and better than the last. rows: as in bench.json. Figures are means over the
+    cases (trace, scene, latency, ..) that every combination was measured in; of several sizes the
+    largest counts, where time is scarcest. A row without a time or a FLIP is no measurement.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
     combined, shared = _compared(rows)
@@ -61,18 +64,22 @@ def _compared(rows: Iterable[Row]) -> tuple[dict[tuple[str, str], dict[tuple, li
     shared = set.intersection(*(set(cases) for cases in combined.values()))
     if not shared:
         raise InputError(
-            f"the {len(combined)} combinations of warp and fill were measured in no common case, so they cannot be compared: "
+            f"the {len(combined)} combinations of warp and fill were measured in no common case, so they cannot be "
+            "compared: "
             "measure all of them with the same traces, scenes and latencies"
         )
     return combined, shared
 
 
 def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
-    """Return the `choice` entry of bench.json: the most accurate combination within the budget, and the next level.
+    """Return the `choice` entry of bench.json.
+
+    The most accurate combination within the budget, and the next level.
 
     budget_ms: per eye. sizes, cases: at which size (several only if they have as many pixels), and
     over how many cases, its figures are means.
-    Errors: as levels_from; InputError for a budget that is no positive time, or in which nothing fits.
+    Errors: as levels_from; InputError for a budget that is no positive time, or in which nothing
+    fits.
     """
     rows = list(rows)
     levels, (_, shared) = levels_from(rows), _compared(rows)
@@ -99,14 +106,18 @@ def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None) -> in
     if not fitting:
         cheapest = levels[0]
         raise InputError(
-            f"budget {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes {cheapest.total_ms:.2f} ms per eye: "
+            f"budget {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes "
+            f"{cheapest.total_ms:.2f} ms per eye: "
             "allow that much, or use a smaller size"
         )
     return fitting[-1]
 
 
 def settings_of(warp: str) -> dict[str, str]:
-    """Return the settings in a warp's spec: 'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}."""
+    """Return the settings in a warp's spec.
+
+    'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}.
+    """
     _, _, settings = warp.partition(":")
     return dict(part.split("=", 1) for part in settings.split(",") if "=" in part)
 

@@ -1,3 +1,3 @@
+from .bench_run import BenchResult as BenchResult
+from .bench_run import bench as bench
 from .options import BenchOptions as BenchOptions
-from .run import BenchResult as BenchResult
-from .run import bench as bench

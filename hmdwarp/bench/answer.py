@@ -9,12 +9,46 @@ from ..report.bench import choice_terms
 
 
 def answer(choice: Mapping[str, Any]) -> list[str]:
-    """What to run, how accurate it is and how long it takes; then what the next step up would give and cost. One sentence each.
+    """What to run, how accurate it is and how long it takes; then what the next step up would give and cost.
+
+    One sentence each.
 
     choice: as in bench.json.
     """
     name, step, where = _name(choice), choice["next"], f" ({choice_terms(choice)})"
-    first = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {name}: {_accuracy(choice)}, {choice['total_ms']:.2f} ms{where}."
+    first = (
+        f"Within {choice['budget_ms']:g} ms per eye the most accurate is {name}: {_accuracy(choice)}, "
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        f"{choice['total_ms']:.2f} ms{where}."
+    )
     use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
     if step is None:
         return [first, use, "Nothing that was measured is more accurate, however long it takes."]

@@ -24,12 +24,18 @@ def cases_of(options: BenchOptions) -> list[Case]:
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """The warps asked for, or all with their variants, in the shortest text that means them, each once. Errors: as parse_warp."""
+    """The warps asked for, or all with their variants, in the shortest text that means them, each once.
+
+    Errors: as parse_warp.
+    """
     return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
 
 
 def fills_of(options: BenchOptions) -> list[str]:
-    """The fills and chains asked for, in the shortest text that means them, each once. Errors: as parse_fills."""
+    """The fills and chains asked for, in the shortest text that means them, each once.
+
+    Errors: as parse_fills.
+    """
     return list(dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills))
 
 
@@ -43,7 +49,10 @@ def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
-    """A run of one case. Its first refresh is the same whatever the latency, so that all latencies see the same head."""
+    """A run of one case.
+
+    Its first refresh is the same whatever the latency, so that all latencies see the same head.
+    """
     known: dict[str, Any] = {
         "trace": case.recording,
         "scene": case.scene,
@@ -67,7 +76,10 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
 
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
-    """Where all latencies can start, after checking that each has a frame to show in this recording. Errors: as schedule_of."""
+    """Where all latencies can start, after checking that each has a frame to show in this recording.
+
+    Errors: as schedule_of.
+    """
     for latency in options.latencies_ms:
         schedule_of(track, run_options(options, Case("", "", latency, options.sizes[0])), rate_hz)
     return max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)

@@ -1,4 +1,7 @@
-"""One resample from the late picture to the panel against two: sharpness and time, for every warp that can be fused with the lens."""
+"""One resample from the late picture to the panel against two.
+
+Sharpness and time, for every warp that can be fused with the lens.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,10 @@ from ..client.plan import build_plan, needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
 from ..metrics import Compared, QualityJob, QualityPool, sharpness
+from ..run.combination_bench import refreshes
 from ..run.combinations import instants_of
-from ..run.comparison import refreshes
+from ..run.frame_rows import stage_columns
 from ..run.replay_setup import ReplaySetup
-from ..run.rows import stage_columns
 from ..server.targets import Target, TargetPool
 
 INSTANTS = 3
@@ -49,8 +52,12 @@ def pairs_of(setup: ReplaySetup, warps: list[str], lens: str) -> list[_Pair]:
 
 
 class PanelTruth:
-    """What the panel should show: the scene without latency, drawn and sent through the lens at several times the resolution, averaged
-    in linear light. Call with what the passes are given.
+    """What the panel should show.
+
+    The scene without latency, drawn and sent through the lens at several times the resolution,
+    averaged in linear light.
+
+    Call with what the passes are given.
     """
 
     def __init__(self, setup: ReplaySetup, lens: str) -> None:
@@ -92,7 +99,10 @@ def fused_rows(
     rounds: int,
     step: Callable[[], None],
 ) -> list[dict[str, Any]]:
-    """The `fused` of bench.json: the left eye at up to INSTANTS refreshes of the replay, both ways by turns."""
+    """The `fused` of bench.json.
+
+    The left eye at up to INSTANTS refreshes of the replay, both ways by turns.
+    """
     pairs = pairs_of(setup, warps, lens)
     truth_of = PanelTruth(setup, lens)
     numbers = instants_of(setup.schedule.count, min(INSTANTS, instants))

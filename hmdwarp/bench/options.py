@@ -72,7 +72,9 @@ _RECORDING = Option("As an argument; repeat it for several.", list, name="record
 
 @attrs.frozen
 class BenchOptions(Declared):
-    """Which combinations of warps, fills, latencies, scenes, recordings and sizes a bench runs: all of them.
+    """Which combinations of warps, fills, latencies, scenes, recordings and sizes a bench runs.
+
+    All of them.
 
     Errors: InputError for a number that makes no sense, and for an empty list.
     """

@@ -14,7 +14,9 @@ from ..frames.layers import PIXEL_BYTES
 def passes_of(
     plan: Plan, rendered_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
 ) -> list[dict[str, Any]]:
-    """The `passes` of a row: name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
+    """The `passes` of a row.
+
+    Name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
 
     stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so
     no pass can be quicker unless its pictures stay in the caches. Drawing the client's own depth is

@@ -1,4 +1,7 @@
-"""The command line: one thin file per command, each calling one function below. Heavy imports wait until a command runs."""
+"""The command line.
+
+One thin file per command, each calling one function below. Heavy imports wait until a command runs.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ NOTHING_LEFT = "nothing unfinished was left behind"
 
 
 def main() -> None:
-    """Run the command line and leave with its exit status; every error of ours is one line on stderr."""
+    """Run the command line and leave with its exit status.
+
+    Every error of ours is one line on stderr.
+    """
     from ..errors import HmdwarpError
 
     end_cleanly()
@@ -39,7 +45,8 @@ def main() -> None:
     except BrokenPipeError:
         _nobody_reads()
     except SystemExit as error:
-        if isinstance(error.__context__, BrokenPipeError):  # rich and newer typers make an exit of status 1 of it
+        # Rich and newer typers make an exit of status 1 of it.
+        if isinstance(error.__context__, BrokenPipeError):
             _nobody_reads()
         raise
     except Exception as error:
@@ -51,7 +58,10 @@ def main() -> None:
 
 
 def _print_what_the_terminal_can() -> None:
-    """A dash that the locale's encoding has not, or a file name that is no text, is printed as '?': no reason to end a run that is done."""
+    """A dash that the locale's encoding has not, or a file name that is no text, is printed as '?'.
+
+    No reason to end a run that is done.
+    """
     with suppress(AttributeError):  # closed (None), or somebody's own stream
         sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
 
@@ -76,7 +86,8 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     if type(error).__name__ == "NoArgsIsHelpError":
         print(error.format_message())  # type: ignore[attr-defined]
         sys.exit(0)
-    # Usage errors. Newer typers carry a click of their own, older ones use the real one: there is no one base class to name.
+    # Usage errors. Newer typers carry a click of their own, older ones use the real one: there is
+    # no one base class to name.
     if hasattr(error, "format_message"):
         command = getattr(getattr(error, "ctx", None), "command_path", "hmdwarp")
         _leave(f"{error.format_message()} ('{command} --help' shows what there is)", 2)

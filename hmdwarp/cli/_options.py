@@ -19,7 +19,9 @@ QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
 def takes(
     *declared: type[Declared] | Option, renamed: Mapping[str, str] | None = None
 ) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
-    """Return a decorator: the function becomes a command with these options, and gets what was said.
+    """Return a decorator.
+
+    The function becomes a command with these options, and gets what was said.
 
     What was said: values by option name. renamed: flags that this command calls otherwise, by
     option name.

@@ -20,7 +20,11 @@ _WIDEST = 110  # longer lines are hard to read
 
 
 def console(*, stderr: bool = False) -> Console:
-    """A rich console; a reader that has gone is an ordinary BrokenPipeError, which the command line knows how to leave by."""
+    """A rich console.
+
+    A reader that has gone is an ordinary BrokenPipeError, which the command line knows how to leave
+    by.
+    """
     from rich.console import Console
 
     class Terminal(Console):

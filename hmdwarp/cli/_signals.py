@@ -12,7 +12,10 @@ class Ended(BaseException):
 
 
 def end_cleanly() -> None:
-    """From now on SIGTERM and SIGHUP raise Ended, the first time; later ones are ignored, for cleaning up is under way."""
+    """From now on SIGTERM and SIGHUP raise Ended, the first time.
+
+    Later ones are ignored, for cleaning up is under way.
+    """
 
     def end(number: int, _: object) -> None:
         signal.signal(number, signal.SIG_IGN)
@@ -21,13 +24,16 @@ def end_cleanly() -> None:
 
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP, and is obeyed
+        # Nohup ignores SIGHUP, and is obeyed.
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, end)
 
 
 def end_if_asked(*_: object) -> None:
-    """Raises Ended again, once, if a signal came and its exception was lost: Python drops what is raised inside a destructor or a
-    callback of the garbage collector, and the signal with it. Called after every step of a long run.
+    """Raises Ended again, once, if a signal came and its exception was lost:
+
+    Python drops what is raised inside a destructor or a callback of the garbage collector, and the
+    signal with it. Called after every step of a long run.
     """
     if _came:
         raise Ended(_came.pop())

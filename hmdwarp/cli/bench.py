@@ -10,7 +10,10 @@ from ._options import QUIET, Said, command_line, takes
 
 @takes(BenchOptions, QUIET)
 def bench(said: Said) -> None:
-    """Run every combination of warps, fills, latencies, scenes, traces and sizes on the same late frames: error against time."""
+    """Run every combination of warps, fills, latencies, scenes, traces and sizes on the same late frames.
+
+    Error against time.
+    """
     _run(BenchOptions.of(said, command=command_line()), said["quiet"])
 
 

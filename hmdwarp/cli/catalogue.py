@@ -1,4 +1,7 @@
-"""What every registry holds, as plain rows: for `hmdwarp list`, the README's tables and other programs."""
+"""What every registry holds, as plain rows.
+
+For `hmdwarp list`, the README's tables and other programs.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,8 @@ if TYPE_CHECKING:
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies, options.
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies,
+    options.
     """
     return _MAKERS[kind]()
 
@@ -123,7 +127,8 @@ def _recordings() -> list[dict[str, str]]:
 
 
 def _recording_row(track: PoseTrack) -> dict[str, str]:
-    made_by, _, what = track.origin.rpartition("; ")  # as 'hmdwarp trace synth' writes it into the file
+    # As 'hmdwarp trace synth' writes it into the file.
+    made_by, _, what = track.origin.rpartition("; ")
     return {
         "name": track.name,
         "summary": what,

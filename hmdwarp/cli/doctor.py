@@ -13,7 +13,10 @@ COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": ty
 def doctor(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead of lines.")] = False,
 ) -> None:
-    """Show what this machine has: GL, compute, timers, OpenXR; what is missing and how to get it."""
+    """Show what this machine has.
+
+    GL, compute, timers, OpenXR; what is missing and how to get it.
+    """
     from ..doctor.checks import examine, replay_can_run
 
     findings = examine()

@@ -11,7 +11,10 @@ from ._show import sayer
 
 @takes(LiveOptions, QUIET)
 def live(said: Said) -> None:
-    """Show late frames live, each warped to the newest pose: in the headset, or in a window (h shows its keys)."""
+    """Show late frames live, each warped to the newest pose.
+
+    In the headset, or in a window (h shows its keys).
+    """
     run(LiveOptions.of(said, command=command_line()), said["quiet"])
 
 

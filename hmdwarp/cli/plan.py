@@ -22,7 +22,10 @@ _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or des
 
 @takes(PipelineOptions, _SOURCE)
 def plan(said: Said) -> None:
-    """Print the passes that would run for these choices, in order and with reasons, and the bytes of a frame. Starts nothing."""
+    """Print the passes that would run for these choices, in order and with reasons, and the bytes of a frame.
+
+    Starts nothing.
+    """
     from ..headsets import load_headset
     from ..pipeline.planning import build_plan_for
     from ..scenes import load_scene
@@ -46,7 +49,10 @@ def plan(said: Said) -> None:
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
-    """Return the driver's options, and what it tells the plan. Errors: InputError for an unknown source."""
+    """Return the driver's options, and what it tells the plan.
+
+    Errors: InputError for an unknown source.
+    """
     from ..display.openxr import RUNTIME_LABEL
 
     if source not in (REPLAY, OPENXR, DESKTOP):
@@ -62,7 +68,8 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     return [
         (
             "Not known",
-            f"the runtime's own eyes, size and rate: those of '{headset}' were taken; and whether it takes depth at all",
+            f"the runtime's own eyes, size and rate: those of '{headset}' were taken; and whether it takes depth at "
+            "all",
         )
     ]
 
@@ -83,7 +90,8 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
             f"Warp auto would first try these {len(names)} at {INSTANTS} instants of the run: {', '.join(names)}."
         )
         paragraph(
-            f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time."
+            f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and "
+            "keep to that time."
         )
         return
     found = levels_from_file(options.bench, options, None)
@@ -118,7 +126,8 @@ def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> l
     return [
         (
             "A frame",
-            f"2 eyes x {sizes.rendered[0]}x{sizes.rendered[1]} px, {sum(parts.values()) / 1e6:.1f} MB uncompressed: {told}",
+            f"2 eyes x {sizes.rendered[0]}x{sizes.rendered[1]} px, {sum(parts.values()) / 1e6:.1f} MB uncompressed: "
+            f"{told}",
         ),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]

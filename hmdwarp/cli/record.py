@@ -9,7 +9,10 @@ from ._show import sayer
 
 @takes(RecordOptions, QUIET)
 def record(said: Said) -> None:
-    """Record a head while it moves; each pose is on the disk within a second. A window shows the scene."""
+    """Record a head while it moves; each pose is on the disk within a second.
+
+    A window shows the scene.
+    """
     from ..run import record as go
 
     go(RecordOptions.of(said), sayer(said["quiet"]))

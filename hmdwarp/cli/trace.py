@@ -53,7 +53,10 @@ def info(said: Said) -> None:
 @app.command()
 @takes(_TRACE, _OUT, _TO, TraceOptions, renamed=_OWN_RATE)
 def convert(said: Said) -> None:
-    """Write a clean trace: one segment, unit quaternions without sign flips, rising time, OpenXR axes, metres."""
+    """Write a clean trace.
+
+    One segment, unit quaternions without sign flips, rising time, OpenXR axes, metres.
+    """
     from rich.console import Console
 
     from ..errors import InputError
@@ -105,7 +108,39 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
     gaps = "none"
     if figures.gaps:
         longest = max(figures.gaps, key=lambda g: g.length_ns)
-        gaps = f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest {longest.length_ns / 1e9:.3f} s"
+        gaps = (
+            f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            ""
+            f"{longest.length_ns / 1e9:.3f} s"
+        )
         gaps += f" from {longest.start_ns / 1e9:.3f} s"
     rows = {
         "trace": str(loaded.path),

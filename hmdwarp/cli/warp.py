@@ -23,7 +23,7 @@ def warp(
     ] = None,
 ) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
-    from ..image.files import read_frame, read_view
+    from ..image.frame_files import read_frame, read_view
     from ..image.warping import warp_image
     from ..pipeline.options import parse_size
     from ..report import write_image_result

@@ -30,8 +30,10 @@ NO_DEPTH = -1.0
 
 @attrs.frozen(eq=False)
 class WarpedImage:
-    """colour (h, w, 3) linear float32, top row first; coverage (h, w) float32, 0 where nothing is known and colour is black;
-    time_ms: stage name to milliseconds; hole_share: share of pixels without coverage after the warp and before the fill.
+    """colour (h, w, 3) linear float32, top row first; coverage (h, w) float32, 0 where nothing is known and colour is black; time_ms.
+
+    Stage name to milliseconds; hole_share: share of pixels without coverage after the warp and
+    before the fill.
     """
 
     colour: NDArray[np.float32]
@@ -52,12 +54,13 @@ def warp_image(
 ) -> WarpedImage:
     """The picture `shown` should see, from a late picture drawn for `rendered`.
 
-    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres along -z; inf is infinitely far;
-    0, negative or NaN is no depth: a hole, counted and never spread. size: (w, h) of the result, by default the late picture's.
-    gpu: a context of one's own, made in the calling thread; by default one is made at the first call and kept, which threads
-    use one after the other.
-    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a picture with depth;
-    UnknownNameError; MachineError without OpenGL 4.3.
+    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres
+    along -z; inf is infinitely far; 0, negative or NaN is no depth: a hole, counted and never
+    spread. size: (w, h) of the result, by default the late picture's. gpu: a context of one's own,
+    made in the calling thread; by default one is made at the first call and kept, which threads use
+    one after the other.
+    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a
+    picture with depth; UnknownNameError; MachineError without OpenGL 4.3.
     """
     linear, inverse_depth = checked(colour, depth_m)
     for name, view in (("rendered", rendered), ("shown", shown)):
@@ -119,7 +122,10 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
 
 
 def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """(h, w, 4) linear colour with coverage and (h, w) inverse depth, top row first. Errors: InputError."""
+    """(h, w, 4) linear colour with coverage and (h, w) inverse depth, top row first.
+
+    Errors: InputError.
+    """
     colour, depth_m = _array("colour", colour), _array("depth_m", depth_m)
     if colour.ndim != 3 or colour.shape[2] != 3 or 0 in colour.shape:
         raise InputError(f"colour has shape {colour.shape}: wanted (h, w, 3)")
@@ -148,7 +154,10 @@ def _array(name: str, value: ArrayLike) -> NDArray:
 
 
 def checked_size(size: object) -> tuple[int, int]:
-    """(w, h) as plain integers. Errors: InputError for anything else; whether the GPU can do it is asked later."""
+    """(w, h) as plain integers.
+
+    Errors: InputError for anything else; whether the GPU can do it is asked later.
+    """
     try:
         width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
     except (TypeError, ValueError) as error:

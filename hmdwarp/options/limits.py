@@ -1,4 +1,7 @@
-"""Limits of an option's value: validators for attrs fields, and the names that a registry offers."""
+"""Limits of an option's value.
+
+Validators for attrs fields, and the names that a registry offers.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,10 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def names_in(folder: str, pattern: str = "*.py") -> str:
-    """Return the entries of a registry for a help text, from file names alone: --help imports nothing."""
+    """Return the entries of a registry for a help text, from file names alone.
+
+    --help imports nothing.
+    """
     return ", ".join(sorted(p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_")))
 
 

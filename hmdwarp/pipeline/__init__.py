@@ -1,1 +1,4 @@
-"""The pipeline that every driver runs: options, sizes, the parts put together, and the loop over refreshes."""
+"""The pipeline that every driver runs.
+
+Options, sizes, the parts put together, and the loop over refreshes.
+"""

@@ -1,4 +1,7 @@
-"""A picture's whole way on one GPU: server, channel, history, client and the loop that drives them."""
+"""A picture's whole way on one GPU.
+
+Server, channel, history, client and the loop that drives them.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,8 @@ from .loop import Loop, PoseRequest
 from .options import PipelineOptions
 from .sizes import check_room, eye_sizes
 
-# A latency this near to a whole number of refreshes means that number: 16.67 ms is one refresh at 60 Hz, not a little more.
+# A latency this near to a whole number of refreshes means that number: 16.67 ms is one refresh at
+# 60 Hz, not a little more.
 _SAME_REFRESH = 1e-3
 
 
@@ -37,19 +41,28 @@ def latency_ns(options: PipelineOptions) -> int:
 
 
 def refreshes_of(latency_ms: float, rate_hz: float) -> int:
-    """Return how many refreshes after it was drawn a frame is shown: the next one after it has arrived."""
+    """Return how many refreshes after it was drawn a frame is shown.
+
+    The next one after it has arrived.
+    """
     return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
 
 
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """Return the most frames there are at a time: under way, shown, being drawn, and older ones kept."""
+    """Return the most frames there are at a time.
+
+    Under way, shown, being drawn, and older ones kept.
+    """
     if options.network.is_plain:
         return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
     return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.others.past
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
-    """Return the expected age of a frame when it is seen. plain_ns: over a link that only delays."""
+    """Return the expected age of a frame when it is seen.
+
+    plain_ns: over a link that only delays.
+    """
     return plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
 
 

@@ -38,7 +38,10 @@ class PoseRequest:
     scanout_ns: int = 0
 
     def for_server(self, now_ns: int) -> PoseSample:
-        """The pose a frame drawn now is meant for: now's, or the one predicted for when it will be seen."""
+        """The pose a frame drawn now is meant for.
+
+        Now's, or the one predicted for when it will be seen.
+        """
         return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns)
 
     def for_display(self, shown_ns: int) -> PoseSample:
@@ -48,11 +51,13 @@ class PoseRequest:
 
 @attrs.frozen(eq=False)
 class Refresh:
-    """One picture pair: when and for which head it was made, from which frame, by which plan, what its passes were given, what came out
-    (overwritten at the next).
+    """One picture pair.
 
-    What it took is known when the GPU has finished: `stage_ms` and `response` wait for that. On a GPU that must not stand still, they are
-    read a refresh later.
+    When and for which head it was made, from which frame, by which plan, what its passes were
+    given, what came out (overwritten at the next).
+
+    What it took is known when the GPU has finished: `stage_ms` and `response` wait for that. On a
+    GPU that must not stand still, they are read a refresh later.
     """
 
     shown_ns: int
@@ -84,7 +89,9 @@ class Refresh:
 
 
 class Loop:
-    """One refresh after the other: `draw` what the server sends now, `show` what has arrived by the display instant.
+    """One refresh after the other.
+
+    `draw` what the server sends now, `show` what has arrived by the display instant.
 
     eyes: which views a head pose gives.
     """
@@ -117,10 +124,12 @@ class Loop:
         self._channel.send(Frame(frame.eyes, frame.drawn_ns, frame.effects, head, timer.lap()), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
-        """Warp the newest frame that has arrived to the head at `shown_ns`; return None before the first.
+        """Warp the newest frame that has arrived to the head at `shown_ns`.
 
-        The head is read after the frame was chosen and right before the first pass is dispatched: it
-        is as new as can be.
+        Return None before the first.
+
+        The head is read after the frame was chosen and right before the first pass is dispatched:
+        it is as new as can be.
         """
         self._record_timings()
         frame = self._channel.newest(shown_ns)

@@ -157,7 +157,8 @@ class PipelineOptions(Declared):
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
-                f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it takes"
+                f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it "
+                "takes"
             )
         elif self.bench is not None:
             raise InputError(
@@ -193,11 +194,13 @@ class PipelineOptions(Declared):
     def _check_auto(self) -> None:
         if self.budget_ms is None:
             raise InputError(
-                "warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye (--budget MS)"
+                "warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye "
+                "(--budget MS)"
             )
         if self.fused:
             raise InputError(
-                "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; leave one out"
+                "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; "
+                "leave one out"
             )
 
 

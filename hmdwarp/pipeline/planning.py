@@ -18,7 +18,9 @@ def plans_for(
     levels: tuple[QualityLevel, ...] = (),
     **beyond: str,
 ) -> list[Plan]:
-    """Return the plan of a run in a list; of a run that chooses its warp, that of each quality level.
+    """Return the plan of a run in a list.
+
+    Of a run that chooses its warp, that of each quality level.
 
     beyond, errors: as build_plan_for.
     """

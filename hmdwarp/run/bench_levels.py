@@ -66,10 +66,10 @@ def read_rows(path: Path) -> list[Row]:
 def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> LevelSet:
     """Return the levels of a benchmark for a run.
 
-    Rows of the run's size are taken if there are any; else those of the largest size, their times in
-    proportion to the pixels. Where they were measured with another lens than the run's, that of the
-    run counts, which lens_ms measures here (None: it does not count). What this run cannot have is
-    left out, with a note.
+    Rows of the run's size are taken if there are any; else those of the largest size, their times
+    in proportion to the pixels. Where they were measured with another lens than the run's, that of
+    the run counts, which lens_ms measures here (None: it does not count). What this run cannot have
+    is left out, with a note.
     Errors: InputError for a file that is no benchmark, and if nothing of it can be run.
     """
     headset = load_headset(options.headset)

@@ -1,4 +1,7 @@
-"""Combinations of warp and fill that are compared: in which case, in which batches, at which refreshes."""
+"""Combinations of warp and fill that are compared.
+
+In which case, in which batches, at which refreshes.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ from ..frames import Needs
 from ..link import Link, LinkOptions
 from .schedule import Schedule
 
-# Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's memory.
+# Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's
+# memory.
 GPU_BATCH_BYTES = 2 << 30
 MEMORY_PART = 0.2
 # A canvas' pixel; what a warp keeps for each rendered pixel: keys, depths, vertices.

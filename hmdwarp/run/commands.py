@@ -1,4 +1,7 @@
-"""What the user asks for while a run goes on: how each control changes its options, and what cannot be done."""
+"""What the user asks for while a run goes on.
+
+How each control changes its options, and what cannot be done.
+"""
 
 from __future__ import annotations
 

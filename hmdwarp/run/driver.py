@@ -1,4 +1,7 @@
-"""The loop on a display, once a refresh: for a run that the user may change, and for a study that fixes it."""
+"""The loop on a display, once a refresh.
+
+For a run that the user may change, and for a study that fixes it.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +24,16 @@ WAITING = "waiting for the first frame"
 
 
 class FrameHandler(Protocol):
-    """What a stretch of refreshes is: the text over its pictures, the effect of a command, its end."""
+    """What a stretch of refreshes is.
 
-    # Whether the scene is shown; without, the display stays black but for the label, and nothing is logged.
+    The text over its pictures, the effect of a command, its end.
+    """
+
+    # Whether the scene is shown; without, the display stays black but for the label, and nothing is
+    # logged.
     pictures: bool
-    # Whether, without pictures, the server draws and the passes run all the same: frames are under way
-    # and everything is warm when pictures begin.
+    # Whether, without pictures, the server draws and the passes run all the same: frames are under
+    # way and everything is warm when pictures begin.
     ahead: bool = False
 
     def over(self) -> bool:
@@ -70,7 +77,8 @@ class Driver:
         """Run until `handler` is over or a signal came.
 
         after(number): called after each refresh that showed a picture, counted from 1.
-        Errors: Closed, when the window or session was closed; Lost, when the display did not come back in time.
+        Errors: Closed, when the window or session was closed; Lost, when the display did not come
+        back in time.
         """
         number = 0
         with GarbageControl(self._host.options.collect and (handler.pictures or handler.ahead)) as garbage:
@@ -96,7 +104,8 @@ class Driver:
         """Hand a picture over, and return it if one was shown."""
         refresh = self._made(tick, handler) if tick.render and (handler.pictures or handler.ahead) else None
         if not handler.pictures:
-            self._display.show(None, handler.label())  # a question stays where it is, whatever the tracking does
+            # A question stays where it is, whatever the tracking does.
+            self._display.show(None, handler.label())
             return None
         label = tick.notice or handler.label() or (WAITING if tick.render and refresh is None else "")
         submitted_ns = self._display.show(refresh, label)

@@ -1,4 +1,7 @@
-"""When a live run is over: a signal, or as much as was to be shown; and how long a lost display is waited for."""
+"""When a live run is over.
+
+A signal, or as much as was to be shown; and how long a lost display is waited for.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,9 @@ RETRY_S = 0.5
 
 
 class Ending:
-    """The end of a live run, by a signal or after some seconds or pictures. Use as a context manager.
+    """The end of a live run, by a signal or after some seconds or pictures.
+
+    Use as a context manager.
 
     While it is entered, Ctrl-C, SIGTERM and SIGHUP only ask the run to end after the refresh under
     way; a second one interrupts at once. Ctrl-C is the usual way to end a live run; the others are
@@ -24,7 +29,10 @@ class Ending:
     """
 
     def __init__(self, seconds: float | None, frames: int | None) -> None:
-        """seconds, frames: how much to show; None for no limit. Time counts from the first refresh."""
+        """seconds, frames.
+
+        How much to show; None for no limit. Time counts from the first refresh.
+        """
         self._seconds, self._frames = seconds, frames
         self._began_ns: int | None = None
         # The clock; the display's once there is a display.
@@ -68,7 +76,9 @@ class Ending:
 def come_back(
     reopen: Callable[[], bool], lost: Lost, wait_s: float, ending: Ending, say: Callable[[str], None]
 ) -> bool:
-    """Try to reopen a lost display until it is there; return False if a signal asked for the end first.
+    """Try to reopen a lost display until it is there.
+
+    Return False if a signal asked for the end first.
 
     Errors: Lost, once it has taken too long.
     """

@@ -10,8 +10,8 @@ from typing import Any
 class GarbageControl:
     """While it is entered, garbage is collected after a picture was handed over, not in the middle of one.
 
-    What is there at the start (modules, shaders, the scene) is set aside first, so that no collection
-    looks through it.
+    What is there at the start (modules, shaders, the scene) is set aside first, so that no
+    collection looks through it.
     """
 
     def __init__(self, on: bool = True) -> None:
@@ -28,7 +28,10 @@ class GarbageControl:
         return self
 
     def between(self) -> None:
-        """Collect the youngest objects, of which a refresh makes some hundred; call between pictures."""
+        """Collect the youngest objects, of which a refresh makes some hundred.
+
+        Call between pictures.
+        """
         if self._on:
             gc.collect(0)
 
@@ -68,5 +71,8 @@ class Pauses:
             self._longest_ns = max(self._longest_ns, took_ns)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return its part of summary.json: collections from the youngest generation to the oldest, times in ms."""
+        """Return its part of summary.json.
+
+        Collections from the youngest generation to the oldest, times in ms.
+        """
         return {"collections": self._runs, "total_ms": self._total_ns * 1e-6, "longest_ms": self._longest_ns * 1e-6}

@@ -1,4 +1,7 @@
-"""How large a guard band a run wants: `--guard auto`, from how far the head of its trace moves on while a frame is under way."""
+"""How large a guard band a run wants.
+
+`--guard auto`, from how far the head of its trace moves on while a frame is under way.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,8 @@ from .options import RunOptions
 from .schedule import Schedule, schedule_of
 
 QUANTILE = 0.95
-# A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and reaches farther.
+# A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and
+# reaches farther.
 MOST = 2.0
 NEAR_M = 1.0  # what is nearer than this comes into sight farther in than this module reckons
 MOST_INSTANTS = 2000
@@ -30,7 +34,11 @@ Array = NDArray[np.float64]
 
 @attrs.frozen
 class Guard:
-    """factor: what to draw. wanted: what the quantile of the refreshes wants, infinite where the head turns out of any plane."""
+    """factor.
+
+    What to draw. wanted: what the quantile of the refreshes wants, infinite where the head turns
+    out of any plane.
+    """
 
     factor: float
     wanted: float
@@ -47,7 +55,10 @@ class Guard:
 
 
 def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
-    """The options with a number for guard `auto`, and what to tell about it. Errors: as load_headset, load_trace and schedule_of."""
+    """The options with a number for guard `auto`, and what to tell about it.
+
+    Errors: as load_headset, load_trace and schedule_of.
+    """
     if options.guard != AUTO:
         return options, ()
     headset, track = load_headset(options.headset), load_trace(options.trace, options.trace_options).track
@@ -59,8 +70,9 @@ def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
 def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> Guard:
     """The factor that holds the middles of all four sides of both eyes' pictures at 95 of 100 refreshes, for scenery from 1 m to infinity.
 
-    The server draws for the pose it is asked for, predicted or not, as in the run; the display shows the pose of the trace. The
-    latency is that of the run, for a link with jitter the typical one.
+    The server draws for the pose it is asked for, predicted or not, as in the run; the display
+    shows the pose of the trace. The latency is that of the run, for a link with jitter the typical
+    one.
     """
     age_ns = expected_age_ns(options, schedule.age_ns)
     stride = -(-schedule.count // MOST_INSTANTS)
@@ -87,8 +99,10 @@ def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) 
 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
-    """(n,) how many times as large, in tangents, each picture must be drawn: 1 for a head that has not moved, infinite where the middle of
-    a side lies beside or behind the drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
+    """(n,) how many times as large, in tangents, each picture must be drawn.
+
+    1 for a head that has not moved, infinite where the middle of a side lies beside or behind the
+    drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
     """
     needed = np.ones(len(drawn[0]))
     for eye, view in enumerate(headset.views(Pose())):

@@ -38,9 +38,9 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
 class PipelineHost:
     """The pipeline for `options` on a display, built anew only as far as a change of options calls for it.
 
-    A change of latency alone touches the link: frames under way arrive as they would have. A change of
-    warp or fill whose frames carry the same exchanges the passes. Anything else builds a new pipeline,
-    and its first frame has to arrive first.
+    A change of latency alone touches the link: frames under way arrive as they would have. A change
+    of warp or fill whose frames carry the same exchanges the passes. Anything else builds a new
+    pipeline, and its first frame has to arrive first.
     Errors: InputError and its kin for options that cannot run; all stays as it was then.
     """
 
@@ -126,7 +126,10 @@ class PipelineHost:
         return plans_for(attrs.evolve(options, lens=self._lens(options)), shown.headset, scene, choice.levels, **fixed)
 
     def _lens(self, options: LiveOptions) -> str:
-        """Return none where no lens is ours to correct; a runtime that corrects its own refuses another."""
+        """Return none where no lens is ours to correct.
+
+        A runtime that corrects its own refuses another.
+        """
         headset = self._display.headset
         if headset is None and not self._display.distorts:
             return "none"
@@ -156,5 +159,6 @@ def refuse_one_eye(needs: Needs, eyes: int) -> None:
     """Raise InputError where the passes look into the other eye's picture, and there is none."""
     if needs.others.other_eye and eyes < 2:
         raise InputError(
-            "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes"
+            "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of "
+            "both eyes"
         )

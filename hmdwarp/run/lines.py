@@ -1,4 +1,7 @@
-"""Lines of text on their way into a file that grows while the pictures go on: a slow disk must not hold one of them up."""
+"""Lines of text on their way into a file that grows while the pictures go on.
+
+A slow disk must not hold one of them up.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +22,9 @@ PATIENCE_S = 5.0  # how long an end waits for a disk that does not answer
 class Lines:
     """A new file that takes lines and puts them on the disk every half second, from a thread of its own.
 
-    path: must not exist yet. synced: whether the disk itself must have them each time, not only the system's cache: then even a power cut
-    costs no more than a second. What lies in the file are whole lines at any time, after a full disk too.
+    path: must not exist yet. synced: whether the disk itself must have them each time, not only the
+    system's cache: then even a power cut costs no more than a second. What lies in the file are
+    whole lines at any time, after a full disk too.
     Errors: InputError for a place that cannot be written; FileExistsError.
     """
 
@@ -33,7 +37,8 @@ class Lines:
         except OSError as error:
             raise write_error(error, path) from error
         self._waiting: deque[str] = deque()
-        self._added = self._taken = 0  # each is written by one side alone, so that counting needs no lock
+        # Each is written by one side alone, so that counting needs no lock.
+        self._added = self._taken = 0
         self._bytes = 0
         self._error: HmdwarpError | None = None
         self._writing, self._ending = threading.Lock(), threading.Event()
@@ -43,7 +48,8 @@ class Lines:
     def add(self, text: str) -> None:
         """One line or several, each with its newline. Takes about a microsecond.
 
-        Errors: MachineError (or InputError) for a disk that is full, gone, or takes nothing for so long that too much waits.
+        Errors: MachineError (or InputError) for a disk that is full, gone, or takes nothing for so
+        long that too much waits.
         """
         if self._error is not None:
             raise self._error
@@ -55,7 +61,10 @@ class Lines:
             )
 
     def flush(self, patience_s: float = PATIENCE_S) -> bool:
-        """Write what waits, now; from any thread. False if the disk has not answered within the patience."""
+        """Write what waits, now; from any thread.
+
+        False if the disk has not answered within the patience.
+        """
         if not self._writing.acquire(timeout=patience_s):
             return False
         try:
@@ -65,7 +74,10 @@ class Lines:
         return True
 
     def close(self) -> None:
-        """Write what waits, and let go. May be called twice. Errors: as add, for what came too late for it."""
+        """Write what waits, and let go.
+
+        May be called twice. Errors: as add, for what came too late for it.
+        """
         if self._file < 0:
             return
         self._ending.set()

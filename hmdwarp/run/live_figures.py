@@ -1,4 +1,7 @@
-"""Figures of a live run of any length, in bounded bytes: times, events, what became of the frames."""
+"""Figures of a live run of any length, in bounded bytes.
+
+Times, events, what became of the frames.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..link import ResponseTime
+from .frame_rows import STAGE_COLUMNS
 from .garbage import Pauses
-from .rows import STAGE_COLUMNS
 
 if TYPE_CHECKING:
     from ..display import Tick

@@ -1,4 +1,7 @@
-"""What a live run remembers: frames.csv and summary.json as of a replay, and the numbers for the panel."""
+"""What a live run remembers.
+
+Frames.csv and summary.json as of a replay, and the numbers for the panel.
+"""
 
 from __future__ import annotations
 
@@ -17,15 +20,15 @@ from ..display import Display, Tick
 from ..display.status import Status
 from ..report import OutputFolder, live_lines, render_live_report
 from .commands import values
-from .holes import HoleCounter
+from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, stage_columns
+from .hole_counter import HoleCounter
+from .kept_pictures import Pictures
 from .lines import Lines
 from .live_figures import LiveFigures
 from .live_summary import LiveFacts, live_facts_of, live_summary_of
 from .options import LiveOptions
-from .pictures import Pictures
-from .rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, stage_columns
+from .run_summary import OWNED
 from .speeds import speeds_between
-from .summary import OWNED
 
 if TYPE_CHECKING:
     from ..pipeline.loop import Refresh
@@ -100,8 +103,8 @@ class LiveLog:
     """Log of a live run. Use as a context manager: it writes at the end.
 
     The times of a refresh are read at the next one: nothing here waits for the GPU. A refresh costs
-    some 50 us, half of them only where there is a folder to write to. Memory is bounded, however long
-    a run is; frames.csv grows on the disk.
+    some 50 us, half of them only where there is a folder to write to. Memory is bounded, however
+    long a run is; frames.csv grows on the disk.
     Errors: InputError for a folder that cannot be written; from add, MachineError for a full disk.
     """
 
@@ -164,7 +167,8 @@ class LiveLog:
         status, last = self.status, self._last
         if not self.count:
             last.first_ns = refresh.shown_ns
-            self._figures.pauses.start()  # not sooner: GarbageControl begins with a large collection
+            # Not sooner: GarbageControl begins with a large collection.
+            self._figures.pauses.start()
         speeds = speeds_between(last.refresh, refresh)
         moment = Moment.of(self.count, refresh, last.first_ns, speeds, submitted_ns)
         period_ms = (submitted_ns - last.submitted_ns) * 1e-6 if last.submitted_ns is not None else math.nan
@@ -181,7 +185,10 @@ class LiveLog:
         self.count += 1
 
     def _settle(self, now: Refresh | None) -> None:
-        """Log the refresh before: its times are known by now, and its holes once the present ones are being counted."""
+        """Log the refresh before.
+
+        Its times are known by now, and its holes once the present ones are being counted.
+        """
         if self._running is None:
             return
         warped = [eye.warped for eye in now.eyes if eye.warped is not None] if now is not None else []
@@ -219,7 +226,10 @@ class LiveLog:
             running.auto_changes = len(auto.changes)
 
     def leave(self) -> None:
-        """Read the times of the last refresh, before the GPU goes. Nothing that fails here matters."""
+        """Read the times of the last refresh, before the GPU goes.
+
+        Nothing that fails here matters.
+        """
         self._figures.pauses.stop()
         with suppress(Exception):
             self._settle(None)
@@ -230,8 +240,8 @@ class LiveLog:
     def finish(self) -> None:
         """Write what there is. May be called twice, and from another thread: it touches no GPU.
 
-        Errors: InputError or MachineError for a folder that cannot be written any more; what is whole
-        stays there.
+        Errors: InputError or MachineError for a folder that cannot be written any more; what is
+        whole stays there.
         """
         with self._finishing:
             if self._finished:
@@ -298,7 +308,10 @@ def _numbers(
     stages: Sequence[Sequence[float]],
     holes: Sequence[float | None],
 ) -> list[float]:
-    """Return a row in the order of live_figures.COLUMNS. times_ms: from picture to picture, of drawing, of all."""
+    """Return a row in the order of live_figures.COLUMNS.
+
+    times_ms: from picture to picture, of drawing, of all.
+    """
     period_ms, render_ms, busy_ms = times_ms
     shared = (moment.time_s, moment.age_ms, moment.pose_age_ms, period_ms, *moment.speeds, render_ms, busy_ms)
     row = [math.nan if value is None else value for value in shared]

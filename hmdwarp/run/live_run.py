@@ -1,4 +1,7 @@
-"""The live run: the loop, once for each refresh of a display, until it is ended; and which display it gets."""
+"""The live run.
+
+The loop, once for each refresh of a display, until it is ended; and which display it gets.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +29,8 @@ Watching = Callable[[str], AbstractContextManager[None]]
 def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
     """Run until the window, the runtime or Ctrl-C ends it, or for the frames or seconds in the options.
 
-    say: gets a sentence now and then. after(number): called after each refresh that showed a picture,
-    counted from 1.
+    say: gets a sentence now and then. after(number): called after each refresh that showed a
+    picture, counted from 1.
     Errors: InputError and its kin for wrong options; MachineError where there is no headset and no
     window, and where a lost headset does not come back. What was recorded and logged until then is
     written in any case.
@@ -55,7 +58,10 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
 
 
 def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
-    """Return what the watchdog calls before it ends the program: the recording first, it cannot be had again."""
+    """Return what the watchdog calls before it ends the program.
+
+    The recording first, it cannot be had again.
+    """
 
     def save_recording() -> str:
         return recorder.save() if recorder is not None else ""
@@ -106,11 +112,14 @@ def open_display(
     *,
     briefly: bool = False,
 ) -> Display:
-    """Return the display that the options name; for "auto" the headset if one answers, else the window.
+    """Return the display that the options name.
 
-    say: gets why it is no headset. controls: what the user may ask for. briefly: give that reason in a
-    clause, and leave the rest to the doctor.
-    Errors: MachineError (and its kin) that names what is missing and what to do: for "auto" of both.
+    For "auto" the headset if one answers, else the window.
+
+    say: gets why it is no headset. controls: what the user may ask for. briefly: give that reason
+    in a clause, and leave the rest to the doctor.
+    Errors: MachineError (and its kin) that names what is missing and what to do: for "auto" of
+    both.
     """
     wanted = display_options(options, watching, controls)
     if options.source == OFFSCREEN:

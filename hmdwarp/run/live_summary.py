@@ -1,4 +1,7 @@
-"""summary.json of a live run: the keys of a replay's, so that both are compared with the same tools, and `live`."""
+"""summary.json of a live run.
+
+The keys of a replay's, so that both are compared with the same tools, and `live`.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,14 @@ from ..display import Display
 from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
 from ..scenes.effects import effect_names
+from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions
-from .rows import STAGE_COLUMNS
-from .summary import Facts, chosen_passes, machine_of, summary_of
+from .run_summary import Facts, chosen_passes, machine_of, summary_of
 
 if TYPE_CHECKING:
     from .host import PipelineHost
-    from .pictures import Pictures
+    from .kept_pictures import Pictures
 
 
 @attrs.frozen(eq=False)
@@ -97,7 +100,10 @@ def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]
 
 
 def _of_refresh(times: Thinned) -> dict[str, dict[str, float | None]]:
-    """Return what a whole refresh goes into on this machine, all eyes together: drawing, each stage, and the sum."""
+    """Return what a whole refresh goes into on this machine, all eyes together.
+
+    Drawing, each stage, and the sum.
+    """
     render = times.column("render_ms")
     stages = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
     columns = {"render": render, **{name.removesuffix("_ms"): values for name, values in stages.items()}}
@@ -110,7 +116,8 @@ def _notes(events: Events, live: dict[str, Any], pictures: Pictures | None) -> l
     if events.change_count:
         times = "once" if events.change_count == 1 else f"{events.change_count} times"
         notes.append(
-            f"Settings were changed {times} while it ran. Figures are over all of it; frames.csv has each one's warp and fill."
+            f"Settings were changed {times} while it ran. Figures are over all of it; frames.csv has each one's warp "
+            "and fill."
         )
     for lost in events.lost[:5]:
         away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
@@ -121,7 +128,8 @@ def _notes(events: Events, live: dict[str, Any], pictures: Pictures | None) -> l
         notes.append(f"After {pictures.count} kept pictures no more were kept.")
     if live["sampled_every"] > 1:
         notes.append(
-            f"Medians, percentiles and curves are of every {live['sampled_every']}th refresh; frames.csv has all of them."
+            f"Medians, percentiles and curves are of every {live['sampled_every']}th refresh; frames.csv has all of "
+            "them."
         )
     if not live["timed"]:
         notes.append("What the passes took is not known: the run ended before anybody could ask.")

@@ -8,7 +8,7 @@ from ..link import ResponseTime
 from ..metrics import QUALITY
 from ..pipeline.loop import Refresh
 from ..poses import PoseTrack
-from .rows import Moment, Row, Stages, stage_columns
+from .frame_rows import Moment, Row, Stages, stage_columns
 from .speeds import speeds_at
 
 _NOT_MEASURED = dict.fromkeys(QUALITY)
@@ -56,6 +56,9 @@ class ReplayLog:
         ]
 
     def frames_csv(self) -> Iterator[Row]:
-        """Yield the rows with all columns of report.schema.FRAME_COLUMNS; both eyes share the poses."""
+        """Yield the rows with all columns of report.schema.FRAME_COLUMNS.
+
+        Both eyes share the poses.
+        """
         for row in self.rows:
             yield {**row, **self._moments[row["frame"]].poses()}

@@ -48,7 +48,8 @@ class Probe:
         if not setup.plan.fused:
             return None
         setup.notes.append(
-            "Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not counted."
+            "Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not "
+            "counted."
         )
         alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
         return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
@@ -87,7 +88,10 @@ class Probe:
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
     ) -> None:
-        """Measure the compared warp, which knows no effects: its rendered picture has everything drawn in."""
+        """Measure the compared warp, which knows no effects.
+
+        Its rendered picture has everything drawn in.
+        """
         (number, eye), server = where, self._setup.server
         inputs = self._setup.loop.inputs(refresh, against.plan.needs)[eye]
         whole = None
@@ -161,6 +165,7 @@ def _about_scanout(setup: ReplaySetup) -> str:
     how = "follows it row by row" if setup.plan.scanout else "shows all rows as in its middle"
     told = [
         f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}.",
-        f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in the middle of it.",
+        f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in "
+        "the middle of it.",
     ]
     return " ".join(told)

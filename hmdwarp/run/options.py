@@ -142,7 +142,8 @@ class LiveOptions(PipelineOptions):
         super().__attrs_post_init__()
         if self.guard == AUTO:
             raise InputError(
-                "guard auto looks at the whole trace first, which a live run has not: give a number, or replay a recording"
+                "guard auto looks at the whole trace first, which a live run has not: give a number, or replay a "
+                "recording"
             )
         if self.source == OFFSCREEN and not self.trace:
             raise InputError("source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
@@ -150,7 +151,8 @@ class LiveOptions(PipelineOptions):
             raise InputError(f"trace {self.trace}: a headset has a head of its own; take --source desktop or offscreen")
         if self.warp == AUTO and self.bench is None:
             raise InputError(
-                "warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by --bench"
+                "warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by "
+                "--bench"
             )
         if self.images_every and self.out is None:
             raise InputError(

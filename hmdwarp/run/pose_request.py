@@ -1,4 +1,7 @@
-"""The head pose that the server draws for: the present one, or one predicted from what is known by now."""
+"""The head pose that the server draws for.
+
+The present one, or one predicted from what is known by now.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Recording a head without showing it anything: of a headset, of a window, or made up, each as fast as time goes."""
+"""Recording a head without showing it anything.
+
+Of a headset, of a window, or made up, each as fast as time goes.
+"""
 
 from __future__ import annotations
 
@@ -90,7 +93,10 @@ def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
 
 
 def _sample(head: OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say) -> None:
-    """Read a head at even instants; one that takes longer than a period to answer as often as it can be read."""
+    """Read a head at even instants.
+
+    One that takes longer than a period to answer as often as it can be read.
+    """
     count = 0
     due_ns = head.now_ns()
     while not ending.due(count):

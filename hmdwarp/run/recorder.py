@@ -17,13 +17,15 @@ LEAST = 2  # one pose is no motion: no trace reader takes it
 
 
 class Recorder:
-    """A native trace that is on the disk half a second after its poses came. Use as a context manager.
+    """A native trace that is on the disk half a second after its poses came.
 
-    The file is made at once, so that a run does not find out at its end that there is no place for it.
-    Poses that are held (tracking lost) are left out, which makes a gap as it was one; so are those
-    whose time does not rise. With fewer than two poses the file is removed again.
-    Errors: InputError for an existing file and a place that cannot be written; MachineError, from add
-    and at the end, for a full disk: what was written before is whole lines, and stays.
+    Use as a context manager.
+
+    The file is made at once, so that a run does not find out at its end that there is no place for
+    it. Poses that are held (tracking lost) are left out, which makes a gap as it was one; so are
+    those whose time does not rise. With fewer than two poses the file is removed again.
+    Errors: InputError for an existing file and a place that cannot be written; MachineError, from
+    add and at the end, for a full disk: what was written before is whole lines, and stays.
     """
 
     def __init__(self, path: Path, say: Callable[[str], None] = lambda text: None, by: str = "hmdwarp live") -> None:
@@ -52,7 +54,8 @@ class Recorder:
         self._begun = True
         started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
         notes = [
-            f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were asked for"
+            f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were "
+            "asked for"
         ]
         self._lines.add(header_text(origin_of(self._by, about), rate_hz, notes))
 

@@ -12,10 +12,10 @@ from ..link import medians
 from ..metrics import Kept, QualityPool, aggregate
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from ..scenes.effects import effect_names
+from .frame_rows import Row
 from .log import ReplayLog
 from .replay_setup import ReplaySetup
-from .rows import Row
-from .summary import EYES, Facts, auto_entry, auto_note, chosen_passes, machine_of, summary_of
+from .run_summary import EYES, Facts, auto_entry, auto_note, chosen_passes, machine_of, summary_of
 
 
 @attrs.frozen(eq=False)

@@ -1,4 +1,7 @@
-"""The replay: a recorded head trace through the loop, measured against a renderer without latency."""
+"""The replay.
+
+A recorded head trace through the loop, measured against a renderer without latency.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +17,15 @@ from ..gpu.textures import download
 from ..metrics import QualityPool, aggregate, pooled, worker_count
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, VideoWriter
+from .frame_rows import Row
 from .guard import settled
 from .log import ReplayLog
 from .measuring import AGAINST, MAIN, Probe
 from .options import RunOptions
 from .replay_results import ReplayResult, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
-from .rows import Row
+from .run_summary import OWNED
 from .short_bench import levels_for
-from .summary import OWNED
 
 WORST_FRAMES = 6
 
@@ -106,7 +109,10 @@ def _panels(refresh: Refresh) -> np.ndarray:
 
 
 def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
-    """Return which second a picture competes in for the worst one; only the run's own warp competes."""
+    """Return which second a picture competes in for the worst one.
+
+    Only the run's own warp competes.
+    """
     number, _, which = key
     return int(number / setup.schedule.rate_hz) if which == MAIN else None
 

@@ -32,7 +32,10 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class ReplaySetup:
-    """Everything of one replay, ready to go. Use as a context manager: it frees the GPU at the end."""
+    """Everything of one replay, ready to go.
+
+    Use as a context manager: it frees the GPU at the end.
+    """
 
     options: RunOptions
     trace: LoadedTrace
@@ -93,7 +96,8 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
     """Load, check, then start the GPU.
 
     also: what frames must carry for other plans than that of the options. levels: what warp "auto"
-    chooses from. Errors: InputError and its kin for wrong options, MachineError for what is missing.
+    chooses from. Errors: InputError and its kin for wrong options, MachineError for what is
+    missing.
     """
     check_names(options)
     headset = load_headset(options.headset)
@@ -136,7 +140,8 @@ def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
     beyond = float(np.maximum(low - moved.position_m, moved.position_m - high).max())
     by = ", ".join(f"{x:+.2f}" for x in shift)
     notes = [
-        f"The trace leaves the part of scene '{scene.name}' one can walk in, so it was moved by ({by}) m to its viewpoint."
+        f"The trace leaves the part of scene '{scene.name}' one can walk in, so it was moved by ({by}) m to its "
+        "viewpoint."
     ]
     if beyond > 0:
         notes.append(f"Even so the head leaves that part by up to {beyond:.2f} m and may pass through things.")

@@ -33,7 +33,8 @@ class Schedule:
     def link_latency_ns(self, options: RunOptions) -> int:
         """Return the delay of the link.
 
-        It is no more than lies between any two refreshes `age` apart, which are rounded to whole ns.
+        It is no more than lies between any two refreshes `age` apart, which are rounded to whole
+        ns.
         """
         return min(latency_ns(options), max(0, self.age_ns - 2)) if options.network.is_plain else latency_ns(options)
 
@@ -50,7 +51,8 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
     """Return the refreshes of a run.
 
     They begin at the requested start, or when the first frame can have arrived where that is later,
-    and are as many whole ones as fit into the requested seconds and into the trace, but at least one.
+    and are as many whole ones as fit into the requested seconds and into the trace, but at least
+    one.
     Errors: InputError if nothing of the trace would be shown.
     """
     length_s = track.duration_ns * 1e-9
@@ -64,7 +66,8 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
     age = refreshes_of(options.network.longest_ns(latency_ns(options)) / 1e6, rate_hz)
     if age / rate_hz > length_s:
         raise InputError(
-            f"latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame would arrive; "
+            f"latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame "
+            "would arrive; "
             "use a shorter latency or a longer trace"
         )
     start_s = max(options.start_s, age / rate_hz)

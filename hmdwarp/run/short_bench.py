@@ -1,4 +1,7 @@
-"""Quality levels of a run that chooses its warp: from a benchmark's file, or from a short bench on the run's own frames."""
+"""Quality levels of a run that chooses its warp.
+
+From a benchmark's file, or from a short bench on the run's own frames.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,8 @@ from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import guarded_size, memory_bytes
 from ..scenes import load_scene
 from .bench_levels import LevelSet, levels_from_file
+from .combination_bench import Comparison, Measured, refreshes
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
-from .comparison import Comparison, Measured, refreshes
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 
@@ -76,7 +79,8 @@ def levels_by_short_bench(options: RunOptions, say: Say) -> LevelSet:
     headset, budget_ms = load_headset(options.headset), options.budget_ms or 0.0
     combinations = candidates(options)
     say(
-        f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench FILE saves that"
+        f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench "
+        "FILE saves that"
     )
     times = dict(_first_times(options, headset, [c for c in combinations if not c.plan.fills]))
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]

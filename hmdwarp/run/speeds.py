@@ -26,7 +26,10 @@ def speeds_at(track: PoseTrack, time_ns: int, half_ns: int = 5_000_000) -> Speed
 
 
 def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
-    """Return both speeds over the time between two pictures; None for the first and after a break."""
+    """Return both speeds over the time between two pictures.
+
+    None for the first and after a break.
+    """
     if before is None or not 0 < now.shown_ns - before.shown_ns <= _APART_NS:
         return None, None
     seconds = (now.shown_ns - before.shown_ns) * 1e-9

@@ -1,4 +1,7 @@
-"""What an eye should see: the scene drawn for the view itself, or band after band where the display lights up row by row."""
+"""What an eye should see.
+
+The scene drawn for the view itself, or band after band where the display lights up row by row.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ if TYPE_CHECKING:
     from ..client.inputs import PassInputs
     from ..server import Server
 
-# Over half a band the picture turns by a quarter of a pixel, as long as that many bands are enough; each is a drawing of its own.
+# Over half a band the picture turns by a quarter of a pixel, as long as that many bands are enough;
+# each is a drawing of its own.
 PIXELS_PER_BAND = 0.5
 MOST_BANDS = 64
 NEAR_M = 1.0  # what is nearer than this moves by more under a step of the head
@@ -25,7 +29,10 @@ NEAR_M = 1.0  # what is nearer than this moves by more under a step of the head
 
 @attrs.frozen(eq=False)
 class Truth:
-    """colour (h, w, 4) linear and inverse_depth (h, w) in 1/m, None where not asked for; top row first."""
+    """colour (h, w, 4) linear and inverse_depth (h, w) in 1/m, None where not asked for.
+
+    Top row first.
+    """
 
     colour: NDArray[np.float16]
     inverse_depth: NDArray[np.float32] | None
@@ -50,7 +57,9 @@ def _drawn(server: Server, view: View, time_ns: int, size: tuple[int, int], dept
 
 
 def bands_of(first: View, last: View, size: tuple[int, int]) -> Iterator[tuple[View, int]]:
-    """(view, rows) of each band of a (w, h) picture, the top one first: its part of the field of view, seen when its middle lights up.
+    """(view, rows) of each band of a (w, h) picture, the top one first.
+
+    Its part of the field of view, seen when its middle lights up.
 
     The pixel centres are those of the whole picture.
     """
@@ -64,7 +73,10 @@ def bands_of(first: View, last: View, size: tuple[int, int]) -> Iterator[tuple[V
 
 
 def band_count(first: View, last: View, size: tuple[int, int]) -> int:
-    """How many bands the head's motion calls for: a power of 2, so that few sizes are drawn; MOST_BANDS and the rows at most."""
+    """How many bands the head's motion calls for.
+
+    A power of 2, so that few sizes are drawn; MOST_BANDS and the rows at most.
+    """
     turn = (first.pose.rotation.inv() * last.pose.rotation).magnitude()
     step = float(np.linalg.norm(last.pose.position_m - first.pose.position_m))
     pixels = math.degrees(turn + step / NEAR_M) * first.fov.pixels_per_degree(size)

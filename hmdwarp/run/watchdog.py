@@ -1,4 +1,7 @@
-"""Ends the program when a call into the runtime never comes back: a hung service leaves no other way out."""
+"""Ends the program when a call into the runtime never comes back.
+
+A hung service leaves no other way out.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +17,20 @@ from ..errors import MachineError
 
 LOOKS = 20  # at a call within the limit
 LONGEST_LOOK_S = 0.25
-LAST_WORDS_S = 10.0  # for each: a report takes a second or two, and a disk that hangs too must not keep the program
+# For each: a report takes a second or two, and a disk that hangs too must not keep the program.
+LAST_WORDS_S = 10.0
 PRINTING_S = 1.0
 
 
 class Watchdog:
-    """Looks on from a thread of its own while it is entered. limit_s: how long one call may take. last_words: each is called before the
-    program is ended, from another thread than the one that hangs, and may fail or hang itself; it returns what the user should know of
-    it ("the recording is in walk.csv"), or "".
+    """Looks on from a thread of its own while it is entered.
 
-    What is counted is how often the call was still under way when looked at, not what a clock says: a program that was stopped for a
-    while (Ctrl-Z, a debugger) goes on as if nothing had been.
+    limit_s: how long one call may take. last_words: each is called before the program is ended,
+    from another thread than the one that hangs, and may fail or hang itself; it returns what the
+    user should know of it ("the recording is in walk.csv"), or "".
+
+    What is counted is how often the call was still under way when looked at, not what a clock says:
+    a program that was stopped for a while (Ctrl-Z, a debugger) goes on as if nothing had been.
     """
 
     def __init__(self, limit_s: float, last_words: Sequence[Callable[[], str]]) -> None:
@@ -37,7 +43,10 @@ class Watchdog:
         self._thread = threading.Thread(target=self._look_on, name="watchdog", daemon=True)
 
     def watching(self, what: str) -> _Watch:
-        """Around one call that may hang; calls within it are watched in its place. what: its name, for the message. 0.2 us."""
+        """Around one call that may hang; calls within it are watched in its place.
+
+        what: its name, for the message. 0.2 us.
+        """
         return self._watches.get(what) or self._watches.setdefault(what, _Watch(self, what))
 
     def _look_on(self) -> None:
@@ -70,7 +79,10 @@ class Watchdog:
 
 
 class _Watch:
-    """Calls of one name; it holds nothing of a single call, so that one is enough for calls within calls."""
+    """Calls of one name.
+
+    It holds nothing of a single call, so that one is enough for calls within calls.
+    """
 
     __slots__ = ("_dog", "_what")
 
@@ -105,5 +117,6 @@ def _within(limit_s: float, do: Callable[[], object]) -> None:
 
 
 def _print(line: str) -> None:
-    os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))  # sys.stderr may be locked by who hangs
+    # Sys.stderr may be locked by who hangs.
+    os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))
     sys.stdout.flush()  # os._exit does not

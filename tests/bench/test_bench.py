@@ -13,8 +13,8 @@ from replays import contents, run
 
 from hmdwarp.bench import BenchOptions, bench
 from hmdwarp.bench.answer import answer
-from hmdwarp.bench.grid import AXES, displaced
-from hmdwarp.bench.rows import COLUMNS
+from hmdwarp.bench.bench_rows import COLUMNS
+from hmdwarp.bench.displacement_grid import AXES, displaced
 from hmdwarp.bench.traffic import passes_of
 from hmdwarp.client.plan import build_plan
 from hmdwarp.geometry import Pose
@@ -61,7 +61,7 @@ def small_grid():
     """A sixteenth of the grid's pixels, and small buffers to copy."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
-        patch.setattr("hmdwarp.bench.grid.SIZE", (100, 100))
+        patch.setattr("hmdwarp.bench.displacement_grid.SIZE", (100, 100))
         yield
 
 
@@ -149,8 +149,8 @@ def without_times(data: dict) -> dict:
 
 def test_only_times_change(full, tmp_path, monkeypatch):
     """Measured in other processes, and in batches so small that each warp runs alone."""
-    monkeypatch.setattr("hmdwarp.bench.run.GPU_BATCH_BYTES", 1)
-    monkeypatch.setattr("hmdwarp.bench.run.MEMORY_PART", 0.0)
+    monkeypatch.setattr("hmdwarp.bench.bench_run.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.bench.bench_run.MEMORY_PART", 0.0)
     again = bench(attrs.evolve(SMALL, out=tmp_path, workers=2))
     assert without_times(again.data) == without_times(full[1].data)
 
@@ -248,7 +248,7 @@ def test_what_is_interrupted_leaves_what_was_there(at, tmp_path):
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setattr("hmdwarp.bench.run.build_rig", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.bench.bench_run.build_rig", lambda *_: pytest.fail("it ran"))
     with pytest.raises(Exception, match="file"):
         bench(attrs.evolve(SMALL, out=tmp_path / "file"))
     OutputFolder(tmp_path / "fine").discard()

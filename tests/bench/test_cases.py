@@ -15,8 +15,8 @@ from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs, Others
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import set_up_replay
+from hmdwarp.run.combination_bench import refreshes
 from hmdwarp.run.combinations import Combination, batches, frames_used, instants_of
-from hmdwarp.run.comparison import refreshes
 from hmdwarp.scenes import load_scene
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.gpu.textures import Canvas, upload
-from hmdwarp.run.holes import HoleCounter
+from hmdwarp.run.hole_counter import HoleCounter
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from operator import add
 from typing import Any
 
 from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, pooled
-from ..run.comparison import Measured
+from ..run.combination_bench import Measured
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup
 from .traffic import passes_of
@@ -46,7 +46,11 @@ COLUMNS = (
 
 
 def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
-    """One row of bench.json: the keys of summary.json, where the error is, the eyes' mismatch, and each pass against its bound."""
+    """One row of bench.json.
+
+    The keys of summary.json, where the error is, the eyes' mismatch, and each pass against its
+    bound.
+    """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
@@ -63,7 +67,10 @@ def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_
 
 
 def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """The rows under COLUMNS: medians and means without a suffix, the bad tail with _p95; what there is not is empty."""
+    """The rows under COLUMNS.
+
+    Medians and means without a suffix, the bad tail with _p95; what there is not is empty.
+    """
     for row in rows:
         yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}
 

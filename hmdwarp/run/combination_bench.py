@@ -1,4 +1,8 @@
-"""One case: all combinations of a batch on the same late frames, timed by turns, measured against the same truth."""
+"""One case.
+
+All combinations of a batch on the same late frames, timed by turns, measured against the same
+truth.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +24,12 @@ from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface
 from ..pipeline.loop import Refresh
 from ..server.targets import TargetPool
 from .combinations import Case, Combination, frames_used, instants_of
+from .frame_rows import Row, stage_columns
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
-from .rows import Row, stage_columns
 
-Key = tuple[Case, str, str, int, int]  # (case, warp, fill, refresh, eye): what a picture is measured under
+# (case, warp, fill, refresh, eye): what a picture is measured under.
+Key = tuple[Case, str, str, int, int]
 EYES = (0, 1)
 
 
@@ -45,14 +50,19 @@ class Measured:
 
 @attrs.frozen(eq=False)
 class Truth:
-    """What one eye should see at a refresh: sRGB picture (h, w, 3) and inverse depth (h, w), top row first."""
+    """What one eye should see at a refresh.
+
+    SRGB picture (h, w, 3) and inverse depth (h, w), top row first.
+    """
 
     picture: NDArray[np.uint8]
     inverse_depth: NDArray[np.float32]
 
 
 def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
-    """Those refreshes of a run, counted from 0, in the order of time; a number below 0 is passed over.
+    """Those refreshes of a run, counted from 0, in the order of time.
+
+    A number below 0 is passed over.
 
     They are what the whole run would show, but only the frames they use are drawn.
     """
@@ -122,8 +132,9 @@ class Comparison:
     def _time(self, refresh: Refresh) -> None:
         """Every combination in each round; who comes first changes from round to round.
 
-        Before the first of all rounds every combination runs once, to warm up; later the refresh before has done that, and the first one
-        alone runs, because a processor that has slept is slow for a while.
+        Before the first of all rounds every combination runs once, to warm up; later the refresh
+        before has done that, and the first one alone runs, because a processor that has slept is
+        slow for a while.
         """
         self._pool.wait()
         count = len(self._compensators)
@@ -177,6 +188,9 @@ class Comparison:
 
 
 def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
-    """Whether two fills left the same picture, as they do where there is nothing to fill: it need not be measured twice."""
+    """Whether two fills left the same picture, as they do where there is nothing to fill.
+
+    It need not be measured twice.
+    """
     pairs = [(one.now, other.now)] + ([(one.previous, other.previous)] if one.previous and other.previous else [])
     return all(np.array_equal(a.shown, b.shown) for a, b in pairs)

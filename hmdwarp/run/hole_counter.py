@@ -27,7 +27,10 @@ class HoleCounter:
         self._pixels_before: tuple[int, ...] | None = None
 
     def count(self, canvases: Sequence[Canvas]) -> None:
-        """Count the pixels with alpha 0 of each eye's picture, finished by passes before. Once a refresh."""
+        """Count the pixels with alpha 0 of each eye's picture, finished by passes before.
+
+        Once a refresh.
+        """
         self._now, self._before = self._before, self._now
         self._pixels_before, self._pixels = self._pixels, tuple(canvas.size[0] * canvas.size[1] for canvas in canvases)
         self._gl.copy_buffer(self._now, self._empty)
@@ -39,7 +42,10 @@ class HoleCounter:
         self._gl.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
 
     def shares(self) -> tuple[float, ...] | None:
-        """Of each eye's pixels, 0..1, at the count before the last one; None before there were two."""
+        """Of each eye's pixels, 0..1, at the count before the last one.
+
+        None before there were two.
+        """
         if self._pixels_before is None:
             return None
         counts = np.frombuffer(self._before.read(), np.uint32)

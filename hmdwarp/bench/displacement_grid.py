@@ -1,4 +1,7 @@
-"""Error as a function of motion: one late frame from the scene's viewpoint, and a head that has moved or turned by so much."""
+"""Error as a function of motion.
+
+One late frame from the scene's viewpoint, and a head that has moved or turned by so much.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,10 @@ AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 
 
 def offsets() -> list[tuple[str, float]]:
-    """(axis, metres or degrees) of every displacement but none at all: x right, y up, z backwards; yaw left, pitch up, roll left."""
+    """(axis, metres or degrees) of every displacement but none at all.
+
+    X right, y up, z backwards; yaw left, pitch up, roll left.
+    """
     shares = [k / STEPS for k in range(-STEPS, STEPS + 1) if k]
     return [(axis, share * (METRES if axis in "xyz" else DEGREES)) for axis in AXES for share in shares]
 
@@ -49,7 +55,10 @@ def displaced(viewpoint: Pose, axis: str, offset: float) -> Pose:
 
 
 class Scripted:
-    """A PoseSource: at rest at the viewpoint up to time 0, then one displacement after the other, a nanosecond each."""
+    """A PoseSource.
+
+    At rest at the viewpoint up to time 0, then one displacement after the other, a nanosecond each.
+    """
 
     def __init__(self, scene: Scene, moves: list[tuple[str, float]]) -> None:
         self._poses = [displaced(scene.viewpoint, axis, offset) for axis, offset in moves]
@@ -71,9 +80,12 @@ class Scripted:
 def grid_rows(
     setup: ReplaySetup, warps: list[Combination], pool: QualityPool, step: Callable[[], None]
 ) -> list[dict[str, Any]]:
-    """The `grid` of bench.json: every warp (unfilled combinations), left eye, on the server and headset of `setup`.
+    """The `grid` of bench.json.
 
-    setup: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
+    Every warp (unfilled combinations), left eye, on the server and headset of `setup`.
+
+    setup: of the size wanted. The head has been at rest before, so older frames show what the
+    newest one does.
     """
     moves = [("x", 0.0), *offsets()]
     with ExitStack() as stack:

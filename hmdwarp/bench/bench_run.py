@@ -1,4 +1,7 @@
-"""Runs a bench: every combination of what was asked for, on the loop that every other driver uses."""
+"""Runs a bench.
+
+Every combination of what was asked for, on the loop that every other driver uses.
+"""
 
 from __future__ import annotations
 
@@ -24,17 +27,17 @@ from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
+from ..run.combination_bench import Comparison
 from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
-from ..run.comparison import Comparison
 from ..run.replay_setup import set_up_replay
+from ..run.run_summary import machine_of
 from ..run.schedule import schedule_of
-from ..run.summary import machine_of
 from ..scenes import load_scene
 from ..version import __version__
-from . import fused, grid
+from . import displacement_grid, fused
+from .bench_rows import COLUMNS, flat, row_of
 from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
 from .options import BenchOptions
-from .rows import COLUMNS, flat, row_of
 
 OWNED = ("bench.csv", "bench.html")
 Progress = Callable[[int, int], None]
@@ -42,7 +45,10 @@ Progress = Callable[[int, int], None]
 
 @attrs.frozen(eq=False)
 class BenchResult:
-    """What a bench found: `data` as bench.json has it. refused: why there is no choice for the budget asked for, else ""."""
+    """What a bench found.
+
+    `data` as bench.json has it. refused: why there is no choice for the budget asked for, else "".
+    """
 
     folder: Path
     data: dict[str, Any]
@@ -77,7 +83,9 @@ class _Steps:
 
 
 def bench(options: BenchOptions, progress: Progress = lambda done, total: None) -> BenchResult:
-    """Run it and write options.out: bench.csv, bench.json and bench.html; nothing is left there if it fails or is interrupted.
+    """Run it and write options.out.
+
+    Bench.csv, bench.json and bench.html; nothing is left there if it fails or is interrupted.
 
     All that was asked for is checked before anything runs. progress(done, total) is called after
     each measured refresh.
@@ -105,7 +113,9 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "copy_gb_s": bandwidth.bytes_per_s * 1e-9,
             "rows": rows,
             "grid": _grid(options, headset, first, steps) if has_grid else [],
-            "grid_at": {"scene": rows[0]["scene"], "size": list(grid.SIZE), "eye": "left"} if has_grid else None,
+            "grid_at": {"scene": rows[0]["scene"], "size": list(displacement_grid.SIZE), "eye": "left"}
+            if has_grid
+            else None,
             "fused": _fused(options, headset, first, steps) if has_fused else [],
             "fused_at": _fused_at(options, rows[0]) if has_fused else None,
             "choice": None,
@@ -117,7 +127,10 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
 
 
 def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
-    """Everything that can be found wrong without starting the GPU. Errors: InputError and its kin."""
+    """Everything that can be found wrong without starting the GPU.
+
+    Errors: InputError and its kin.
+    """
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations, called = {}, {}
     for name in options.scenes:
@@ -144,7 +157,10 @@ def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
 
 
 def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
-    """Rows, tables and charts tell cases apart by what things are called. called: by what was asked for. Errors: InputError."""
+    """Rows, tables and charts tell cases apart by what things are called.
+
+    called: by what was asked for. Errors: InputError.
+    """
     found: dict[str, str] = {}
     for asked, name in called.items():
         first = found.setdefault(name, asked)
@@ -182,7 +198,7 @@ def _total(
     options: BenchOptions, headset: Headset, works: list[_Work], batched: dict[Case, list[list[Combination]]]
 ) -> int:
     count = sum(work.instants * len(batched[work.case]) for work in works)
-    count += len(grid.offsets()) + 1 if options.grid else 0
+    count += len(displacement_grid.offsets()) + 1 if options.grid else 0
     return count + (min(fused.INSTANTS, works[0].instants) if options.fused and headset.lens is not None else 0)
 
 
@@ -212,10 +228,10 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
     }
     unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
     with (
-        _pool(options, headset, grid.SIZE) as pool,
-        set_up_replay(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as setup,
+        _pool(options, headset, displacement_grid.SIZE) as pool,
+        set_up_replay(attrs.evolve(work.run, size=displacement_grid.SIZE), needs_of(c.plan for c in unfilled)) as setup,
     ):
-        return grid.grid_rows(setup, unfilled, pool, steps)
+        return displacement_grid.grid_rows(setup, unfilled, pool, steps)
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
@@ -242,7 +258,10 @@ def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
-    """The choice for the budget, or why there is none: a run is not thrown away because its budget was too small."""
+    """The choice for the budget, or why there is none.
+
+    A run is not thrown away because its budget was too small.
+    """
     if budget_ms is None:
         return None, ""
     try:

@@ -20,12 +20,16 @@ _KEYS = ("colour", "depth_m", *_VIEW)
 
 
 def read_frame(path: Path) -> tuple[NDArray, NDArray, View]:
-    """colour, depth_m and the view of a FRAME.npz. Errors: InputError naming the file and what is wrong with it."""
+    """colour, depth_m and the view of a FRAME.npz.
+
+    Errors: InputError naming the file and what is wrong with it.
+    """
     content = _content(path)
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
             arrays = {key: data[key] for key in _KEYS if key in data}
-    except Exception as error:  # zip, zlib and NumPy raise whatever a damaged file makes them trip over
+    # Zip, zlib and NumPy raise whatever a damaged file makes them trip over.
+    except Exception as error:
         why = f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: not a frame in NumPy's .npz form ({why}); write it with numpy.savez") from error
     _check_keys(path, arrays, _KEYS)
@@ -33,14 +37,18 @@ def read_frame(path: Path) -> tuple[NDArray, NDArray, View]:
 
 
 def read_view(path: Path) -> View:
-    """The view of a POSE.json: fov (4), position_m (3), orientation_xyzw (4). Errors: InputError naming the file."""
+    """The view of a POSE.json.
+
+    Fov (4), position_m (3), orientation_xyzw (4). Errors: InputError naming the file.
+    """
     try:
         data = json.loads(_content(path).decode("utf-8"))
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file ({error})") from error
     except json.JSONDecodeError as error:
         raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    except (ValueError, RecursionError) as error:  # a number of thousands of digits, brackets without end
+    # A number of thousands of digits, brackets without end.
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not JSON that can be read ({error})") from error
     if not isinstance(data, dict):
         raise InputError(f"{path}: found a {type(data).__name__}; wanted an object with {', '.join(_VIEW)}")

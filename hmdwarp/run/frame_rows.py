@@ -29,7 +29,10 @@ assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
 
 @attrs.define(eq=False)
 class Moment:
-    """One refresh, but for the times of each eye's passes. None: not known, or not there at the first picture."""
+    """One refresh, but for the times of each eye's passes.
+
+    None: not known, or not there at the first picture.
+    """
 
     frame: int
     # Since the start of the trace or the first picture.

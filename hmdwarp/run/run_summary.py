@@ -1,4 +1,7 @@
-"""summary.json: the keys that a replay, a live run and a row of a bench share, and the entry of warp "auto"."""
+"""summary.json.
+
+The keys that a replay, a live run and a row of a bench share, and the entry of warp "auto".
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ from ..version import __version__
 
 _MOST_CHANGES = 8  # in the note; all of them are in the entry and on the page
 
-# What a run may write, so that a later run into the same folder removes what it does not write again.
+# What a run may write, so that a later run into the same folder removes what it does not write
+# again.
 OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "report.html", "replay.mp4")
 EYES = ("left", "right")
 
@@ -77,7 +81,10 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
 
 
 def chosen_passes(options: PipelineOptions, lens: str) -> tuple[str, str, str]:
-    """Return (warp, fill, lens) as summary.json names them: a run that chooses has no fill of its own."""
+    """Return (warp, fill, lens) as summary.json names them.
+
+    A run that chooses has no fill of its own.
+    """
     return options.warp, options.warp if options.chooses_warp else options.fill, lens
 
 
@@ -118,7 +125,39 @@ def auto_note(entry: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> st
     """Return the entry in a sentence or two."""
     started = rows[0]["warp"] if rows[0]["fill"] == "none" else f"{rows[0]['warp']} + {rows[0]['fill']}"
     expected = next(level["total_ms"] for level in entry["ladder"] if level["name"] == started)
-    began = f"Warp 'auto' began with {started}, expected to take {expected:.2f} of the {entry['budget_ms']:g} ms for one eye"
+    began = (
+        f"Warp 'auto' began with {started}, expected to take {expected:.2f} of the {entry['budget_ms']:g} ms "
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        ""
+        "for "
+        "one eye"
+    )
     changes = entry["changes"]
     if not changes:
         return f"{began}, and kept it."

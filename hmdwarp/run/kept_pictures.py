@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..colour import picture_from_linear
 from ..gpu.textures import download
 from ..report import OutputFolder
-from .summary import EYES
+from .run_summary import EYES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,9 +21,12 @@ _WAITING = 8  # full pictures in memory at a time; then the loop waits for the d
 
 
 class Pictures:
-    """Keeps every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them; every: 0 for none.
+    """Keeps every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them; every.
 
-    Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. PNG and disk are a thread's.
+    0 for none.
+
+    Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. PNG and
+    disk are a thread's.
     """
 
     def __init__(self, out: OutputFolder, every: int, most: int = MOST) -> None:
