@@ -83,9 +83,9 @@ class Governor:
     """
 
     def __init__(self, levels: tuple[QualityLevel, ...], budget_ms: float) -> None:
-        """levels.
+        """Start at the most accurate level within the budget.
 
-        From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
+        levels: From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
         """
         _check_levels(levels)
         self.levels, self.budget_ms = tuple(levels), float(budget_ms)

@@ -9,11 +9,9 @@ from ..report.bench import choice_terms
 
 
 def answer(choice: Mapping[str, Any]) -> list[str]:
-    """What to run, how accurate it is and how long it takes; then what the next step up would give and cost.
+    """Return what to run, how accurate it is and how long it takes, one sentence each.
 
-    One sentence each.
-
-    choice: as in bench.json.
+    Then what the next level would give and cost.
     """
     name, step, where = _name(choice), choice["next"], f" ({choice_terms(choice)})"
     first = (

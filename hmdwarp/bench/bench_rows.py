@@ -67,9 +67,9 @@ def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_
 
 
 def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """The rows under COLUMNS.
+    """Yield the rows under COLUMNS.
 
-    Medians and means without a suffix, the bad tail with _p95; what there is not is empty.
+    Medians and means have no suffix, the bad tail _p95; what a row lacks is empty.
     """
     for row in rows:
         yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}

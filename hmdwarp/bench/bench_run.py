@@ -173,7 +173,7 @@ def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
 def _examined(
     options: BenchOptions, headset: Headset, works: list[_Work]
 ) -> tuple[dict[str, Any], Bandwidth, ClockCheck, dict[Case, list[list[Combination]]]]:
-    """What this machine is and can, and which combinations fit into it at the same time."""
+    """Return the machine, its speed and clocks, and which combinations fit into it at a time."""
     with Gpu() as gpu:
         machine = machine_of(gpu)
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
@@ -249,7 +249,7 @@ def _fused_lens(options: BenchOptions) -> str:
 
 
 def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
-    """What the fused rows were measured with; row: any of the first case."""
+    """Return what the fused rows were measured with; row: any of the first case."""
     return {
         **{key: row[key] for key in ("scene", "trace", "latency_ms", "size")},
         "lens": _fused_lens(options),
@@ -258,7 +258,7 @@ def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
-    """The choice for the budget, or why there is none.
+    """Return the choice for the budget, or why there is none.
 
     A run is not thrown away because its budget was too small.
     """

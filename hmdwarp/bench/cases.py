@@ -18,21 +18,21 @@ from .options import BenchOptions
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
-    """All of them, a recording's latencies one after the other."""
+    """Return all cases, a recording's latencies one after the other."""
     product = itertools.product(options.sizes, options.scenes, options.recordings, options.latencies_ms)
     return [Case(scene, recording, latency, size) for size, scene, recording, latency in product]
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """The warps asked for, or all with their variants, in the shortest text that means them, each once.
+    """Return the warps of the options, or all with their variants, each once.
 
-    Errors: as parse_warp.
+    They are in the shortest text that means them. Errors: as parse_warp.
     """
     return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
 
 
 def fills_of(options: BenchOptions) -> list[str]:
-    """The fills and chains asked for, in the shortest text that means them, each once.
+    """Return the fills and chains of the options, each once, in the shortest text that means them.
 
     Errors: as parse_fills.
     """
@@ -40,7 +40,7 @@ def fills_of(options: BenchOptions) -> list[str]:
 
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
-    """Errors: as build_plan."""
+    """Return all combinations of warp and fill. Errors: as build_plan."""
     pairs, effects = (
         itertools.product(warps_of(options), fills_of(options)),
         asked_effects(options.effects, scene.effects),
@@ -49,7 +49,7 @@ def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
-    """A run of one case.
+    """Return the run of one case.
 
     Its first refresh is the same whatever the latency, so that all latencies see the same head.
     """
@@ -76,7 +76,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
 
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
-    """Where all latencies can start, after checking that each has a frame to show in this recording.
+    """Return where all latencies can start; each has a frame to show in this recording.
 
     Errors: as schedule_of.
     """

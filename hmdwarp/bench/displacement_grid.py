@@ -80,12 +80,10 @@ class Scripted:
 def grid_rows(
     setup: ReplaySetup, warps: list[Combination], pool: QualityPool, step: Callable[[], None]
 ) -> list[dict[str, Any]]:
-    """The `grid` of bench.json.
+    """Return the `grid` of bench.json: every warp, left eye, on the server and headset of `setup`.
 
-    Every warp (unfilled combinations), left eye, on the server and headset of `setup`.
-
-    setup: of the size wanted. The head has been at rest before, so older frames show what the
-    newest one does.
+    warps: unfilled combinations. setup: of the size wanted. The head has been at rest before, so
+    older frames show what the newest one does.
     """
     moves = [("x", 0.0), *offsets()]
     with ExitStack() as stack:
@@ -110,7 +108,7 @@ def grid_rows(
 
 
 def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
-    """A loop of its own on the setup's server, whose newest frame was drawn at time 0."""
+    """Return a loop of its own on the setup's server, whose newest frame was drawn at time 0."""
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
@@ -131,7 +129,7 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
 
 
 def _with_rest(moves: list[tuple[str, float]]) -> list[tuple[int, tuple[str, float]]]:
-    """(number, move), sorted by axis and offset, the head at rest once for every axis."""
+    """Return (number, move), sorted by axis and offset, the head at rest once for every axis."""
     numbered = [(number, move) for number, move in enumerate(moves) if number]
     numbered += [(0, (axis, 0.0)) for axis in AXES]
     return sorted(numbered, key=lambda entry: (AXES.index(entry[1][0]), entry[1][1]))

@@ -99,10 +99,7 @@ def fused_rows(
     rounds: int,
     step: Callable[[], None],
 ) -> list[dict[str, Any]]:
-    """The `fused` of bench.json.
-
-    The left eye at up to INSTANTS refreshes of the replay, both ways by turns.
-    """
+    """Return the `fused` of bench.json: the left eye at up to INSTANTS refreshes, both ways."""
     pairs = pairs_of(setup, warps, lens)
     truth_of = PanelTruth(setup, lens)
     numbers = instants_of(setup.schedule.count, min(INSTANTS, instants))

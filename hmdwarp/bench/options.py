@@ -51,7 +51,7 @@ def _split(text: str) -> list[str]:
 
 
 def _names(texts: list[str]) -> list[str]:
-    """Return every text that has settings, which have commas of their own, or its parts between commas."""
+    """Return every text that has settings (and commas), or its parts between commas."""
     return [name for text in texts for name in ([text] if ":" in text else _split(text))]
 
 

@@ -58,16 +58,16 @@ def main() -> None:
 
 
 def _print_what_the_terminal_can() -> None:
-    """A dash that the locale's encoding has not, or a file name that is no text, is printed as '?'.
+    """Print '?' for a dash that the locale lacks, or a file name that is no text.
 
-    No reason to end a run that is done.
+    Neither is a reason to end a run that is done.
     """
     with suppress(AttributeError):  # closed (None), or somebody's own stream
         sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
 
 
 def _nobody_reads() -> NoReturn:
-    """The reader of standard output has gone, as `head` does: no fault of anybody's."""
+    """Leave quietly: the reader of standard output has gone, as `head` does."""
     _forget_stdout()
     sys.exit(0)
 

@@ -20,10 +20,9 @@ _WIDEST = 110  # longer lines are hard to read
 
 
 def console(*, stderr: bool = False) -> Console:
-    """A rich console.
+    """Return a rich console whose gone reader is an ordinary BrokenPipeError.
 
-    A reader that has gone is an ordinary BrokenPipeError, which the command line knows how to leave
-    by.
+    The command line knows how to leave by that.
     """
     from rich.console import Console
 
@@ -36,7 +35,7 @@ def console(*, stderr: bool = False) -> Console:
 
 @contextmanager
 def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None], Console]]:
-    """(progress(done, total), where else to print) of a long run, with a bar where a person looks on."""
+    """Give (progress(done, total), where else to print) of a long run, with a bar on a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     logging.getLogger("matplotlib").setLevel(

@@ -1,4 +1,4 @@
-"""SIGTERM and SIGHUP as exceptions, so that everything on the way out cleans up as it does after Ctrl-C."""
+"""SIGTERM and SIGHUP as exceptions: everything on the way out cleans up as after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def end_cleanly() -> None:
 
 
 def end_if_asked(*_: object) -> None:
-    """Raises Ended again, once, if a signal came and its exception was lost:
+    """Raise Ended again, once, if a signal came and its exception was lost; call after every step.
 
     Python drops what is raised inside a destructor or a callback of the garbage collector, and the
-    signal with it. Called after every step of a long run.
+    signal with it.
     """
     if _came:
         raise Ended(_came.pop())

@@ -10,9 +10,9 @@ from ._options import QUIET, Said, command_line, takes
 
 @takes(BenchOptions, QUIET)
 def bench(said: Said) -> None:
-    """Run every combination of warps, fills, latencies, scenes, traces and sizes on the same late frames.
+    """Run every combination of warps, fills, latencies, scenes, traces and sizes.
 
-    Error against time.
+    All see the same late frames; the result is error against time.
     """
     _run(BenchOptions.of(said, command=command_line()), said["quiet"])
 

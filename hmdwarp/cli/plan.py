@@ -22,10 +22,7 @@ _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or des
 
 @takes(PipelineOptions, _SOURCE)
 def plan(said: Said) -> None:
-    """Print the passes that would run for these choices, in order and with reasons, and the bytes of a frame.
-
-    Starts nothing.
-    """
+    """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing."""
     from ..headsets import load_headset
     from ..pipeline.planning import build_plan_for
     from ..scenes import load_scene
@@ -62,7 +59,7 @@ def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
 
 
 def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
-    """What only the runtime knows, when it runs."""
+    """Return what only the runtime knows, when it runs."""
     if source != "openxr":
         return []
     return [
@@ -75,7 +72,7 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
 
 
 def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
-    """What warp auto would choose from, as far as that can be told without running anything."""
+    """Print what warp auto would choose from, as far as that is known without running anything."""
     from ..auto.levels import best_within
     from ..headsets import load_headset
     from ..pipeline.planning import plans_for
@@ -112,7 +109,7 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
 
 
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
-    """What frames weigh that carry what all the plans read, and how many there are."""
+    """Return the bytes of frames that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..frames import frame_bytes
     from ..pipeline.build import frames_held

@@ -10,7 +10,7 @@ from ._options import QUIET, Said, command_line, takes
 
 @takes(RunOptions, QUIET)
 def replay(said: Said) -> None:
-    """Replay a head trace with late frames, warp each to the newest pose, and measure it against no latency at all."""
+    """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
     _run(RunOptions.of(said, command=command_line()), said["quiet"])
 
 

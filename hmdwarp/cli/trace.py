@@ -31,7 +31,7 @@ _OWN_RATE = {"trace_rate": "rate"}
 @app.command()
 @takes(_TRACE, TraceOptions, renamed=_OWN_RATE)
 def info(said: Said) -> None:
-    """Rate, duration, gaps, speeds, what latency costs, and every defect found with what was done about it."""
+    """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
     from ..poses.analysis import analyse

@@ -37,9 +37,9 @@ def read_frame(path: Path) -> tuple[NDArray, NDArray, View]:
 
 
 def read_view(path: Path) -> View:
-    """The view of a POSE.json.
+    """Return the view of a POSE.json: fov (4), position_m (3), orientation_xyzw (4).
 
-    Fov (4), position_m (3), orientation_xyzw (4). Errors: InputError naming the file.
+    Errors: InputError.
     """
     try:
         data = json.loads(_content(path).decode("utf-8"))

@@ -30,15 +30,15 @@ NO_DEPTH = -1.0
 
 @attrs.frozen(eq=False)
 class WarpedImage:
-    """colour (h, w, 3) linear float32, top row first; coverage (h, w) float32, 0 where nothing is known and colour is black; time_ms.
+    """A warped picture; row 0 is the top row."""
 
-    Stage name to milliseconds; hole_share: share of pixels without coverage after the warp and
-    before the fill.
-    """
-
+    # (h, w, 3) in linear light; black where nothing is known.
     colour: NDArray[np.float32]
+    # (h, w), 0 where nothing is known.
     coverage: NDArray[np.float32]
+    # Milliseconds by the name of the stage.
     time_ms: dict[str, float]
+    # Share of pixels without coverage after the warp and before the fill.
     hole_share: float
 
 
@@ -52,7 +52,7 @@ def warp_image(
     size: tuple[int, int] | None = None,
     gpu: Gpu | None = None,
 ) -> WarpedImage:
-    """The picture `shown` should see, from a late picture drawn for `rendered`.
+    """Return the picture that `shown` should see, from a late picture drawn for `rendered`.
 
     colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres
     along -z; inf is infinitely far; 0, negative or NaN is no depth: a hole, counted and never
@@ -111,6 +111,7 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
     try:
         gpu.timer.collect()
         result = compensator.run(PassInputs(rendered, shown))
+        assert result.shown is not None and result.warped is not None  # no lens here
         picture = download(result.shown.texture).astype(np.float32)
         warped = download(result.warped.texture)[..., 3]
         times = dict(gpu.timer.collect())
@@ -171,7 +172,7 @@ _turn = threading.Lock()
 
 @contextmanager
 def _shared_gpu() -> Iterator[Gpu]:
-    """The one context of all callers, in the hands of this thread alone while the block lasts."""
+    """Lend the one context of all callers to this thread while the block lasts."""
     global _shared  # noqa: PLW0603 (made late, because importing must not start a GL driver)
     with _turn:
         if _shared is None:

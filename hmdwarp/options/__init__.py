@@ -8,5 +8,16 @@ from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, opti
 from .limits import Number, names_in, one_of
 
 __all__ = [
-    "CONDITION", "DISPLAY", "PICTURE", "Declared", "Number", "Option", "group", "names_in", "one_of", "option", "options_of", "same_as",
-]  # fmt: skip
+    "CONDITION",
+    "DISPLAY",
+    "PICTURE",
+    "Declared",
+    "Number",
+    "Option",
+    "group",
+    "names_in",
+    "one_of",
+    "option",
+    "options_of",
+    "same_as",
+]

@@ -28,24 +28,26 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class PoseRequest:
-    """Which head poses the server and the display ask for, what the server draws, and how long the display takes to show it."""
+    """Head poses that server and display ask for, and the pictures that the server draws."""
 
     source: PoseSource
+    # The head when a frame drawn now will be seen; None for no prediction.
     predicted: Callable[[int], PoseSample] | None
+    # (w, h) of one eye.
     size: tuple[int, int]
+    # How much larger in tangents the server draws.
     guard: float
+    # What frames carry.
     needs: Needs
+    # From the first row of the display to its last.
     scanout_ns: int = 0
 
     def for_server(self, now_ns: int) -> PoseSample:
-        """The pose a frame drawn now is meant for.
-
-        Now's, or the one predicted for when it will be seen.
-        """
+        """Return the pose for a frame drawn now: the present one, or one predicted."""
         return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns)
 
     def for_display(self, shown_ns: int) -> PoseSample:
-        """The head when the picture is seen."""
+        """Return the head when the picture is seen."""
         return self.source.head_at(shown_ns)
 
 
@@ -115,7 +117,7 @@ class Loop:
         self.compensator, self._last = compensator, None
 
     def draw(self, now_ns: int) -> None:
-        """Draw all eyes on the server for the pose of this instant, and send the frame on its way."""
+        """Draw all eyes on the server for the pose of this instant, and send the frame."""
         asked = self._requested
         head = asked.for_server(now_ns)
         timer = self._server.gpu.timer
@@ -172,7 +174,7 @@ class Loop:
         )
 
     def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
-        """Return the other pictures that a plan looks into, without what they carry for other plans."""
+        """Return the other pictures that a plan looks into, with the layers that it needs."""
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
         past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])
         return tuple(image.only(needs) for image in (*beside, *past))

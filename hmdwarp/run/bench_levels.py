@@ -114,7 +114,7 @@ def _without_lens(row: Row) -> Row:
 
 
 def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
-    """Return notes on how the benchmark's errors or times differ from this run's, beyond what is corrected."""
+    """Return notes on how the benchmark differs from this run, beyond what is corrected."""
     differing = []
     for key, mine, unit in (
         ("guard", options.guard, ""),

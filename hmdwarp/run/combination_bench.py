@@ -35,14 +35,12 @@ EYES = (0, 1)
 
 @attrs.frozen(eq=False)
 class Measured:
-    """What was found out about one combination in one case, but for the pictures' figures, which the pool has under `keys`.
-
-    times: one row for each timed run of one eye, keyed as frames.csv; stages: the same by the
-    timer's own names.
-    """
+    """Figures of one combination in one case; those of its pictures are in the pool."""
 
     combination: Combination
+    # One row for each timed run of one eye, keyed as frames.csv.
     times: list[Row] = attrs.field(factory=list)
+    # The same by the timer's own names.
     stages: dict[str, list[float]] = attrs.field(factory=lambda: defaultdict(list))
     keys: list[Key] = attrs.field(factory=list)
     mismatch: list[Mismatch] = attrs.field(factory=list)

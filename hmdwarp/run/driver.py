@@ -64,7 +64,10 @@ class Driver:
     """
 
     def __init__(self, display: Display, host: PipelineHost, ending: Ending, say: Say) -> None:
-        """ending: a signal ends every stretch. say: gets a sentence now and then."""
+        """Drive a display.
+
+        ending: a signal ends every stretch. say: gets a sentence now and then.
+        """
         self._display, self._host, self._ending, self._say = display, host, ending, say
 
     def run(

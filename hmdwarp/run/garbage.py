@@ -8,9 +8,9 @@ from typing import Any
 
 
 class GarbageControl:
-    """While it is entered, garbage is collected after a picture was handed over, not in the middle of one.
+    """Garbage collection after a picture was handed over, not in the middle of one.
 
-    What is there at the start (modules, shaders, the scene) is set aside first, so that no
+    What is there when it is entered (modules, shaders, the scene) is set aside first, so that no
     collection looks through it.
     """
 

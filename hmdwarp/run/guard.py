@@ -55,7 +55,7 @@ class Guard:
 
 
 def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
-    """The options with a number for guard `auto`, and what to tell about it.
+    """Return the options with a number for guard `auto`, and notes on it.
 
     Errors: as load_headset, load_trace and schedule_of.
     """
@@ -68,11 +68,11 @@ def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
 
 
 def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> Guard:
-    """The factor that holds the middles of all four sides of both eyes' pictures at 95 of 100 refreshes, for scenery from 1 m to infinity.
+    """Return the factor that holds the middles of the pictures' sides at 95 of 100 refreshes.
 
-    The server draws for the pose it is asked for, predicted or not, as in the run; the display
-    shows the pose of the trace. The latency is that of the run, for a link with jitter the typical
-    one.
+    All four sides of both eyes count, for scenery from 1 m to infinity. The server draws for the
+    pose that it is asked for, predicted or not, as in the run; the display shows the pose of the
+    trace. The latency is that of the run, for a link with jitter the typical one.
     """
     age_ns = expected_age_ns(options, schedule.age_ns)
     stride = -(-schedule.count // MOST_INSTANTS)

@@ -15,7 +15,10 @@ _BYTES = 4 * MOST_EYES
 
 
 class HoleCounter:
-    """count() starts counting this refresh's pictures, shares() tells those of the refresh before, long finished by then."""
+    """Counts holes on the GPU: count() starts, shares() returns those of the refresh before.
+
+    Those are finished long ago, so nothing waits.
+    """
 
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl

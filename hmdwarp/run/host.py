@@ -36,7 +36,7 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
 
 
 class PipelineHost:
-    """The pipeline for `options` on a display, built anew only as far as a change of options calls for it.
+    """The pipeline for `options` on a display, built anew only as far as a change calls for it.
 
     A change of latency alone touches the link: frames under way arrive as they would have. A change
     of warp or fill whose frames carry the same exchanges the passes. Anything else builds a new
@@ -106,7 +106,7 @@ class PipelineHost:
             raise
 
     def fit(self) -> None:
-        """Build anew where the eyes see so much more or less that frames with their guard band change size."""
+        """Build anew where the eyes see so much more or less that guarded frames change size."""
         options, sizes = self.options, self.pipeline.sizes
         if (
             options.guard_factor > 1

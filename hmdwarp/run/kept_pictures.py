@@ -21,12 +21,10 @@ _WAITING = 8  # full pictures in memory at a time; then the loop waits for the d
 
 
 class Pictures:
-    """Keeps every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them; every.
-
-    0 for none.
+    """Every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them.
 
     Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. PNG and
-    disk are a thread's.
+    disk are a thread's. every: 0 for none.
     """
 
     def __init__(self, out: OutputFolder, every: int, most: int = MOST) -> None:

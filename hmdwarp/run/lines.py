@@ -20,7 +20,7 @@ PATIENCE_S = 5.0  # how long an end waits for a disk that does not answer
 
 
 class Lines:
-    """A new file that takes lines and puts them on the disk every half second, from a thread of its own.
+    """A new file that puts lines on the disk every half second, from a thread of its own.
 
     path: must not exist yet. synced: whether the disk itself must have them each time, not only the
     system's cache: then even a power cut costs no more than a second. What lies in the file are

@@ -27,7 +27,7 @@ Watching = Callable[[str], AbstractContextManager[None]]
 
 
 def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
-    """Run until the window, the runtime or Ctrl-C ends it, or for the frames or seconds in the options.
+    """Run until the window, the runtime or Ctrl-C ends it, or as long as the options say.
 
     say: gets a sentence now and then. after(number): called after each refresh that showed a
     picture, counted from 1.

@@ -1,4 +1,4 @@
-"""Compares what the loop shows with what a renderer without latency would have shown, on every n-th refresh."""
+"""Comparison of the shown pictures with those of a renderer without latency, every n-th refresh."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 
 
 class Probe:
-    """Draws the truth at the shown views, reads pictures back and hands them to the measuring processes.
+    """Reader of pictures: draws the truth at the shown views and hands both to be measured.
 
     Measured is what the eye sees before the lens. A warp that is fused with the lens does not make
     that, so the same warp without the lens runs for it; its time is not counted. The truth of a
@@ -114,7 +114,7 @@ class Probe:
             self._empty.setdefault(name, []).append(float((alpha == 0).mean()))
 
     def filled_shares(self) -> dict[str, float]:
-        """Return the share of all measured pixels that each fill of the chain filled, and the rest ("empty").
+        """Return the share of pixels that each fill of the chain filled, and the rest ("empty").
 
         Nothing for warp "auto": its chain changes, so a share of the whole would mean nothing.
         """

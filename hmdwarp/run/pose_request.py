@@ -22,7 +22,10 @@ KEPT_NS = 1_000_000_000
 
 
 def check_names(options: PipelineOptions) -> None:
-    """Raise UnknownNameError for a predictor or codec that does not exist, MachineError for a codec that cannot run."""
+    """Check predictor and codec.
+
+    Errors: UnknownNameError; MachineError for a codec that cannot run here.
+    """
     predictors.get(options.predict)
     check_codec(options.coding.codec)
 

@@ -94,7 +94,10 @@ def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: P
 
 def _nothing_arrived(setup: ReplaySetup) -> str:
     counts = ", ".join(f"{name} {count}" for name, count in setup.channel.link.tally.as_dict().items() if count)
-    return f"no frame has arrived in time to be shown ({counts}): use less loss, more bandwidth, or a longer part of the trace"
+    return (
+        f"no frame has arrived in time to be shown ({counts}): "
+        "use less loss, more bandwidth, or a longer part of the trace"
+    )
 
 
 def _video(setup: ReplaySetup, out: OutputFolder | None):
@@ -118,7 +121,7 @@ def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
 
 
 def _keep_every(setup: ReplaySetup) -> int | None:
-    """Return every how many refreshes a picture is kept, so that about options.images measured ones are."""
+    """Return every how many refreshes a picture is kept, for about options.images measured ones."""
     if not setup.options.images:
         return None
     every = setup.options.metrics_every

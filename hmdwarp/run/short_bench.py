@@ -112,7 +112,7 @@ def _beside(options: RunOptions) -> RunOptions:
 def _first_times(
     options: RunOptions, headset: Headset, combinations: Sequence[Combination]
 ) -> Iterator[tuple[str, float]]:
-    """Yield (warp, ms per eye) from one timed run of both eyes in the middle of the run, after a warm-up."""
+    """Yield (warp, ms per eye) from one timed run in the middle of the replay, after a warm-up."""
     for batch in _batches(options, headset, combinations):
         with set_up_replay(_beside(options), needs_of(c.plan for c in batch)) as setup:
             for combination, stages in zip(batch, _stages(setup, batch, 1), strict=True):

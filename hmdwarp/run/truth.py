@@ -39,7 +39,7 @@ class Truth:
 
 
 def draw_truth(server: Server, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> Truth:
-    """The scene as the eye should see it at this refresh, (w, h) pixels before the lens."""
+    """Return the scene as the eye should see it at this refresh, (w, h) pixels before the lens."""
     if inputs.shown_last is None:
         return _drawn(server, inputs.shown, inputs.shown_ns, size, depth)
     bands = bands_of(inputs.shown, inputs.shown_last, size)
