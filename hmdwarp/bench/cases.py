@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import attrs
 
+from ..client.effects import effects
 from ..client.history import History
 from ..client.plan import Plan, build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
@@ -17,7 +18,6 @@ from ..pipeline.options import RunOptions
 from ..poses import PoseTrack
 from ..run.rig import Timetable, timetable
 from ..scenes import Scene
-from ..scenes.effects import asked_effects
 from .options import BenchOptions, Size
 
 # Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's memory instead.
@@ -63,11 +63,9 @@ def fills_of(options: BenchOptions) -> list[str]:
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
     """Errors: as build_plan."""
-    pairs, effects = (
-        itertools.product(warps_of(options), fills_of(options)),
-        asked_effects(options.effects, scene.effects),
-    )
-    return [Combination(w, f, build_plan(effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
+    pairs = itertools.product(warps_of(options), fills_of(options))
+    selected = effects.selected(options.effects, effects.of(scene))
+    return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
 def batches(

@@ -85,7 +85,7 @@ class PipelineOptions:
     """What a picture goes through from the server to the eye: the same names and defaults as the command line's.
 
     network: what lies between, beside the latency. coding: whether frames are encoded and decoded on the way. effects: as
-    scenes.effects.asked_effects has it, "auto" for what the scene calls for, else what is forced or forbidden. mirrors:
+    client.effects.EffectRegistry.selected has it, "auto" for what the scene calls for, else what is forced or forbidden. mirrors:
     "geometry" or "screen", how the server draws plane mirrors (server.Server).
     latency_ms: from drawing to showing. size: (w, h) of one eye, None for the headset's. rate_hz: display refresh, None for the
     headset's. guard: how much larger in tangents the server draws; "auto" for what the trace calls for (border.settled, which replay

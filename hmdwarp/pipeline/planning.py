@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ..auto.levels import QualityLevel
+from ..client.effects import effects
 from ..client.plan import Plan, build_plan
 from ..errors import InputError
 from ..headsets import Headset
 from ..scenes import Scene
-from ..scenes.effects import SceneEffect, asked_effects, effect_names
 from .options import AUTO, PipelineOptions
 
 
@@ -34,16 +34,24 @@ def build_plan_for(
         raise InputError(
             f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
         )
-    calls_for = scene.effects if scene is not None else SceneEffect.NONE
-    effects = asked_effects(options.effects, calls_for)
-    told = {"forced": effect_names(effects & ~calls_for), "forbidden": effect_names(calls_for & ~effects)}
-    told |= {"distorts": distorts, "takes_depth": takes_depth}
+    called_for = effects.of(scene) if scene is not None else ()
+    selected = effects.selected(options.effects, called_for)
     fused, scanout = options.fused, options.scanout_ms > 0 and options.follow_scanout
     return build_plan(
-        effects, options.warp, options.fill, options.lens, client_geometry=True, fused=fused, scanout=scanout, **told
+        selected,
+        options.warp,
+        options.fill,
+        options.lens,
+        client_geometry=True,
+        fused=fused,
+        scanout=scanout,
+        forced={*selected} - {*called_for},
+        forbidden={*called_for} - {*selected},
+        distorts=distorts,
+        takes_depth=takes_depth,
     )
 
 
 def plan_against(warp: str) -> Plan:
     """Of the warp that another is compared with: nothing but the warp, without fill, effects and lens."""
-    return build_plan(SceneEffect.NONE, warp, "none", "none", client_geometry=True)
+    return build_plan((), warp, "none", "none", client_geometry=True)

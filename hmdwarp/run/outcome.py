@@ -16,7 +16,6 @@ from ..report.files import OutputFolder
 from ..report.page import WorstFrame, render_report
 from ..report.pictures import comparison_panels, labelled_strip
 from ..report.schema import FRAME_COLUMNS, SCHEMA
-from ..scenes.effects import effect_names
 from ..version import __version__
 from .auto_summary import auto_entry, auto_note
 from .log import Row, RunLog
@@ -67,7 +66,7 @@ def summary_of(rig: Rig, warp: str, fill: str, lens: str, rows: list[Row]) -> di
         "hmdwarp": __version__,
         "trace": rig.track.name or rig.trace.path.stem,
         "scene": rig.scene.name,
-        "effects": effect_names(rig.plan.effects),
+        "effects": list(rig.plan.effects),
         "latency_ms": options.latency_ms,
         "warp": warp,
         "fill": fill,

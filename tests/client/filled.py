@@ -11,7 +11,6 @@ from hmdwarp.client.plan import build_plan
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
-from hmdwarp.scenes.effects import SceneEffect
 
 from .rendered_pictures import FOV
 
@@ -24,9 +23,7 @@ def filled(
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
-    compensator = Compensator(
-        gpu, build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False), None, size, size
-    )
+    compensator = Compensator(gpu, build_plan((), warp, fill, "none", client_geometry=False), None, size, size)
     result = compensator.run(PassInputs(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)))
     gpu.timer.collect()
     found = read(result.warped.texture), read(result.shown.texture)

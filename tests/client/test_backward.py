@@ -10,8 +10,9 @@ from reference import gather
 from reference.picture import Asked
 
 from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE, BackwardSettings
+from hmdwarp.client.warps.backward import BackwardSettings
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate

@@ -13,13 +13,21 @@ from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
-from hmdwarp.client.fills._keyframes import Keyframe, covered, is_new, most_redundant, most_useful
-from hmdwarp.client.fills._memory_passes import Keeper, Slot, seeds_for
-from hmdwarp.client.fills._remembered import HoleFiller
+from hmdwarp.client.fill_parts import (
+    HoleFiller,
+    Keeper,
+    Keyframe,
+    Slot,
+    covered,
+    is_new,
+    most_redundant,
+    most_useful,
+    seeds_for,
+)
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.variants import parse_fills
-from hmdwarp.client.warps._composite import Picture
+from hmdwarp.client.warp_kinds import DepthPicture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
@@ -199,7 +207,7 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
 
     frames = [seconds(drawn(gpu, scene_of(WALL), turned(20 * k)), k) for k in range(8)]
     monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
-    for module_name in ("hmdwarp.client.fills._memory_passes", "hmdwarp.client.fills._remembered"):
+    for module_name in ("hmdwarp.client.fill_parts.keeper", "hmdwarp.client.fill_parts.hole_filler"):
         monkeypatch.setattr(f"{module_name}.allocate", refuse)
     for rendered in frames:
         for _ in range(2):
@@ -283,7 +291,7 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
         seeds = seeds_for(gpu, world.size) if halved else None
         if halved:
             Keeper(gpu, world.size).seed(textures[1], seeds)
-        holes.add(Picture(*textures, one.view), world.shown_view, seeds=seeds, newest=number == 0)
+        holes.add(DepthPicture(*textures, one.view), world.shown_view, seeds=seeds, newest=number == 0)
     gpu.gl.memory_barrier()
     got, depth = read(into.colour.texture), read(into.inverse_depth)[..., 0]
     told = {"newest": True, "cell": cell, "halved": halved, "sampler_pixels": world.sampler_pixels}

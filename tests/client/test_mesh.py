@@ -10,7 +10,7 @@ from worlds import World, read, twin_of
 
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.variants import parse_warp
-from hmdwarp.client.warps._mesh import MOST_SIDE, reach, steepest
+from hmdwarp.client.warp_kinds.mesh import MOST_SIDE, reach, steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap

@@ -11,16 +11,16 @@ from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.effect_passes.motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
 from hmdwarp.client.effects import Tools
-from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
-from hmdwarp.client.warps._mesh import steepest
+from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, allocate
-from hmdwarp.scenes import Body, Mesh, Scene, SceneEffect, Texture
+from hmdwarp.scenes import Body, Mesh, Scene, Texture
 from hmdwarp.scenes.motions import Spinning, Thrown
 from hmdwarp.server import Server
 
@@ -396,8 +396,8 @@ class Made:
 @pytest.mark.parametrize(
     ("declared", "layer", "other"),
     [
-        (SceneEffect.RIGID_MOTION, "rendered.ids", "rendered.velocity"),
-        (SceneEffect.SOFT_MOTION, "rendered.velocity", "rendered.ids"),
+        (("rigid_motion",), "rendered.ids", "rendered.velocity"),
+        (("soft_motion",), "rendered.velocity", "rendered.ids"),
     ],
     ids=["rigid", "soft"],
 )
@@ -423,7 +423,7 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, mo
 
 
 def test_older_frames_have_pictures_of_their_own_to_move_into(gpu):
-    plan = build_plan(SceneEffect.RIGID_MOTION, "multi", "none", "none", client_geometry=True)
+    plan = build_plan(("rigid_motion",), "multi", "none", "none", client_geometry=True)
     world = MovingWorld(14)
     image, others = world.image(gpu, {RIGID}, 200 * MS), plan.needs.others.count
     compensator = Compensator(gpu, plan, None, world.size, world.size)

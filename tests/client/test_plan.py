@@ -27,7 +27,6 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.scenes.effects import SceneEffect
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot, chains; each lens; geometry or not.
 _PAIRS = [
@@ -51,7 +50,7 @@ POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or not _draws(w, f)]
 
 
 def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
-    return build_plan(SceneEffect.NONE, warp, fill, lens, client_geometry=geometry)
+    return build_plan((), warp, fill, lens, client_geometry=geometry)
 
 
 # --- what is in it -------------------------------------------------------------------------------------------------------

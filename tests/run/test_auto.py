@@ -16,6 +16,7 @@ from hmdwarp.auto.adaptive import AdaptiveCompensator
 from hmdwarp.auto.governor import Governor
 from hmdwarp.auto.levels import QualityLevel
 from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.effects import effects
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.variants import every_warp
@@ -307,6 +308,8 @@ def test_a_rig_compiles_every_rung_at_the_start(tmp_path):
     with build_rig(small(**auto(tmp_path)), levels=levels) as rig:
         compiled = rig.gpu.shaders.compiled
         for level in levels:
-            one = rig.compensator(build_plan(rig.scene.effects, level.warp, level.fill, "none", client_geometry=True))
+            one = rig.compensator(
+                build_plan(effects.of(rig.scene), level.warp, level.fill, "none", client_geometry=True)
+            )
             one.close()
         assert rig.gpu.shaders.compiled == compiled

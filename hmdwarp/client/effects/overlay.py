@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
 from . import effects
 from ._base import Effect, ShownPass
 
@@ -19,7 +18,6 @@ class OverlayPass(ShownPass):
     """One look at each picture per pixel: the overlay was drawn for this very field of view and size."""
 
     name = "composite the overlay"
-    order = 90
     reads = ("shown.colour", "rendered.overlay")
 
     def prepare(self) -> None:
@@ -43,11 +41,13 @@ class OverlayPass(ShownPass):
 
 effects.register(
     Effect(
-        SceneEffect.OVERLAY,
-        "a HUD is put over the shown picture and never warped",
-        OverlayPass,
-        Needs(overlay=True),
-        "what is fixed to the head is warped with the world, so that it swims and tears",
-        "Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad in view space",
+        name="overlay",
+        order=90,
+        summary="a HUD is put over the shown picture and never warped",
+        applies=lambda _, mesh: mesh.material.head_locked,
+        made_by=OverlayPass,
+        needs=Needs(overlay=True),
+        without="what is fixed to the head is warped with the world, so that it swims and tears",
+        source="Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad in view space",
     )
 )

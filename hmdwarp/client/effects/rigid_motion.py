@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
+from ..effect_passes import MotionPass
 from . import effects
 from ._base import Effect
-from ._motion import MotionPass
 
 effects.register(
     Effect(
-        flag=SceneEffect.RIGID_MOTION,
+        name="rigid_motion",
+        order=20,
         summary="each pixel of a moving body goes where the body goes until it is shown; the hole it leaves is a hole",
+        applies=lambda _, mesh: mesh.body > 0,
         made_by=MotionPass,
         needs=Needs(ids=True),
         without="moving things hang where they were when the frame was drawn",

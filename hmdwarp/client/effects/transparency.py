@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
+from ...scenes import is_cutout
 from ..carry import as_image
-from ..warps._gather import GatherWarp
-from ..warps._seeds import Seeds
+from ..warp_kinds import GatherWarp, Seeds
 from ..warps.iterative import IterativeSettings
 from . import effects
 from ._base import Effect, ShownPass
@@ -66,7 +65,6 @@ class TransparencyPass(ShownPass):
     """
 
     name = "lay the veil over"
-    order = 70
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
@@ -86,11 +84,13 @@ class TransparencyPass(ShownPass):
 
 effects.register(
     Effect(
-        SceneEffect.TRANSPARENCY,
-        "glass and what else one sees through is a layer of its own depth, laid over the warped picture",
-        TransparencyPass,
-        Needs(transparent=True),
-        "a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the room behind",
-        "Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
+        name="transparency",
+        order=70,
+        summary="glass and what else one sees through is a layer of its own depth, laid over the warped picture",
+        applies=lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh),
+        made_by=TransparencyPass,
+        needs=Needs(transparent=True),
+        without="a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the room behind",
+        source="Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
     )
 )

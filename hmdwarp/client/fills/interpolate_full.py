@@ -9,9 +9,9 @@ import moderngl
 import numpy as np
 
 from ...gpu.textures import COLOUR, allocate
+from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
-from ._holes import HolePieces
 from .interpolate import MINIMUM_COUNT
 
 if TYPE_CHECKING:

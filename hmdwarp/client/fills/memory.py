@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import InputError
-from ..warps._composite import Picture
+from ..fill_parts import (
+    BYTES_PER_PIXEL,
+    HoleFiller,
+    Keeper,
+    Keyframe,
+    Slot,
+    is_new,
+    most_redundant,
+    most_useful,
+    overlapping,
+    seeds_for,
+)
+from ..warp_kinds import DepthPicture
 from . import fills
 from ._base import Fill
-from ._keyframes import Keyframe, is_new, most_redundant, most_useful, overlapping
-from ._memory_passes import BYTES_PER_PIXEL, Keeper, Slot, seeds_for
-from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
     from ...geometry import View
@@ -85,12 +94,12 @@ class Memory(Fill):
         self._keeper.seed(rendered.inverse_depth, self._seeds)
         self._holes.start(picture, into)
         self._holes.add(
-            Picture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
+            DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )
         others = [one for one in self._kept if one.view is not rendered.view]
         for one in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[one.slot]
-            self._holes.add(Picture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
+            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
 
     def _learn(self, inputs: PassInputs) -> None:
         """From a late picture that is new: forget what it disproves, keep it if it shows enough that is new."""

@@ -8,9 +8,9 @@ import attrs
 import moderngl
 
 from ...gpu.textures import COLOUR, allocate
+from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
-from ._holes import HolePieces
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from ...frames import Needs
 from ...geometry.wide import COARSER
-from ..warps._composite import Picture
+from ..fill_parts import HoleFiller
+from ..warp_kinds import DepthPicture
 from . import fills
 from ._base import Fill
-from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -32,7 +32,7 @@ class Wide(Fill):
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         wide = inputs.rendered["wide"]
         self._holes.start(picture, into)
-        self._holes.add(Picture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
+        self._holes.add(DepthPicture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
 
     def close(self) -> None:
         self._holes.close()

@@ -7,18 +7,12 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import PlanError
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
 from . import warps
-from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
-
-# Inverse depth is linear across a plane, so between the looked-up point and a texel of its footprint it changes by at most
-# one pixel's worth of slope. 3 % covers planes seen at up to 80 degrees at 10 pixels a degree (tan 80 x 0.1 deg = 1 %, on
-# each axis, with the rounding of the client's own raster on top); nearer surfaces differ by more than that from what they hide.
-DEPTH_TOLERANCE = 0.03
-DEPTH_FLOOR = 0.02  # 1/m: things beyond 50 m count as equally far
 
 
 @attrs.frozen

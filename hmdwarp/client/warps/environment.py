@@ -11,8 +11,8 @@ from ...errors import PlanError
 from ...frames import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
+from ..warp_kinds import GatherWarp
 from . import warps
-from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas

@@ -8,9 +8,8 @@ import attrs
 import moderngl
 
 from ...errors import InputError, MachineError
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES
-from ._scatter import ScatterWarp, check_room
+from ..warp_kinds import ScatterWarp, check_room
+from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 
 if TYPE_CHECKING:
     from ...geometry import WarpMap

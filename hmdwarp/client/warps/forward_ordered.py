@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import WarpMap
+from ..warp_kinds import OrderedScatter
 from . import warps
-from ._scatter import OrderedScatter
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs

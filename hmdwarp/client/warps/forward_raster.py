@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..warp_kinds import OrderedScatter
 from . import warps
-from ._scatter import OrderedScatter
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs

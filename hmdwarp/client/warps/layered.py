@@ -8,8 +8,8 @@ import attrs
 
 from ...errors import PlanError
 from ...frames import Needs
+from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
-from ._composite import CompositeWarp, Picture
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -52,11 +52,11 @@ class Layered(CompositeWarp):
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         return {"front_inverse_depth": 3}
 
-    def pictures(self, inputs: PassInputs) -> list[Picture]:
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         rendered, behind = inputs.rendered, self.settings.layers - 1
         peeled = rendered.get("peeled", ())
         if len(peeled) < behind:
             raise PlanError(
                 f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(peeled)}"
             )
-        return [Picture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]
+        return [DepthPicture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]

@@ -6,8 +6,8 @@ from typing import Literal
 
 import attrs
 
+from ..warp_kinds import MeshWarp
 from . import warps
-from ._mesh import MeshWarp
 
 STEEPEST_DEG = 85.0
 

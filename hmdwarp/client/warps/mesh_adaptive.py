@@ -6,8 +6,8 @@ from typing import Any
 
 import attrs
 
+from ..warp_kinds import MeshWarp
 from . import warps
-from ._mesh import MeshWarp
 from .mesh import STEEPEST_DEG
 
 BLOCKS = (1, 2, 4, 8, 16)

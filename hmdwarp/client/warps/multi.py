@@ -10,8 +10,8 @@ import numpy as np
 
 from ...frames import Needs, Others
 from ...geometry import WarpMap
+from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
-from ._composite import CompositeWarp, Picture
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -58,14 +58,14 @@ class Multi(CompositeWarp):
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         return cls.bytes_of(1 + settings.frames + (settings.eye == "other"), rendered_pixels, shown_pixels)
 
-    def pictures(self, inputs: PassInputs) -> list[Picture]:
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         """The newest alone for an eye that has not moved and sees no more than it did: there is nothing to add."""
         rendered = inputs.rendered
         back = self._newest(inputs)
         others = (
             () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, rendered.size) else inputs.others
         )
-        return [Picture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
+        return [DepthPicture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
 
     def told(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)

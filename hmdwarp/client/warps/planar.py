@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ..warp_kinds import GatherWarp
 from . import warps
-from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...geometry import Pose, View, WarpMap
+from ..warp_kinds import HomographyWarp
 from . import warps
-from ._homography import HomographyWarp
 
 
 @warps.register

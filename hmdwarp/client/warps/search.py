@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import moderngl
 
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES
-from ._gather import GatherWarp
-from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
+from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas

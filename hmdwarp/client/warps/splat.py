@@ -9,9 +9,8 @@ import moderngl
 import numpy as np
 
 from ...geometry import WarpMap
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES
-from ._scatter import ScatterWarp
+from ..warp_kinds import ScatterWarp
+from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas

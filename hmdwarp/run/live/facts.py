@@ -9,7 +9,6 @@ import attrs
 
 from ...display import Display
 from ...geometry import Pose
-from ...scenes.effects import effect_names
 from .options import LiveOptions
 
 if TYPE_CHECKING:
@@ -53,7 +52,7 @@ def facts_of(options: LiveOptions, display: Display, stage: Stage) -> Facts:
         size=size,
         scene=stage.scene.name,
         scene_notes=tuple(stage.scene.notes),
-        effects=effect_names(stage.plan.effects),
+        effects=list(stage.plan.effects),
         lens=stage.plan.lens.name,
         pixels_per_degree=view.fov.pixels_per_degree(size),
         machine={"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ._gather import GatherWarp
+from .gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas

@@ -9,7 +9,7 @@ import moderngl
 
 from ...geometry import View, WarpMap
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate
-from ..warps._composite import DEPTH_FLOOR
+from ..warp_kinds import DEPTH_FLOOR
 
 if TYPE_CHECKING:
     from ...frames import EyeImage

@@ -12,8 +12,8 @@ from ...errors import InputError, MachineError
 from ...geometry import Pose, RigidState, View, WarpMap
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, SCALAR, allocate
-from ..warps._mesh import steepest
-from ._base import LatePass
+from ..effects import RenderedPass
+from ..warp_kinds import steepest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -76,7 +76,7 @@ class _Moved:
             thing.release()
 
 
-class MotionPass(LatePass):
+class MotionPass(RenderedPass):
     """Bodies go where their pose and speed take them, what deforms goes on as it was for swing_seconds() and REACH_M at most.
 
     Every moving pixel is drawn as the square it covers, with a depth test against all else; it leaves a hole. Both at once, because
@@ -84,7 +84,6 @@ class MotionPass(LatePass):
     """
 
     name = "motion"
-    order = 10
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.ids", "rendered.velocity")
 
     @classmethod

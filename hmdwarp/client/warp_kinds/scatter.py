@@ -10,7 +10,7 @@ import moderngl
 
 from ...errors import InputError
 from ...geometry import WarpMap
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...geometry import View, WarpMap
 from ..lens import bind_texels
-from ._base import Warp
+from ..warps import Warp
 
 if TYPE_CHECKING:
     from ...frames import EyeImage

@@ -9,7 +9,7 @@ import moderngl
 from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu.textures import SCALAR, allocate
-from ..warps._composite import DEPTH_FLOOR, DEPTH_TOLERANCE, Picture
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, DepthPicture
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -67,7 +67,9 @@ class HoleFiller:
         self._dispatch(self._start, self._size)
         self._picture, self._into = picture, into
 
-    def add(self, found: Picture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False) -> None:
+    def add(
+        self, found: DepthPicture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False
+    ) -> None:
         """What `found` holds, where the shown picture is empty. seeds: its inverse depth in fewer pixels (Reducer), to guess from."""
         if not self._first:
             self._empty_seeds(self._no_pieces)
@@ -83,7 +85,7 @@ class HoleFiller:
         self._meet(found, shown, newest)
         self._first = False
 
-    def _meet(self, found: Picture, shown: View, newest: bool) -> None:
+    def _meet(self, found: DepthPicture, shown: View, newest: bool) -> None:
         size = found.colour.size
         back = WarpMap.between(shown, self._size, found.view, size)
         found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)

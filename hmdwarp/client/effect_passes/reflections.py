@@ -11,9 +11,9 @@ from ...errors import PlanError
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate
 from ..carry import as_image
+from ..effects import ShownPass
 from ..warps.iterative import Iterative
-from ._base import ShownPass
-from ._closing import Closing
+from .closing import Closing
 
 if TYPE_CHECKING:
     from ...frames import EyeImage
@@ -51,7 +51,6 @@ class Reflections(ShownPass):
     """
 
     name = "reflections"
-    order = 10
     reads = ("shown.colour", "rendered.reflection")
     carries = True
 

@@ -11,8 +11,8 @@ from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, Canvas, allocate
-from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
-from ._gather import bind_rendered_colour
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, Warp
+from .gather import bind_rendered_colour
 
 if TYPE_CHECKING:
     from collections.abc import Callable

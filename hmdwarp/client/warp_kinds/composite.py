@@ -11,17 +11,15 @@ import moderngl
 from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu.textures import allocate
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
-from ._scatter import check_room
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from .scatter import check_room
+from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
 
 if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
-# Neighbouring texels are one surface if their inverse depths differ by less than tolerance * (theirs + floor): see backward.py.
-DEPTH_TOLERANCE = 0.03
-DEPTH_FLOOR = 0.02
 _COLOUR = 1  # texture unit
 _RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
 _GUESSES = 3
@@ -30,7 +28,7 @@ _GROUP = 64  # invocations of a work group, see lib/rows.glsl
 
 
 @attrs.frozen(eq=False)
-class Picture:
+class DepthPicture:
     """One of the pictures: `colour` and `inverse_depth` as in EyeImage, and the view they were drawn for."""
 
     colour: moderngl.Texture
@@ -64,7 +62,7 @@ class CompositeWarp(Warp):
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
 
     @abstractmethod
-    def pictures(self, inputs: PassInputs) -> list[Picture]:
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         """What is put together, in the order of preference between equals."""
 
     def told(self, inputs: PassInputs) -> dict[str, object]:
@@ -81,7 +79,7 @@ class CompositeWarp(Warp):
             self._scatter(picture, inputs.shown)
             self._gather(picture, inputs.shown, told, is_first=index == 0)
 
-    def _scatter(self, picture: Picture, shown: View) -> None:
+    def _scatter(self, picture: DepthPicture, shown: View) -> None:
         size = picture.colour.size
         forward = WarpMap.between(picture.view, size, shown, self.shown_size)
         picture.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
@@ -92,7 +90,7 @@ class CompositeWarp(Warp):
         self._dispatch(self._empty, (self._quads, 1))
         self._dispatch(self._seed, size)
 
-    def _gather(self, picture: Picture, shown: View, told: dict[str, object], *, is_first: bool) -> None:
+    def _gather(self, picture: DepthPicture, shown: View, told: dict[str, object], *, is_first: bool) -> None:
         size = picture.colour.size
         back = WarpMap.between(shown, self.shown_size, picture.view, size)
         chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_late_colour

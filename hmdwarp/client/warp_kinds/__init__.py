@@ -1,0 +1,28 @@
+"""The kinds of warps: what the warps of one kind share, as base classes and passes.
+
+Warps, fills and effects are written on these, inside this project and outside of it.
+"""
+
+from .composite import CompositeWarp, DepthPicture
+from .gather import GatherWarp, bind_rendered_colour
+from .homography import HomographyWarp
+from .mesh import MeshWarp, steepest
+from .scatter import OrderedScatter, ScatterWarp, check_room
+from .seeds import Seeds
+from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
+
+__all__ = [
+    "DEPTH_FLOOR",
+    "DEPTH_TOLERANCE",
+    "CompositeWarp",
+    "DepthPicture",
+    "GatherWarp",
+    "HomographyWarp",
+    "MeshWarp",
+    "OrderedScatter",
+    "ScatterWarp",
+    "Seeds",
+    "bind_rendered_colour",
+    "check_room",
+    "steepest",
+]
