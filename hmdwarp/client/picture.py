@@ -19,3 +19,9 @@ class ShownPicture:
 
     colour: Canvas
     inverse_depth: moderngl.Texture | None = None
+
+    @property
+    def depth(self) -> moderngl.Texture:
+        """The inverse depth, for passes that read or write it: their plan makes it."""
+        assert self.inverse_depth is not None
+        return self.inverse_depth

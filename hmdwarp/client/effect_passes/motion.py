@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import InputError, MachineError
 from ...geometry import Pose, RigidState, View, WarpMap
 from ...gpu.scopes import drawing_into
-from ...gpu.textures import COLOUR, SCALAR, allocate
+from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
 from ..effects import RenderedPass
 from ..warp_kinds import steepest
 
@@ -72,8 +72,7 @@ class _Moved:
     framebuffer: moderngl.Framebuffer
 
     def close(self) -> None:
-        for thing in (self.framebuffer, self.colour, self.inverse_depth):
-            thing.release()
+        release_all(self.framebuffer, self.colour, self.inverse_depth)
 
 
 class MotionPass(RenderedPass):
@@ -187,28 +186,26 @@ class MotionPass(RenderedPass):
     def _run(self, program: Compute, named: dict[str, Any], size: tuple[int, int]) -> None:
         program.uniforms.set_declared(**named)
         program.run(*size)
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def _draw_moving(self, named: dict[str, Any], into: _Moved) -> None:
         gl = self.gpu.gl
         self._draw.uniforms.set_declared(**named)
-        wanted, nothing = into.framebuffer.color_mask, ((False,) * 4,) * 2
-        into.framebuffer.color_mask = nothing
+        mask = into.framebuffer.color_mask
+        into.framebuffer.color_mask = ((False,) * 4,) * 2  # type: ignore[assignment]  # one mask for each attachment
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             into.framebuffer.clear(depth=1.0)
-        into.framebuffer.color_mask = (
-            wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
-        )
+        # Outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew.
+        into.framebuffer.color_mask = mask
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             gl.depth_func = "<"
             self._array.render_indirect(self._buffers[3], moderngl.TRIANGLES, count=self._draws)
-        gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def close(self) -> None:
         for moved in self._moved:
             moved.close()
-        for thing in (self._array, self._corners, self._depth, *self._buffers):
-            thing.release()
+        release_all(self._array, self._corners, self._depth, *self._buffers)
 
 
 def _table(maps: Sequence[WarpMap]) -> np.ndarray:

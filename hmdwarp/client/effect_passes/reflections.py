@@ -9,7 +9,7 @@ import moderngl
 
 from ...errors import PlanError
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ..carry import as_image
 from ..effects import ShownPass
 from ..warps.iterative import Iterative
@@ -56,10 +56,11 @@ class Reflections(ShownPass):
 
     def prepare(self) -> None:
         gpu, shown = self.gpu, self.shown_size
-        self._glossy = GLOSSY in self.parts
-        self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if self._glossy else {}))
+        glossy = GLOSSY in self.parts
+        self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
-        self._warp = (_DeepIterative if self._glossy else Iterative)(gpu, self.rendered_size, shown)
+        self._deep = _DeepIterative(gpu, self.rendered_size, shown) if glossy else None
+        self._warp = self._deep or Iterative(gpu, self.rendered_size, shown)
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
         self._plain = [allocate(gpu.gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1)]
@@ -77,11 +78,11 @@ class Reflections(ShownPass):
             )
         seen = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, reflection.seen), others=())
         self._warp.run(seen, self._seen)
-        self._barrier()
+        self.gpu.barrier()
         self._closing.run(self._seen.texture)
         free = iter(self._plain)
         self.tools.carry.along(inputs, lambda image: self._surface_of(image, free), self._surface)
-        self._barrier()
+        self.gpu.barrier()
         self._closing.run(self._surface.texture)
         self._draw(inputs, picture, into)
 
@@ -93,13 +94,13 @@ class Reflections(ShownPass):
         into.bind_to_image(1, read=False, write=True)
         self._nothing.uniforms.set(rendered_colour=0, surface=1, rendered_size=image.size)
         self._nothing.run(*image.size)
-        self._barrier()
+        self.gpu.barrier()
         return into
 
     def _draw(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         read = {"picture": picture.colour.texture, "surface": self._surface.texture}
-        if self._glossy:
-            read["seen_inverse_depth"] = self._warp.shown_inverse_depth
+        if self._deep is not None:
+            read["seen_inverse_depth"] = self._deep.shown_inverse_depth
         for unit, texture in enumerate(read.values(), start=1):
             texture.bind_to_image(unit, read=True, write=False)
         into.bind_for_writing()
@@ -112,11 +113,7 @@ class Reflections(ShownPass):
         self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
         self._compose.run(*self.shown_size)
 
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-
     def close(self) -> None:
         for owner in (self._warp, self._closing):
             owner.close()
-        for thing in (self._seen, self._surface, *self._plain):
-            thing.release()
+        release_all(self._seen, self._surface, *self._plain)

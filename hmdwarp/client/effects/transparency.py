@@ -29,27 +29,28 @@ class _Veil(GatherWarp):
 
     Settings = IterativeSettings
     rows = 4
+    behind: ShownPicture  # what the veil is laid over; set before run()
 
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
-    def run(self, inputs: PassInputs, into: Canvas, picture: ShownPicture) -> None:
-        """given.late: as the frame brought it; picture: what the veil is laid over."""
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        """Lay the veil over `behind`. inputs.rendered: as the frame brought it."""
         layer, settings, (wide, high) = inputs.rendered["transparent"], self.settings, self.rendered_size
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
         surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": settings.tolerance, "depth_floor": settings.floor}
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         self._seeds.find(inputs, surface)
-        picture.colour.texture.bind_to_image(2, read=True, write=False)
-        picture.inverse_depth.bind_to_image(3, read=True, write=False)
+        self.behind.colour.texture.bind_to_image(2, read=True, write=False)
+        self.behind.depth.bind_to_image(3, read=True, write=False)
         self.bind_colour(
-            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)), 1, self._maps(inputs)
+            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)), 1, self.maps(inputs)
         )
-        behind = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
+        below = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
         self.run_gather(
-            self._program, inputs, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **behind
+            self._program, inputs, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **below
         )
 
     def close(self) -> None:
@@ -71,7 +72,8 @@ class TransparencyPass(ShownPass):
         self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
-        self._veil.run(inputs, into, picture)
+        self._veil.behind = picture
+        self._veil.run(inputs, into)
 
     def close(self) -> None:
         self._veil.close()

@@ -6,20 +6,17 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
-from ...errors import InputError
 from ...geometry import View, WarpMap
-from ...gpu.textures import SCALAR, allocate
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, DepthPicture
+from ...gpu.textures import SCALAR, allocate, release_all, tiles
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, DepthGuesses, DepthPicture, no_pieces, piece_list
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ..picture import ShownPicture
 
-_LATE = 1  # texture unit
+_RENDERED = 1  # texture unit
 _SHOWN, _FILLED, _SHOWN_DEPTH, _FILLED_DEPTH, _BEST, _DEPTH = range(6)  # image units
 _GUESSES = 3
-_PIECE, _ROWS, _GROUP = 8, 4, 64  # see lib/hole_pieces.glsl
-_HEADER = 16  # bytes before the pieces
 
 
 class HoleFiller:
@@ -31,23 +28,16 @@ class HoleFiller:
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
         self._gpu, self._size = gpu, shown_size
-        self._cells = (-(-shown_size[0] // cell), -(-shown_size[1] // cell))
+        self._cells = tiles(shown_size, cell)
         shaders, gl = gpu.shaders, gpu.gl
-        self._empty, self._seed = (
-            shaders.compute("warps/layered_empty.comp"),
-            shaders.compute("warps/layered_seed.comp"),
-        )
         self._start, self._gather = (
             shaders.compute("fills/memory_start.comp"),
             shaders.compute("fills/memory_gather.comp"),
         )
-        pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // _ROWS)
-        _check_groups(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0], pieces, shown_size)
-        self._quads = -(-self._cells[0] * self._cells[1] // 4)
-        self._seeds = gl.buffer(reserve=16 * self._quads)
-        self._pieces, self._no_pieces = gl.buffer(bytes(_HEADER + 8 * pieces)), gl.buffer(bytes(_HEADER))
+        self._guesses = DepthGuesses(gpu, self._cells)
+        self._pieces, self._no_pieces = piece_list(gpu, "the fill", shown_size), no_pieces(gpu)
         self._best = allocate(gl, shown_size, (2, "f4"))
-        # Where nobody asks for depth: stores beside a picture of one pixel go nowhere.
+        # Bound where no pass reads depth: stores outside of its one pixel go nowhere.
         self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
         self._stamp = 0
 
@@ -55,7 +45,7 @@ class HoleFiller:
         """Copy what is there already; what is added from now on goes into its holes."""
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._first = True
-        self._empty_seeds(self._pieces)
+        self._guesses.empty(self._pieces)
         self._bind(picture, into)
         units = {
             "shown_colour": _SHOWN,
@@ -64,7 +54,8 @@ class HoleFiller:
             "filled_depth": _FILLED_DEPTH,
         }
         self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
-        self._dispatch(self._start, self._size)
+        self._gpu.barrier()
+        self._start.run(*self._size)
         self._picture, self._into = picture, into
 
     def add(
@@ -72,16 +63,9 @@ class HoleFiller:
     ) -> None:
         """What `found` holds, where the shown picture is empty. seeds: its inverse depth in fewer pixels (Reducer), to guess from."""
         if not self._first:
-            self._empty_seeds(self._no_pieces)
+            self._guesses.empty(self._no_pieces)
         depth = found.inverse_depth if seeds is None else seeds
-        size = depth.size
-        forward = WarpMap.between(found.view, size, shown, self._cells)
-        depth.bind_to_image(_DEPTH, read=True, write=False)
-        self._seeds.bind_to_storage_buffer(0)
-        self._seed.uniforms.set(
-            H=forward.H, e=forward.e, rendered_inverse_depth=_DEPTH, rendered_size=size, shown_size=self._cells
-        )
-        self._dispatch(self._seed, size)
+        self._guesses.scatter(depth, found.view, shown, _DEPTH)
         self._meet(found, shown, newest)
         self._first = False
 
@@ -90,12 +74,12 @@ class HoleFiller:
         back = WarpMap.between(shown, self._size, found.view, size)
         found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         found.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        found.colour.use(_LATE)
+        found.colour.use(_RENDERED)
         self._bind(self._picture, self._into)
         self._best.bind_to_image(_BEST, read=True, write=True)
         self._pieces.bind_to_storage_buffer(1)
         units = {"shown_colour": _SHOWN, "filled_colour": _FILLED, "filled_depth": _FILLED_DEPTH, "best": _BEST}
-        units |= {"rendered_colour": _LATE, "rendered_depth": _DEPTH}
+        units |= {"rendered_colour": _RENDERED, "rendered_depth": _DEPTH}
         sizes = {
             "rendered_size": size,
             "rendered_pixel": (1 / size[0], 1 / size[1]),
@@ -107,7 +91,7 @@ class HoleFiller:
         self._gather.uniforms.set(
             H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits
         )
-        self._barrier()
+        self._gpu.barrier()
         self._gather.program.run_indirect(self._pieces)
 
     def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
@@ -119,27 +103,7 @@ class HoleFiller:
         before.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
         after.bind_to_image(_FILLED_DEPTH, read=False, write=True)
 
-    def _empty_seeds(self, pieces: moderngl.Buffer) -> None:
-        self._seeds.bind_to_storage_buffer(0)
-        pieces.bind_to_storage_buffer(1)
-        self._empty.uniforms.set(quads=self._quads)
-        self._dispatch(self._empty, (self._quads, 1))
-
-    def _dispatch(self, program, size: tuple[int, int]) -> None:
-        self._barrier()
-        program.run(*size)
-
-    def _barrier(self) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-
     def close(self) -> None:
         """Free the textures and buffers."""
-        for thing in (self._seeds, self._pieces, self._no_pieces, self._best, *self._no_depth):
-            thing.release()
-
-
-def _check_groups(most: int, pieces: int, size: tuple[int, int]) -> None:
-    """Errors: InputError where the indirect dispatch over all pieces would go beyond the GL limit, and be dropped without a word."""
-    if -(-pieces * _PIECE // _GROUP) > most:
-        found = f"a shown picture of {size[0]}x{size[1]}: the fill would need more than this GPU's {most} work groups"
-        raise InputError(f"{found}; use a smaller one")
+        self._guesses.close()
+        release_all(self._pieces, self._no_pieces, self._best, *self._no_depth)

@@ -46,7 +46,7 @@ class HolePieces:
         uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
         _bind(picture.colour.texture, into.colour.texture, _WARPED)
         if self._program.uniforms.declares("warped_depth") and picture.inverse_depth is not None:
-            _bind(picture.inverse_depth, into.inverse_depth, _WARPED_DEPTH)
+            _bind(picture.inverse_depth, into.depth, _WARPED_DEPTH)
             uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
         if too is not None:
             too.bind_to_image(_FILLED_TOO, read=False, write=True)
@@ -55,7 +55,7 @@ class HolePieces:
         self._stamps.bind_to_storage_buffer(1)
         self._program.uniforms.set(**uniforms)
         self._program.run(*self._size)
-        self._barrier()
+        self._gpu.barrier()
         return self._stamp
 
     def run(self, program: Compute) -> None:
@@ -63,10 +63,7 @@ class HolePieces:
         self.list.bind_to_storage_buffer(0)
         self._stamps.bind_to_storage_buffer(1)
         program.program.run_indirect(self.list)
-        self._barrier()
-
-    def _barrier(self) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._gpu.barrier()
 
     def close(self) -> None:
         """Free the buffers."""

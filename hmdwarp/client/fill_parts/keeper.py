@@ -8,7 +8,7 @@ import attrs
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate
+from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, tiles
 from ..warp_kinds import DEPTH_FLOOR
 
 if TYPE_CHECKING:
@@ -40,13 +40,12 @@ class Slot:
         return cls(allocate(gpu.gl, size, COLOUR, linear=True), allocate(gpu.gl, size, SCALAR), seeds_for(gpu, size))
 
     def release(self) -> None:
-        for texture in (self.colour, self.inverse_depth, self.seeds):
-            texture.release()
+        release_all(self.colour, self.inverse_depth, self.seeds)
 
 
 def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
     """The texture for the seeds of a picture of that size."""
-    return allocate(gpu.gl, (-(-size[0] // 2), -(-size[1] // 2)), SCALAR)
+    return allocate(gpu.gl, tiles(size, 2), SCALAR)
 
 
 class Keeper:
@@ -58,7 +57,7 @@ class Keeper:
             gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget")
         )
         self._seed = gpu.shaders.compute("fills/memory_seeds.comp")
-        cells = (-(-size[0] // 2), -(-size[1] // 2))
+        cells = tiles(size, 2)
         self._depths = allocate(gpu.gl, cells, (2, "f4"))
         self._lowest, self._highest = (allocate(gpu.gl, cells, COLOUR) for _ in range(2))
         self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), NUMBER), allocate(gpu.gl, (1, 1), COLOUR)
@@ -122,11 +121,10 @@ class Keeper:
         return {"depths": _FIRST, "lowest": _SECOND, "highest": _THIRD}
 
     def _run(self, program, size: tuple[int, int], **uniforms: object) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._gpu.barrier()
         program.uniforms.set(**uniforms)
         program.run(*size)
 
     def close(self) -> None:
         """Free the textures."""
-        for texture in (self._depths, self._lowest, self._highest, self._no_ids, self._no_velocity):
-            texture.release()
+        release_all(self._depths, self._lowest, self._highest, self._no_ids, self._no_velocity)

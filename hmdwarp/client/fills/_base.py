@@ -10,7 +10,7 @@ from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
-    from ..geometry import ClientGeometry
+    from ..geometry import ClientGeometry, ClientModel
     from ..inputs import PassInputs
     from ..picture import ShownPicture
 
@@ -54,6 +54,11 @@ class Fill(ABC):
         """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0. Inverse depth is None on both or neither
         side; into's is written by a fill that writes shown.inverse_depth alone, for others it is that of `picture`.
         """
+
+    def model(self, share: float, *, lit: bool) -> ClientModel:
+        """Return the client's model of the scene, for fills that read client.model."""
+        assert self.geometry is not None
+        return self.geometry.model(share, lit=lit)
 
     def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""

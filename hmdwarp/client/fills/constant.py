@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import moderngl
 import numpy as np
 
 from . import fills
@@ -41,13 +40,10 @@ class Constant(Fill):
             program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size)
         self._mean.uniforms.set(columns=self._columns)
         self._sum.run(*self.shown_size)
-        self._barrier()
+        self.gpu.barrier()
         self._mean.run(1)
-        self._barrier()
+        self.gpu.barrier()
         self._fill.program.run_indirect(self._sums)
-
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def close(self) -> None:
         self._sums.release()

@@ -8,7 +8,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...gpu.textures import COLOUR, allocate
+from ...gpu.textures import COLOUR, allocate, release_all
 from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
@@ -81,9 +81,8 @@ class InterpolateFull(Fill):
             self._program.program.run_indirect(self._pieces.list)
         else:
             self._program.program.run_indirect(self._steps, offset=16 * number)
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def close(self) -> None:
         self._pieces.close()
-        for thing in (self._other, self._steps, self._listed, *self._lists):
-            thing.release()
+        release_all(self._other, self._steps, self._listed, *self._lists)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import InputError
+from ...gpu.textures import release_all
 from ..fill_parts import (
     BYTES_PER_PIXEL,
     HoleFiller,
@@ -131,8 +132,7 @@ class Memory(Fill):
         self._holes.close()
         self._keeper.close()
         self._seeds.release()
-        for slot in self._slots:
-            slot.release()
+        release_all(*self._slots)
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

@@ -45,7 +45,7 @@ class Model(Fill):
     variants = ("share=0.05",)
 
     def prepare(self) -> None:
-        self._model = self.geometry.model(self.settings.share, lit=True)
+        self._model = self.model(self.settings.share, lit=True)
         self._model.reserve(self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:

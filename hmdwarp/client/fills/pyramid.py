@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 import moderngl
 
-from ...gpu.textures import COLOUR, allocate
+from ...gpu.textures import COLOUR, allocate, release_all, tiles
 from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
@@ -63,8 +63,7 @@ class _Level:
         self.depth.bind_to_image(units[1], read=read, write=write)
 
     def release(self) -> None:
-        for thing in (self.framebuffer, self.colour, self.depth):
-            thing.release()
+        release_all(self.framebuffer, self.colour, self.depth)
 
 
 @fills.register
@@ -84,9 +83,10 @@ class Pyramid(Fill):
         self._first_pull, self._pull = (shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=k) for k in (1, 0))
         self._last_push, self._push = (shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=k) for k in (1, 0))
         self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
-        self._levels, size = [], self.shown_size
+        size = self.shown_size
+        self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
-            size = tuple(-(-n // 2) for n in size)
+            size = tiles(size, 2)
             self._levels.append(_Level.allocated(self.gpu, size))
 
     @classmethod
@@ -101,7 +101,7 @@ class Pyramid(Fill):
             self._push_one(below, above)
         picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
         into.colour.bind_for_writing(_FILLED)
-        into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+        into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
         self._read_above(self._last_push, self._levels[0])
         told = {"warped": _SECOND[0], "filled": _FILLED, "filled_depth": _FILLED_DEPTH, "shown_size": self.shown_size}
         self._last_push.uniforms.set(**told)
@@ -111,7 +111,7 @@ class Pyramid(Fill):
         first = self._levels[0]
         first.framebuffer.clear()  # what is not stored below has no hole and no weight
         picture.colour.texture.bind_to_image(_FIRST[0], read=True, write=False)
-        picture.inverse_depth.bind_to_image(_FIRST[1], read=True, write=False)
+        picture.depth.bind_to_image(_FIRST[1], read=True, write=False)
         self._write_level(self._first_pull, self.shown_size, first)
         self._first_pull.uniforms.set(shown_size=self.shown_size)
         self._pieces.run(self._first_pull)
@@ -120,7 +120,7 @@ class Pyramid(Fill):
             self._write_level(self._pull, below.size, level)
             self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
             self._pull.run(*level.size)
-            self._barrier()
+            self.gpu.barrier()
 
     def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
         level.bind(_SECOND, read=False, write=True)
@@ -138,7 +138,7 @@ class Pyramid(Fill):
         told = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
         self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **told)
         self._push.run(*level.size)
-        self._barrier()
+        self.gpu.barrier()
 
     def _read_above(self, program: Compute, above: _Level) -> None:
         above.bind(_FIRST)
@@ -153,10 +153,6 @@ class Pyramid(Fill):
     def _is_local(self, level: _Level) -> bool:
         return self._levels.index(level) < LOCAL_LEVELS
 
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-
     def close(self) -> None:
         self._pieces.close()
-        for level in self._levels:
-            level.release()
+        release_all(*self._levels)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import attrs
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...gpu.textures import SCALAR, Canvas, allocate
+from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
 from ..picture import ShownPicture
 from . import fills
 from ._base import Fill
@@ -84,12 +83,12 @@ class Relight(Fill):
 
     def prepare(self) -> None:
         gl, (wide, high) = self.gpu.gl, self.shown_size
-        self._lit = self.geometry.model(self.settings.share, lit=True)
-        self._base = self.geometry.model(self.settings.share, lit=self.settings.light == "baked")
+        self._lit = self.model(self.settings.share, lit=True)
+        self._base = self.model(self.settings.share, lit=self.settings.light == "baked")
         for model in (self._lit, self._base):
             model.reserve(self.shown_size)
         self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
-        self._blocks = (-(-wide // BLOCK), -(-high // BLOCK))
+        self._blocks = tiles(self.shown_size, BLOCK)
         self._lights = allocate(gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT)
         offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
         self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
@@ -100,7 +99,7 @@ class Relight(Fill):
         view = inputs.middle
         self._lit.draw_holes(view, picture, into, inputs.shown_ns)
         self._base.draw(view, self._albedo, inputs.shown_ns)
-        self._barrier()
+        self.gpu.barrier()
         self._bind(picture, into)
         left, right, down, up = view.fov.tangents
         per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
@@ -113,7 +112,7 @@ class Relight(Fill):
         self._find.run(*self._blocks)
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
-        self._barrier()
+        self.gpu.barrier()
         weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT[self.settings.light]}
         self._apply.uniforms.set(**shared, **weights, filled=4, samples=self.settings.samples)
         self._apply.run(WORKERS)
@@ -121,9 +120,9 @@ class Relight(Fill):
     def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
         textures = (
             picture.colour.texture,
-            picture.inverse_depth,
+            picture.depth,
             self._albedo.colour.texture,
-            self._albedo.inverse_depth,
+            self._albedo.depth,
         )
         for unit, texture in enumerate(textures):
             texture.bind_to_image(unit, read=True, write=False)
@@ -133,12 +132,8 @@ class Relight(Fill):
         self._holes.write(bytes(16))
         self._holes.bind_to_storage_buffer(2)
 
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-
     def close(self) -> None:
-        for one in (self._albedo.colour, self._albedo.inverse_depth, self._lights, self._samples, self._holes):
-            one.release()
+        release_all(self._albedo.colour, self._albedo.depth, self._lights, self._samples, self._holes)
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

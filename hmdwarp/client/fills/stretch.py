@@ -63,8 +63,8 @@ class Stretch(Fill):
         forward = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
         back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
-        picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
-        into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
+        picture.depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
+        into.depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
         self._streaks.bind_to_image(_STREAKS, read=True, write=True)
         into.colour.bind_for_writing(_FILLED)
         chosen = self.settings

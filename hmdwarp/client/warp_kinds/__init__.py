@@ -5,6 +5,7 @@ Warps, fills and effects are written on these, inside this project and outside o
 
 from .composite import CompositeWarp, DepthPicture
 from .gather import GatherWarp, bind_rendered_colour
+from .guesses import DepthGuesses, no_pieces, piece_list
 from .homography import HomographyWarp
 from .mesh import MeshWarp, steepest
 from .scatter import OrderedScatter, ScatterWarp, check_room
@@ -15,6 +16,7 @@ __all__ = [
     "DEPTH_FLOOR",
     "DEPTH_TOLERANCE",
     "CompositeWarp",
+    "DepthGuesses",
     "DepthPicture",
     "GatherWarp",
     "HomographyWarp",
@@ -24,5 +26,7 @@ __all__ = [
     "Seeds",
     "bind_rendered_colour",
     "check_room",
+    "no_pieces",
+    "piece_list",
     "steepest",
 ]

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, ClassVar
 import attrs
 import moderngl
 
-from ...errors import InputError
 from ...geometry import View, WarpMap
-from ...gpu.textures import allocate
+from ...gpu.textures import allocate, release_all
 from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from .guesses import PIECE_ROWS, DepthGuesses, piece_list
 from .scatter import check_room
 from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 _COLOUR = 1  # texture unit
 _RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
 _GUESSES = 3
-_PIECE, _ROWS = 8, 4  # pixels of a piece, see lib/composite.glsl
-_GROUP = 64  # invocations of a work group, see lib/rows.glsl
 
 
 @attrs.frozen(eq=False)
@@ -48,16 +46,11 @@ class CompositeWarp(Warp):
 
     def prepare(self) -> None:
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
-        self._empty = self.gpu.shaders.compute("warps/layered_empty.comp")
-        self._seed = self.gpu.shaders.compute("warps/layered_seed.comp")
+        self._guesses = DepthGuesses(self.gpu, self.shown_size)
+        self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
         self._choose, self._first, self._more = (
-            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=_ROWS) for k in range(3)
+            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS) for k in range(3)
         )
-        self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
-        self._seeds = self.gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
-        pieces = -(-self.shown_size[0] // _PIECE) * -(-self.shown_size[1] // _ROWS)
-        _check_groups(self.gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0], pieces, self.name, self.shown_size)
-        self._pieces = self.gpu.gl.buffer(bytes(16 + 8 * pieces))
         self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
 
@@ -65,60 +58,47 @@ class CompositeWarp(Warp):
     def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         """What is put together, in the order of preference between equals."""
 
-    def told(self, inputs: PassInputs) -> dict[str, object]:
-        """What the warp's own shader wants to know besides."""
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
+        """Return what the warp's own shader reads besides, by uniform name."""
         return {}
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         into.bind_for_writing(_RESULT)
         self._best.bind_to_image(_BEST, read=True, write=True)
-        self._seeds.bind_to_storage_buffer(0)
-        self._pieces.bind_to_storage_buffer(1)
-        told = self.told(inputs)
+        own = self.own_uniforms(inputs)
         for index, picture in enumerate(self.pictures(inputs)):
-            self._scatter(picture, inputs.shown)
-            self._gather(picture, inputs.shown, told, is_first=index == 0)
+            self._guesses.empty(self._pieces)
+            self._guesses.scatter(picture.inverse_depth, picture.view, inputs.shown, _DEPTH)
+            self._gather(picture, inputs.shown, own, is_first=index == 0)
 
-    def _scatter(self, picture: DepthPicture, shown: View) -> None:
-        size = picture.colour.size
-        forward = WarpMap.between(picture.view, size, shown, self.shown_size)
-        picture.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
-        self._seed.uniforms.set(
-            H=forward.H, e=forward.e, rendered_inverse_depth=_DEPTH, rendered_size=size, shown_size=self.shown_size
-        )
-        self._empty.uniforms.set(quads=self._quads)
-        self._dispatch(self._empty, (self._quads, 1))
-        self._dispatch(self._seed, size)
-
-    def _gather(self, picture: DepthPicture, shown: View, told: dict[str, object], *, is_first: bool) -> None:
+    def _gather(self, picture: DepthPicture, shown: View, own: dict[str, object], *, is_first: bool) -> None:
         size = picture.colour.size
         back = WarpMap.between(shown, self.shown_size, picture.view, size)
-        chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_late_colour
+        chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_rendered_colour
         picture.colour.filter = (chosen, chosen)
         picture.colour.use(_COLOUR)
         limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
         sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
         units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
-        told = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **told}
+        uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
         if is_first:
-            self._first.uniforms.set(**told)
+            self._first.uniforms.set(**uniforms)
             self._dispatch(self._first, self.shown_size)
             return
         self._stamp = self._stamp % 0xFFFFFFFF + 1
-        self._choose.uniforms.set(stamp=self._stamp, **told)
+        self._choose.uniforms.set(stamp=self._stamp, **uniforms)
         self._dispatch(self._choose, self.shown_size)
-        self._more.uniforms.set(**told)
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._more.uniforms.set(**uniforms)
+        self.gpu.barrier()
         self._more.program.run_indirect(self._pieces)
 
     def _dispatch(self, program: Compute, size: tuple[int, int]) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
         program.run(*size)
 
     def close(self) -> None:
-        self._seeds.release()
-        self._pieces.release()
-        self._best.release()
+        self._guesses.close()
+        release_all(self._pieces, self._best)
 
     @classmethod
     def bytes_of(cls, pictures: int, rendered_pixels: int, shown_pixels: int) -> int:
@@ -127,10 +107,3 @@ class CompositeWarp(Warp):
         best = cls.best[0] * DEPTH_BYTES
         each = rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
         return pictures * each + shown_pixels * 2 * COLOUR_BYTES
-
-
-def _check_groups(most: int, pieces: int, name: str, size: tuple[int, int]) -> None:
-    """Errors: InputError where the indirect dispatch over all pieces would go beyond the GL limit, and be dropped without a word."""
-    if -(-pieces * _PIECE // _GROUP) > most:
-        found = f"a shown picture of {size[0]}x{size[1]}: '{name}' would need more than this GPU's {most} work groups"
-        raise InputError(f"{found}; use a smaller one")

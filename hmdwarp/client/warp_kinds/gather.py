@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
+_COLOUR = 0  # texture unit
+
 
 class GatherWarp(Warp):
     """A warp whose shader has `vec4 gathered(vec2 shown, vec3 base, vec3 parallax)`: what the shown pixel at `shown` sees, where
@@ -48,15 +50,13 @@ class GatherWarp(Warp):
         """From shown to rendered pixels."""
         return WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
 
-    def run_gather(
-        self, program: Compute, inputs: PassInputs, into: Canvas, *, colour_unit: int = 0, **uniforms: object
-    ) -> None:
+    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
         """Bind the late colour and the result, set the map and the sizes, and run for every pixel of the output."""
-        maps = self._maps(inputs)
-        self.bind_colour(inputs, colour_unit, maps)
+        maps = self.maps(inputs)
+        self.bind_colour(inputs, _COLOUR, maps)
         into.bind_for_writing()
         self.set_sizes(program)
-        program.uniforms.set(rendered_colour=colour_unit, written=0, **self._coefficients(maps), **uniforms)
+        program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
         if self.output.lens is not None:
             bind_texels(program, self.picture(inputs))
             program.uniforms.set(panel_size=into.size, **self.output.lens.look_uniforms(inputs.shown.fov, inputs.eye))
@@ -71,7 +71,8 @@ class GatherWarp(Warp):
         exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
         bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
-    def _maps(self, inputs: PassInputs) -> list[WarpMap]:
+    def maps(self, inputs: PassInputs) -> list[WarpMap]:
+        """Return the map of the shown view, or with scan-out those of its first, middle and last instant."""
         if not self.output.scanout:
             return [self.map_between(inputs.shown, inputs.rendered.view)]
         first, last = inputs.shown, inputs.shown_last if inputs.shown_last is not None else inputs.shown
@@ -87,7 +88,7 @@ class GatherWarp(Warp):
         """
         if len(maps) == 1:
             return {"H": maps[0].H, "e": maps[0].e}
-        named = {}
+        named: dict[str, np.ndarray] = {}
         for name in ("H", "e"):
             first, middle, last = (getattr(one, name) for one in maps)
             square = 2 * (first + last - 2 * middle)

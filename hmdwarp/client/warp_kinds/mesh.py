@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import moderngl
@@ -10,7 +11,7 @@ import numpy as np
 from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
 from ...gpu.scopes import drawing_into
-from ...gpu.textures import COLOUR, Canvas, allocate
+from ...gpu.textures import COLOUR, Canvas, allocate, release_all
 from ..warps import COLOUR_BYTES, DEPTH_BYTES, Warp
 from .gather import bind_rendered_colour
 
@@ -144,7 +145,7 @@ class MeshWarp(Warp):
             (self._order, (1, 1)),
             (self._list, blocks),
         ):
-            self._run(program, named, lambda program=program, size=size: program.run(*size))
+            self._run(program, named, partial(program.run, *size))
         if self.adaptive:
             self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
             self._run(self._order_triangles, named, lambda: self._order_triangles.run(1))
@@ -153,7 +154,7 @@ class MeshWarp(Warp):
     def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
         program.uniforms.set_declared(**named)
         dispatch()
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
         gl = self.gpu.gl
@@ -185,8 +186,7 @@ class MeshWarp(Warp):
         return steepest(rendered, self.rendered_size, self.settings.steepest_deg)
 
     def close(self) -> None:
-        for thing in (*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth):
-            thing.release()
+        release_all(*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth)
 
 
 def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:

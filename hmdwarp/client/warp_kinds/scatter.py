@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
-LATE_COLOUR, LATE_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
-_UNITS = {"rendered_colour": LATE_COLOUR, "rendered_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
+RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
+_UNITS = {"rendered_colour": RENDERED_COLOUR, "rendered_inverse_depth": RENDERED_DEPTH, "shown_colour": SHOWN_COLOUR}
 LONGEST_SIDE = 2**14  # an order has 15 bits for a row and 15 for a column, one of each to spare
 
 
@@ -39,8 +39,8 @@ class ScatterWarp(Warp):
 
     def bind(self, inputs: PassInputs, into: Canvas) -> None:
         """The late picture and the result, as images for compute shaders."""
-        inputs.rendered.colour.bind_to_image(LATE_COLOUR, read=True, write=False)
-        inputs.rendered.inverse_depth.bind_to_image(LATE_DEPTH, read=True, write=False)
+        inputs.rendered.colour.bind_to_image(RENDERED_COLOUR, read=True, write=False)
+        inputs.rendered.inverse_depth.bind_to_image(RENDERED_DEPTH, read=True, write=False)
         into.bind_for_writing(SHOWN_COLOUR)
 
     def set(self, program: Compute, **more: object) -> None:
@@ -89,7 +89,7 @@ class OrderedScatter(ScatterWarp):
         self.bind(inputs, into)
         self._keys.bind_to_storage_buffer(0)
         for program, size in ((self._scatter, self.rendered_size), (self._resolve, self.shown_size)):
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.gpu.barrier()
             self.set(program, H=forward.H, e=forward.e, **order)
             program.run(*size)
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import moderngl
-
 from ...errors import InputError
 from ...geometry import WarpMap
+from ...gpu.textures import tiles
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -25,7 +24,7 @@ class Seeds:
     def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
         self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
         self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
-        self._blocks, self.cells = (tuple(-(-n // BLOCK) for n in size) for size in (rendered_size, shown_size))
+        self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
         self._check_size()
         self._passes = tuple(gpu.shaders.compute("warps/iterative_seed.comp", PASS=k) for k in range(3))
         self._seeds = gpu.gl.buffer(reserve=CELL_BYTES * self.cells[0] * self.cells[1])
@@ -42,7 +41,7 @@ class Seeds:
         grids = (both, self._blocks, self.cells)
         for program, grid, warp in zip(self._passes, grids, (forward, forward, back), strict=True):
             self._run(program, grid, warp, surface)
-            self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._gpu.barrier()
 
     def _run(self, program: Compute, grid: tuple[int, ...], warp: WarpMap, surface: dict[str, object]) -> None:
         sizes = {"grid": grid, "blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}

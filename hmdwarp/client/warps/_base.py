@@ -67,7 +67,7 @@ class Warp(ABC):
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
         rendered_pixel = (1 / rendered_size[0], 1 / rendered_size[1])
-        self._size_uniforms = {
+        self._size_uniforms: dict[str, object] = {
             "rendered_size": tuple(rendered_size),
             "rendered_pixel": rendered_pixel,
             "shown_size": tuple(shown_size),

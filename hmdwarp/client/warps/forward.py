@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
-import moderngl
 
 from ...errors import InputError, MachineError
 from ..warp_kinds import ScatterWarp, check_room
@@ -100,7 +99,7 @@ class _Portable:
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
-            self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._warp.gpu.barrier()
             self._warp.set(program, H=forward.H, e=forward.e)
             if program in self._settle:
                 program.program.run_indirect(self._ties)
@@ -125,7 +124,7 @@ class _OnePass:
     def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
         for program, size in ((self._nearest, self._warp.rendered_size), (self._resolve, self._warp.shown_size)):
-            self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._warp.gpu.barrier()
             self._warp.set(program, H=forward.H, e=forward.e)
             program.run(*size)
 

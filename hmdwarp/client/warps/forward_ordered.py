@@ -81,4 +81,5 @@ def _start(pixel: NDArray[np.int64], sense: int, size: tuple[int, int], rings: b
     least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))
     if rings:
         greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
-    return tuple(int(n) for n in (greatest if sense > 0 else -least))
+    x, y = greatest if sense > 0 else -least
+    return int(x), int(y)

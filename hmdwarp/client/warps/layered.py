@@ -48,7 +48,7 @@ class Layered(CompositeWarp):
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         return cls.bytes_of(settings.layers, rendered_pixels, shown_pixels)
 
-    def told(self, inputs: PassInputs) -> dict[str, object]:
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         return {"front_inverse_depth": 3}
 

@@ -67,7 +67,7 @@ class Multi(CompositeWarp):
         )
         return [DepthPicture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
 
-    def told(self, inputs: PassInputs) -> dict[str, object]:
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         newest = self._newest(inputs)
         return {

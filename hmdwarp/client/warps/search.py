@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import moderngl
 
+from ...gpu.textures import tiles
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
@@ -57,7 +57,7 @@ class Search(GatherWarp):
         self._build = tuple(self.gpu.shaders.compute("warps/search_pyramid.comp", FROM_DEPTH=k) for k in (1, 0))
         self._sizes = [self.rendered_size]
         for _ in range(LEVELS):
-            self._sizes.append(tuple(-(-n // FACTOR) for n in self._sizes[-1]))
+            self._sizes.append(tiles(self._sizes[-1], FACTOR))
         counts = [w * h for w, h in self._sizes[1:]]
         self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
         self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
@@ -88,7 +88,7 @@ class Search(GatherWarp):
             if level == 1:
                 program.uniforms.set(rendered_inverse_depth=1, rendered_size=self.rendered_size)
             program.run(*blocks)
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.gpu.barrier()
 
     def close(self) -> None:
         self._bounds.release()

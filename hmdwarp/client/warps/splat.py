@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import moderngl
 import numpy as np
 
 from ...geometry import WarpMap
@@ -57,7 +56,7 @@ class Splat(ScatterWarp):
         backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.gpu.barrier()
             H, e = _exact(warp_map)
             self.set(program, H=H, e=e, **limits)
             program.run(*size)
