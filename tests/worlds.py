@@ -1,4 +1,4 @@
-"""Random late pictures and everything a warp may read, on the GPU and for the float64 twins."""
+"""Random rendered pictures and everything a warp may read, on the GPU and for the float64 twins."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def read(texture) -> np.ndarray:
 
 
 class World:
-    """A late picture of a few planes with holes, and a shown view a plausible head motion away."""
+    """A rendered picture of a few planes with holes, and a shown view a plausible head motion away."""
 
     def __init__(
         self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True
@@ -97,7 +97,7 @@ class World:
         )
 
     def _client_depth(self) -> np.ndarray:
-        """Any depth will do for the contract: the late depth itself, resized, so that many pixels agree and many do not."""
+        """Any depth will do for the contract: the rendered depth itself, resized, so that many pixels agree and many do not."""
         (wide, high), (w, h) = self.size, self.shown_size
         return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
 
@@ -117,7 +117,7 @@ class World:
         return texture
 
     def _picture(self) -> tuple[np.ndarray, np.ndarray]:
-        """Another random picture of this world's late size."""
+        """Another random picture of this world's rendered size."""
         before = self.colour, self.inverse_depth
         self._draw()
         drawn = self.colour, self.inverse_depth
@@ -140,7 +140,7 @@ class World:
             )
 
     def bring_cube(self, gpu) -> None:
-        """Random colours all around the late eye, faces as wide inside as the late picture's longer side."""
+        """Random colours all around the rendered eye, faces as wide inside as the rendered picture's longer side."""
         if self.cube is None:
             side = max(self.size) + 2
             colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))
@@ -168,7 +168,7 @@ class World:
         return LatePicture(colour * ~missing[..., None], depth, self.rendered_view)
 
     def _beside(self) -> View:
-        """The late view from a few centimetres beside."""
+        """The rendered view from a few centimetres beside."""
         pose = self.rendered_view.pose
         return View(
             Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.rendered_view.fov

@@ -300,7 +300,7 @@ def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice, ...], lens: type[Lens
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
         raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
-    if not lens.look:
+    if not lens.library:
         raise PlanError(
             f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
         )

@@ -1,4 +1,4 @@
-"""Backward's depth test: what the late picture did not see stays empty, at the border of the picture too."""
+"""Backward's depth test: what the rendered picture did not see stays empty, at the border of the picture too."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def white(size: tuple[int, int]) -> np.ndarray:
 @pytest.mark.parametrize("turn", [(0, 0.01, 0), (0.02, 0, 0), (0.01, -0.02, 0.3), (0, 0, 0)])
 @pytest.mark.parametrize("rendered", [1.0, -1.0])
 def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, rendered):
-    """Beyond the border of the late picture there is no depth, and above all not that of the sky."""
+    """Beyond the border of the rendered picture there is no depth, and above all not that of the sky."""
     size = (13, 11)
     got = backward(
         gpu, white(size), np.full(size[::-1], rendered), np.zeros(size[::-1]), Pose(orientation_xyzw=(*turn, 1))

@@ -116,7 +116,7 @@ def test_any_field_of_view(gpu, world, degrees):
 
 
 def test_the_server_s_cube_is_the_scene_it_would_draw(gpu):
-    """Half a turn away from where the late picture looked; sharp edges are where a resampled picture may differ."""
+    """Half a turn away from where the rendered picture looked; sharp edges are where a resampled picture may differ."""
     server, size = Server(gpu, load_scene("room")), (240, 240)
     rendered = View(Pose((0, 1.6, 0), Rotation.from_euler("YXZ", [10, -5, 3], degrees=True).as_quat()), FOV)
     frame = server.draw_frame([rendered], 0, size, needs=Needs(cube=True))

@@ -161,7 +161,7 @@ def test_pictures_of_several_work_groups_arrive_whole(gpu, size):
 def test_a_late_picture_of_more_pixels_than_keys_is_refused(gpu):
     side = 16384
     assert side * side > MOST_PIXELS
-    with pytest.raises(InputError, match="a late picture of 16384x16384: 'forward' takes at most"):
+    with pytest.raises(InputError, match="a rendered picture of 16384x16384: 'forward' takes at most"):
         warps.get("forward")(gpu, (side, side), (8, 8))
 
 

@@ -76,6 +76,6 @@ def test_a_depth_test_is_needed(gpu):
 
 def test_a_picture_with_longer_sides_than_the_order_has_bits_for_is_refused(gpu):
     with pytest.raises(
-        InputError, match="a late picture of 16385x2: 'forward_raster' takes at most 16384 pixels a side"
+        InputError, match="a rendered picture of 16385x2: 'forward_raster' takes at most 16384 pixels a side"
     ):
         warps.get("forward_raster")(gpu, (16385, 2), (8, 8))

@@ -94,7 +94,7 @@ def test_sky_is_seen_and_does_not_move(gpu):
 
 @pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
 def test_what_lies_behind_an_eye_is_not_mirrored(gpu, pose):
-    """Past a wall at 2 m, and turned round: the late picture shows nothing of what is before the eye."""
+    """Past a wall at 2 m, and turned round: the rendered picture shows nothing of what is before the eye."""
     got = warped(gpu, "iterative", np.ones((21, 21, 4)), np.full((21, 21), 0.5), pose)
     assert (got == 0).all()
 

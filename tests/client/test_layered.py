@@ -1,4 +1,4 @@
-"""The layered warp on walls whose every view is known: real content behind edges, no cracks, no guesses beyond the late picture."""
+"""The layered warp on walls whose every view is known: real content behind edges, no cracks, no guesses beyond the rendered picture."""
 
 from __future__ import annotations
 
@@ -59,12 +59,12 @@ def shown_and_truth(
 
 
 def inner(out: np.ndarray, margin: int = 12) -> np.ndarray:
-    """Without the rim that the late picture may not hold."""
+    """Without the rim that the rendered picture may not hold."""
     return out[margin:-margin, margin:-margin]
 
 
 def near_an_edge(truth: np.ndarray, pixels: int = 1) -> np.ndarray:
-    """Pixels next to another colour: an edge may be half a late pixel and half a shown one off."""
+    """Pixels next to another colour: an edge may be half a rendered pixel and half a shown one off."""
     marked = np.zeros(truth.shape[:2], bool)
     for axis in (0, 1):
         for k in range(1, pixels + 1):
@@ -105,7 +105,7 @@ def test_two_layers_do_not_know_the_third(gpu):
 
 
 def test_beyond_the_late_picture_hidden_things_do_not_come_forward(gpu):
-    """A wall that fills the late view; turned to the side, the sky behind it moves less and must not show beside it."""
+    """A wall that fills the rendered view; turned to the side, the sky behind it moves less and must not show beside it."""
     scene = Scene("wall", "", (square(1, (0, 0), 30, 0.25),), background=Background.uniform((1, 1, 1)))
     out, _ = shown_and_truth(gpu, scene, (0.3, 0, 0))
     assert (out[:, : SIZE[0] * 8 // 10, 3] == 1).all()

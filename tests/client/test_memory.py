@@ -76,7 +76,7 @@ def turned(degrees: float, x: float = 0) -> View:
 
 
 def test_scenery_that_was_seen_comes_back(gpu, client):
-    """The head looks left, right and left again: at the last look the late picture still shows the right."""
+    """The head looks left, right and left again: at the last look the rendered picture still shows the right."""
     scene = scene_of(square(2, (-1.5, 0.2), 0.5, 0.5), WALL)
     left, right = (drawn(gpu, scene, turned(angle)) for angle in (0, -50))
     client.sees(seconds(left, 0), left.view)
@@ -234,7 +234,7 @@ def test_mb_bounds_how_many_are_kept_and_too_few_are_told(gpu):
     fill = choice.entry(gpu, (200, 100), (20, 10), choice.settings)
     assert len(fill._slots) == 3  # of 0.26 MB each
     fill.close()
-    with pytest.raises(InputError, match=r"mb=1': one late picture of 400x300 takes 2 MB; give it more"):
+    with pytest.raises(InputError, match=r"mb=1': one rendered picture of 400x300 takes 2 MB; give it more"):
         choice.entry(gpu, (400, 300), (20, 10), choice.settings)
     for wrong in ("frames=0", "use=0", "age=0", "mb=nan", "frames=65"):
         with pytest.raises(InputError, match=wrong.partition("=")[0]):
@@ -318,7 +318,7 @@ def test_what_is_forgotten_equals_its_twin(gpu, seed):
     keeper.keep(world.rendered, slot)
     gpu.gl.memory_barrier()
     assert np.array_equal(read(slot.inverse_depth)[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))
-    keeper.look_at(EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth)))
+    keeper.compare_with(EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth)))
     keeper.forget(slot, kept.view, rendered.view)
     gpu.gl.memory_barrier()
     got = (read(slot.inverse_depth)[..., 0] < 0) & (kept.inverse_depth >= 0)

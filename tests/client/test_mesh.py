@@ -23,7 +23,7 @@ SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 
 
 class Scene:
-    """A late picture of chosen depth: red grows to the right, green upwards, blue is 1 where it is nearer than 1 m."""
+    """A rendered picture of chosen depth: red grows to the right, green upwards, blue is 1 where it is nearer than 1 m."""
 
     def __init__(
         self, gpu, inverse_depth: np.ndarray, pose: Pose, fov: Fov = FOV, shown_size: tuple[int, int] | None = None
@@ -111,7 +111,7 @@ def test_a_tiny_motion_makes_no_hole(gpu, spec, step):
     depth = rng.choice([0.0, 0.3, 2.0], SIZE[::-1])
     for pose in (Pose((step, step, -step)), Pose(orientation_xyzw=(step, -step, step, 1))):
         out = Scene(gpu, depth, pose).warp(spec)
-        # At the late picture's border the view may have left it: by 1e-4 * 2 m at 1/m 2 or 1e-4 rad, less than a hundredth of a pixel.
+        # At the rendered picture's border the view may have left it: by 1e-4 * 2 m at 1/m 2 or 1e-4 rad, less than a hundredth of a pixel.
         assert (out[1:-1, 1:-1, 3] == 1).all()
 
 

@@ -1,4 +1,4 @@
-"""Late pixels that move by themselves: against rays and moved squares in float64, and against what the server draws later."""
+"""Rendered pixels that move by themselves: against rays and moved squares in float64, and against what the server draws later."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def textured(gpu, array: np.ndarray, kind: tuple[int, str]):
 
 
 class MovingWorld:
-    """A late picture of still planes with holes, and before and behind them patches of bodies and of what deforms."""
+    """A rendered picture of still planes with holes, and before and behind them patches of bodies and of what deforms."""
 
     def __init__(self, seed: int, size: tuple[int, int] = (26, 19), bodies: int = 3) -> None:
         self.rng = rng = np.random.default_rng(seed)

@@ -1,4 +1,4 @@
-"""Several late pictures: what one saw fills what another did not, the newest is never overruled by what it looked through."""
+"""Several rendered pictures: what one saw fills what another did not, the newest is never overruled by what it looked through."""
 
 from __future__ import annotations
 

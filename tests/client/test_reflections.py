@@ -39,7 +39,7 @@ def shown(
     fill: str = "none",
     **inputs,
 ):
-    """(colour, coverage after the warp) of the late picture of VIEW in `view`."""
+    """(colour, coverage after the warp) of the rendered picture of VIEW in `view`."""
     plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
     frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)

@@ -126,7 +126,7 @@ def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
         square = 2 * (a + b - 2 * m)
         return a + t * (b - a - square) + t * t * square
 
-    to_direction = np.linalg.inv(FOV.pixel_from_tangent(size))  # pixels of the late view to directions, (x, y, 1)
+    to_direction = np.linalg.inv(FOV.pixel_from_tangent(size))  # pixels of the rendered view to directions, (x, y, 1)
     pixels = np.array([[0, 0, 1], [90, 0, 1], [0, 80, 1], [90, 80, 1], [45, 40, 1.0]])
     rays = np.linalg.norm(pixels @ to_direction.T, axis=-1)
     difference = (pixels @ (parabola(*(m.H for m in maps[:3])) - maps[3].H).T) @ to_direction.T

@@ -100,7 +100,7 @@ def test_no_depth_stays_a_hole_and_does_not_spread(gpu, bad):
 
 @pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
 def test_what_lies_behind_an_eye_is_not_mirrored(gpu, pose):
-    """Past a wall at 2 m, and turned round: the late picture shows nothing of what is before the eye."""
+    """Past a wall at 2 m, and turned round: the rendered picture shows nothing of what is before the eye."""
     assert (warped(gpu, "search", np.ones((21, 21, 4)), np.full((21, 21), 0.5), pose) == 0).all()
 
 

@@ -1,4 +1,4 @@
-"""The inverse depth of the shown picture: late depth seen from the shown eye, carried along by whichever warp is planned."""
+"""The inverse depth of the shown picture: rendered depth seen from the shown eye, carried along by whichever warp is planned."""
 
 from __future__ import annotations
 

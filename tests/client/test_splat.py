@@ -34,7 +34,7 @@ def ramps(size: tuple[int, int]) -> np.ndarray:
 
 
 def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov=FOV) -> np.ndarray:
-    """(h, w, 4), bottom row first, seen from `shown`; the late eye is at the origin."""
+    """(h, w, 4), bottom row first, seen from `shown`; the rendered eye is at the origin."""
     depth = np.asarray(depth, np.float32)
     size = depth.shape[::-1]
     shown_size = shown_size or size
@@ -57,7 +57,7 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov
 
 
 def places(size, depth_of_shown: np.ndarray, shown: Pose) -> np.ndarray:
-    """(h, w, 2) where in the late picture, 0 to 1, each shown pixel's point is, its inverse depth in the shown view given."""
+    """(h, w, 2) where in the rendered picture, 0 to 1, each shown pixel's point is, its inverse depth in the shown view given."""
     high, wide = depth_of_shown.shape
     y, x = np.mgrid[:high, :wide] + 0.5
     backward = WarpMap.between(View(shown, FOV), (wide, high), View(Pose(), FOV), size)
@@ -107,7 +107,7 @@ def test_a_sphere_that_comes_closer_has_no_cracks(gpu):
     out = splatted(gpu, depth, ramps(size) * (depth >= 0)[..., None], Pose((0, 0, -0.8)))
     covered = out[..., 3] == 1
     inside = np.hypot(x, y) < 0.9 * 0.5 / np.sqrt(1.2**2 - 0.5**2)
-    # Near the rim the late picture saw too little; the rest is whole.
+    # Near the rim the rendered picture saw too little; the rest is whole.
     seen = np.hypot(x, y) < 0.38
     assert covered[seen & inside].all()
     assert not covered[np.hypot(x, y) > 0.5].any()
@@ -122,7 +122,7 @@ def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
     colour = np.repeat(near[..., None], 4, axis=-1).astype(float)
     colour[..., 3] = 1
     out = splatted(gpu, np.where(near, 1.0, 0.2), colour, shown)
-    # The square's border in the late picture runs between pixels, at 0.2; from the shown eye at 1 / closer metres:
+    # The square's border in the rendered picture runs between pixels, at 0.2; from the shown eye at 1 / closer metres:
     off_x, off_y = (abs(value + closer * step) / closer for value, step in ((x, 0.06), (y, 0.031)))
     away = np.maximum(off_x, off_y) - 0.2
     half_pixel = 0.5 * 2 / 90

@@ -47,7 +47,7 @@ def test_it_equals_its_twin(gpu, size, empty, depthless):
 
 @pytest.mark.parametrize("step", [(0.4, 0, 0), (-0.4, 0, 0), (0, 0.4, 0), (0.3, -0.3, 0), (0.25, 0.1, 0.3)], ids=str)
 def test_foreground_is_never_smeared(gpu, step):
-    """Red is the late inverse depth: 1 of the square, 0.25 of the wall. Of the square there is not a trace in what was hidden."""
+    """Red is the rendered inverse depth: 1 of the square, 0.25 of the wall. Of the square there is not a trace in what was hidden."""
     colour, depth = square_before_a_wall(np.s_[22:38, 22:38])
     before, after = filled(gpu, "search", "stretch", colour, depth, Pose(step))
     guessed = (before[..., 3] == 0) & (after[..., 3] == 1)

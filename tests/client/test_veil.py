@@ -181,5 +181,5 @@ def test_each_says_what_is_seen_without_it():
 
 
 def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):
-    with pytest.raises(InputError, match="late picture of"):
+    with pytest.raises(InputError, match="rendered picture of"):
         TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), None)

@@ -55,7 +55,7 @@ def depth_on_the_gpu_that_is_no_number(gpu, name):
 
 @hard_case()
 def nothing_has_depth(gpu, name):
-    """What: not one pixel of the late picture has depth
+    """What: not one pixel of the rendered picture has depth
     Why: medians, minima and pyramids of nothing
     Wants: nothing covered, nothing NaN
     """

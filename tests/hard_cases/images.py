@@ -39,7 +39,7 @@ def one_row_and_one_column(gpu, name):
 
 @hard_case()
 def prime_sizes(gpu, name):
-    """What: a late picture of 31x23, shown at 37x41
+    """What: a rendered picture of 31x23, shown at 37x41
     Why: no tile, block or pyramid divides them
     Wants: what the float64 twin says
     """

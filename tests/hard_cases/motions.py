@@ -57,7 +57,7 @@ def _as_good_as_still(gpu, name, pose: Pose) -> None:
 def motion_of_a_nanometre(gpu, name):
     """What: the head moves by 1e-9 m in each direction
     Why: what is not exactly still takes the general path, where rounding may open cracks or flip pixels at edges
-    Wants: no hole, no speckle: the late picture, to the rounding of a half float
+    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
     """
     _as_good_as_still(gpu, name, Pose((1e-9, -1e-9, 1e-9)))
 
@@ -66,7 +66,7 @@ def motion_of_a_nanometre(gpu, name):
 def turn_of_a_nanoradian(gpu, name):
     """What: the head turns by 1e-9 rad about each axis
     Why: sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or double
-    Wants: no hole, no speckle: the late picture, to the rounding of a half float
+    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
     """
     _as_good_as_still(gpu, name, turned((1, 1, 1), math.degrees(1e-9)))
 
@@ -97,7 +97,7 @@ def _half_turn(gpu, name, degrees: float, axis) -> None:
 @hard_case()
 def turn_by_90_degrees(gpu, name):
     """What: the head turns by 90 degrees to the side in a view 90 degrees wide
-    Why: the border of the late picture meets the border of the shown one; w is 0 along a line
+    Why: the border of the rendered picture meets the border of the shown one; w is 0 along a line
     Wants: what the float64 twin says, no NaN along the line
     """
     _half_turn(gpu, name, 90, (0, 1, 0))
@@ -106,8 +106,8 @@ def turn_by_90_degrees(gpu, name):
 @hard_case()
 def turn_by_180_degrees(gpu, name):
     """What: the head looks straight back
-    Why: all of the late picture is behind the eye, where a homography still has an answer, upside down
-    Wants: nothing covered (`none` shows the late picture, `environment` what is behind)
+    Why: all of the rendered picture is behind the eye, where a homography still has an answer, upside down
+    Wants: nothing covered (`none` shows the rendered picture, `environment` what is behind)
     """
     _half_turn(gpu, name, 180, (0.3, 1, 0.1))
 
@@ -116,7 +116,7 @@ def turn_by_180_degrees(gpu, name):
 def sky_under_translation(gpu, name):
     """What: everything infinitely far (inverse depth 0), the head moves by 0.4 m
     Why: as metres that is inf, and inf times 0 is NaN
-    Wants: the late picture bit for bit: infinity does not move
+    Wants: the rendered picture bit for bit: infinity does not move
     """
     setting = Setting(gpu, np.zeros(SIZE[::-1]), Pose((0.3, -0.2, 0.25)))
     for picture in setting.pictures(name):
@@ -240,7 +240,7 @@ def field_of_view_of_120_degrees(gpu, name):
 @hard_case()
 def field_of_view_of_170_degrees(gpu, name):
     """What: a view 170 degrees wide, the head turns by 20 degrees
-    Why: tangents of 11.4: much of the late picture ends up beside and behind the shown eye, w passes 0 inside the picture
+    Why: tangents of 11.4: much of the rendered picture ends up beside and behind the shown eye, w passes 0 inside the picture
     Wants: what the float64 twin says, nothing mirrored
     """
     _through_fov(

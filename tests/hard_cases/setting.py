@@ -1,4 +1,4 @@
-"""One late picture and one shown view, given as arrays, run through a warp and through its float64 twin."""
+"""One rendered picture and one shown view, given as arrays, run through a warp and through its float64 twin."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def reads_depth(name: str) -> bool:
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
-    """Whether what it shows comes from the late picture: `environment` has pictures of its own. With settings or without."""
+    """Whether what it shows comes from the rendered picture: `environment` has pictures of its own. With settings or without."""
     return "rendered.colour" in parse_warp(name).entry.reads
 
 
@@ -48,7 +48,7 @@ class Picture:
 
 class Setting(World):
     """colour: (h, w, 3) linear; inverse_depth: (h, w), whatever the case calls for; bottom row first. client: the client's own depth
-    in the shown view, by default what of the late depth lands there."""
+    in the shown view, by default what of the rendered depth lands there."""
 
     def __init__(
         self,
@@ -84,7 +84,7 @@ class Setting(World):
         self.colour = np.concatenate([noise * covered, covered], axis=2).astype(np.float16).astype(np.float64)
 
     def _landed(self, per_pixel: int = 8) -> np.ndarray:
-        """The nearest of what lands in each shown pixel, -1 where nothing does; each late pixel is a small square of points."""
+        """The nearest of what lands in each shown pixel, -1 where nothing does; each rendered pixel is a small square of points."""
         out = np.full(self.shown_size[::-1], -1.0)
         usable = np.isfinite(self.inverse_depth) & (self.inverse_depth >= 0)
         y, x = np.nonzero(usable)

@@ -154,7 +154,7 @@ def test_every_warp_on_random_extreme_worlds(gpu, name, seed, step, turn, neares
 
 # Worlds that a warp or its twin once failed on, as above: surfaces nearer than the depth buffer knows (31), slivers (239) and folded
 # pieces (the last), seams at a seventeenth of the size (174), a triangle edge on (692), a row between quarters (55), seeds behind
-# the late eye (500216), and a large cell beside what is turned away (900612).
+# the rendered eye (500216), and a large cell beside what is turned away (900612).
 FAILED_ONCE = [
     (16, (1.0, 0.0, 0.0), 0.001, 2.0, (28, 11, 36, 40), (23, 17)),
     (31, (0.0, 0.0, 0.0), 0.001, 1000.0, (76, 43, 60, 61), (8, 31)),

@@ -1,4 +1,4 @@
-"""The late picture as a surface, and shown rays drawn into it: what the twins of the gathers that search the late depth share."""
+"""The rendered picture as a surface, and shown rays drawn into it: what the twins of the gathers that search the rendered depth share."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ LEAST_RUN = 0.25  # of 1 - slope . along
 
 @attrs.frozen(eq=False)
 class RaysInLate:
-    """Where shown rays appear in the late picture: at inverse depth r (of the late eye) at start + r * along, pixels.
+    """Where shown rays appear in the rendered picture: at inverse depth r (of the rendered eye) at start + r * along, pixels.
 
-    lead: the rays' component along the late eye's axis; ahead_m: how far the shown eye stands before the late one along that axis.
+    lead: the rays' component along the rendered eye's axis; ahead_m: how far the shown eye stands before the late one along that axis.
     start_error, along_error: how far float32 may be off.
     """
 
@@ -42,7 +42,7 @@ class RaysInLate:
         moved = shown.pose.position_m - rendered.pose.position_m
         axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
         lead, ahead = rays @ axis, float(axis @ moved)
-        # A point of late inverse depth r lies at the length t = (1/r - ahead) / lead; scaled by r lead: no division, so no case for r = 0.
+        # A point of rendered inverse depth r lies at the length t = (1/r - ahead) / lead; scaled by r lead: no division, so no case for r = 0.
         start, at_one = (project(rays * (1 - r * ahead), moved, r * lead, rendered, size)[0] for r in (0.0, 1.0))
         warp = WarpMap.between(shown, shown_size, rendered, size)
         along = at_one - start
@@ -79,7 +79,7 @@ class Found:
 
 @attrs.frozen(eq=False)
 class LateSurface:
-    """A late inverse depth (h, w); neighbours are connected if they differ by at most tolerance * (the farther's + floor)."""
+    """A rendered inverse depth (h, w); neighbours are connected if they differ by at most tolerance * (the farther's + floor)."""
 
     inverse_depth: Array
     tolerance: float

@@ -11,7 +11,7 @@ from reference._rays import FLOAT32_UNIT, Array
 
 STRAIGHT = 0.25  # as shaders/warps/mesh_blocks.comp
 MOST = 1e12  # 1/m
-OVERLAP = 1 / 64  # late pixels by which pieces of a cut cell reach over its border, as shaders/warps/mesh_pieces.vert
+OVERLAP = 1 / 64  # rendered pixels by which pieces of a cut cell reach over its border, as shaders/warps/mesh_pieces.vert
 # Corners of a cell as (row, column), and its edges as pairs of corners.
 CORNERS = ((0, 0), (0, 1), (1, 0), (1, 1))
 BELOW, ABOVE, LEFT, RIGHT = (0, 1), (2, 3), (0, 2), (1, 3)
@@ -20,7 +20,7 @@ HALVES = ((0, 1, 2), (2, 1, 3))
 
 @attrs.frozen(eq=False)
 class Surface:
-    """n triangles. corners (n, 3, 3): x, y in late pixels and inverse depth. owner (n, 2): the pixel centre whose colour it has, or NaN;
+    """n triangles. corners (n, 3, 3): x, y in rendered pixels and inverse depth. owner (n, 2): the pixel centre whose colour it has, or NaN;
     towards (n, 2): which way along x, y the colour may change from there, 0 for not. doubtful (n,): rounding may have made it, or not."""
 
     corners: Array
@@ -44,7 +44,7 @@ def known_depth(inverse_depth: Array) -> Array:
 
 
 def surface(inverse_depth: Array, steepest: tuple[float, float], *, cut_by_slope: bool) -> Surface:
-    """All triangles of a late picture, by cells from the bottom left; steepest as in client/warps/_mesh.py."""
+    """All triangles of a rendered picture, by cells from the bottom left; steepest as in client/warps/_mesh.py."""
     depth = known_depth(inverse_depth)
     strict, lenient = (_joins(depth, steepest, cut_by_slope, sign) for sign in (-1, 1))
     padded = np.pad(depth, 1, mode="edge")

@@ -10,12 +10,12 @@ from reference.picture import Asked, ReferencePicture, near_edge, sample_covered
 
 
 def none(asked: Asked) -> ReferencePicture:
-    """The late picture at the same angles from the view axis."""
+    """The rendered picture at the same angles from the view axis."""
     return _through_infinity(asked, View(asked.rendered.pose, asked.shown.fov))
 
 
 def rotation(asked: Asked) -> ReferencePicture:
-    """Each shown pixel's direction, looked up in the late picture."""
+    """Each shown pixel's direction, looked up in the rendered picture."""
     shown = asked.shown
     return _through_infinity(asked, View(Pose(asked.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov))
 
@@ -38,12 +38,12 @@ def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
 
 
 def planar(asked: Asked) -> ReferencePicture:
-    """Each shown ray, met with the plane at the median depth before the late eye."""
+    """Each shown ray, met with the plane at the median depth before the rendered eye."""
     rendered, shown, shown_size, size = asked.rendered, asked.shown, asked.shown_size, asked.size
     r = median_inverse_depth(asked.inverse_depth)
     rays = asked.directions(shown)
     moved = shown.pose.position_m - rendered.pose.position_m
-    # Along the late eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
+    # Along the rendered eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
     # length t with axis . (moved + t ray) = 1/r. As inverse lengths, so that r = 0 needs no case:
     # 1/t = (axis . ray) r / (1 - r axis . moved).
     axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
@@ -62,7 +62,7 @@ def planar(asked: Asked) -> ReferencePicture:
 
 
 def backward(asked: Asked) -> ReferencePicture:
-    """Each shown point, looked up in the late picture where the late depth there agrees with the point's own.
+    """Each shown point, looked up in the rendered picture where the rendered depth there agrees with the point's own.
 
     Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever the colour is looked for.
     """

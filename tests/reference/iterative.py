@@ -50,7 +50,7 @@ def _coloured(
     with np.errstate(invalid="ignore"):
         ahead = (rays.lead > 0) & (r * rays.ahead_m < 1)
         inside = ((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
-    # Beside the late eye, and beside the shown one, float32 may take either side.
+    # Beside the rendered eye, and beside the shown one, float32 may take either side.
     beside = (np.abs(rays.lead) <= 1e-5) | (np.abs(r * rays.ahead_m - 1) <= 1e-5)
     seen = met & ahead & inside
     looked = sample_covered(asked.colour, np.where(seen[..., None], at, np.nan), error, asked.sampler_pixels)

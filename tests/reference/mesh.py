@@ -25,7 +25,7 @@ LEAST_ALPHA = 0.5
 
 
 def mesh(asked: Asked) -> ReferencePicture:
-    """The nearest triangle on each shown ray, and the late colour where it is hit."""
+    """The nearest triangle on each shown ray, and the rendered colour where it is hit."""
     return _seen(asked, asked.settings.cut)
 
 
@@ -40,8 +40,8 @@ def mesh_adaptive(asked: Asked) -> ReferencePicture:
 
 @attrs.frozen(eq=False)
 class _Hits:
-    """Pairs of a triangle and a shown pixel whose ray hits it. pixel, triangle (n,): indices. place (n, 2): late pixels, where the
-    colour is. depth (n,): shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,): late pixels per
+    """Pairs of a triangle and a shown pixel whose ray hits it. pixel, triangle (n,): indices. place (n, 2): rendered pixels, where the
+    colour is. depth (n,): shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,): rendered pixels per
     shown one. doubtful (n,): rounding may unmake it. sure (n,): the ray stays within it however the rasteriser moves its edges."""
 
     pixel: np.ndarray
@@ -110,7 +110,7 @@ def _in_shown_pixels(asked: Asked, corners: Array) -> Array:
 
 def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0, reach: float = 0.0) -> _Hits:
     """Rays through the shown pixels' centres moved by `offset` pixels; triangles with each edge `grown` pixels farther out, and whole
-    cells as if each were part of a large one, which reaches `reach` late pixels over its border."""
+    cells as if each were part of a large one, which reaches `reach` rendered pixels over its border."""
     corners = _in_shown_pixels(asked, triangles.corners)
     whole = np.isnan(triangles.owner[:, 0])
     which, pixels = _pairs(corners, asked.shown_size, offset, grown, reach * whole)
@@ -189,7 +189,7 @@ def _without_sheets(asked: Asked, triangles: Surface, hits: _Hits, limits: tuple
     rendered, size = asked.rendered, asked.size
     pixel = np.clip(np.floor(hits.place).astype(int), 0, np.array(size) - 1)
     own = known_depth(asked.inverse_depth)[pixel[:, 1], pixel[:, 0]]
-    # The surface's late depth at the hit, from the shown one: by the ray's length along both views' axes.
+    # The surface's rendered depth at the hit, from the shown one: by the ray's length along both views' axes.
     left, right, down, up = asked.shown.fov.tangents
     places = _rays(asked, hits.pixel, offset)[:, :2] / np.array(asked.shown_size)
     tangents = places * np.array([right - left, up - down]) + np.array([left, down])
@@ -217,7 +217,7 @@ def _without_sheets(asked: Asked, triangles: Surface, hits: _Hits, limits: tuple
 
 
 def _coloured(colour: Array, hits: _Hits) -> _Hits:
-    """Without hits on what the late picture did not draw."""
+    """Without hits on what the rendered picture did not draw."""
     looked = ndimage.map_coordinates(
         colour[..., 3], [hits.place[:, 1] - 0.5, hits.place[:, 0] - 0.5], order=1, mode="nearest"
     )
@@ -240,7 +240,7 @@ def _winners(hits: _Hits, count: int) -> np.ndarray:
 def _picture(asked: Asked, hits: _Hits, beside: list[_Hits], edge: float, merged: Array) -> ReferencePicture:
     """What the rays hit; undecided where a ray moved by what edges may be off hits another surface, or the next is as near.
 
-    merged (n,): by how many late pixels each hit's place may be off where cells were merged.
+    merged (n,): by how many rendered pixels each hit's place may be off where cells were merged.
     """
     shape = asked.shown_size[::-1]
     count = shape[0] * shape[1]
@@ -272,13 +272,13 @@ def _picture(asked: Asked, hits: _Hits, beside: list[_Hits], edge: float, merged
         changed = both & (triangle != moved.triangle[np.maximum(other, 0)] if len(moved.pixel) else both)
         error = np.where(changed, np.maximum(error, apart), error)
     out = sample_covered(asked.colour, place.reshape(*shape, 2), error.reshape(shape), asked.sampler_pixels)
-    # Where nothing is hit nothing is near the late picture's border either.
+    # Where nothing is hit nothing is near the rendered picture's border either.
     unsure = out.undecided & seen.reshape(shape)
     return ReferencePicture(out.colour, out.tolerance, undecided.reshape(shape) | unsure)
 
 
 def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) -> tuple[np.ndarray, Array]:
-    """Pixels where a hit elsewhere in the late picture, or a doubtful one, is as near as the nearest to the depth buffer; and how far
+    """Pixels where a hit elsewhere in the rendered picture, or a doubtful one, is as near as the nearest to the depth buffer; and how far
     from the nearest's place others are that lie on the same surface, where pieces of it overlap."""
     best = winner[hits.pixel]
     apart = np.abs(hits.place - hits.place[best]).max(axis=1)
@@ -292,7 +292,7 @@ def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) ->
 
 
 def _elsewhere(apart: Array, scale: Array, other_scale: Array, edge: float) -> np.ndarray:
-    """Whether two places of the late picture are not one that was moved; a tolerance covers two pixels around, so one at the most."""
+    """Whether two places of the rendered picture are not one that was moved; a tolerance covers two pixels around, so one at the most."""
     return apart > np.minimum(2 * edge * (scale + other_scale) + 1e-3, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""Twin of the motion pass: rays from the late eye against the squares that moving pixels cover, moved in the world.
+"""Twin of the motion pass: rays from the rendered eye against the squares that moving pixels cover, moved in the world.
 
 Each moving pixel is a square on the surface it shows. Its corners are put into the world, moved there (a body's by its poses, the rest by
 its velocity), and met by rays; nowhere is a warp map or a rasteriser.
@@ -30,7 +30,7 @@ SOFT = -1  # what the ids of deforming pixels are replaced by
 
 @attrs.frozen(eq=False)
 class MotionAsked:
-    """A late picture and how it moves: colour (h, w, 4), inverse_depth (h, w), ids (h, w) with 0 for what stands still, view.
+    """A rendered picture and how it moves: colour (h, w, 4), inverse_depth (h, w), ids (h, w) with 0 for what stands still, view.
 
     poses: of each body when it was drawn and when it is shown. way_m: (h, w, 3) along the eye's axes, how far each pixel of what deforms
     goes by itself; NaN where nothing does. steepest: part of itself by which the inverse depth of one surface changes from pixel to pixel.
@@ -97,7 +97,7 @@ def _touching(a: NDArray[np.int64], b: NDArray[np.int64], wide: int) -> NDArray[
 
 @attrs.frozen(eq=False)
 class _Squares:
-    """Two triangles for each moving pixel that still face the eye: corners (m, 3, 3) in the world, moved; their late pixels (m, 3, 2) and
+    """Two triangles for each moving pixel that still face the eye: corners (m, 3, 3) in the world, moved; their rendered pixels (m, 3, 2) and
     inverse depths (m, 3); owner (m,) index of the pixel."""
 
     corners: Array
@@ -120,7 +120,7 @@ class _Squares:
 
 
 def _corner(asked: MotionAsked, keys: NDArray, row: int, column: int, dx: int, dy: int) -> tuple[Array, Array, float]:
-    """A corner of a pixel's square: its place in the world after the motion, its late pixel, its inverse depth."""
+    """A corner of a pixel's square: its place in the world after the motion, its rendered pixel, its inverse depth."""
     around = [(row + dy - 1 + b, column + dx - 1 + a) for a in (0, 1) for b in (0, 1)]
     members = _surface(asked, keys, (row, column), around)
     inverse_depth = float(np.mean([asked.inverse_depth[at] for at in members]))
@@ -201,7 +201,7 @@ def _looked(asked: MotionAsked, squares: _Squares, offset_px: Array) -> _Look:
     for index in np.flatnonzero((hits.shape >= 0) & (hits.inverse_depth >= still.ravel())):
         row, column = divmod(int(index), wide)
         which, (u, v) = hits.shape[index], hits.uv[index]
-        # Weights in space to weights in the late picture: a corner counts there for its inverse depth.
+        # Weights in space to weights in the rendered picture: a corner counts there for its inverse depth.
         weights = np.array([1 - u - v, u, v]) / squares.depths[which]
         place = weights @ squares.pixels[which] / weights.sum()
         owner[row, column], depth[row, column] = squares.owner[which], met[row, column]

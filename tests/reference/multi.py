@@ -1,4 +1,4 @@
-"""Twin of the multi warp: every ray against every late picture; depth, then confidence, then the newer decides."""
+"""Twin of the multi warp: every ray against every rendered picture; depth, then confidence, then the newer decides."""
 
 from __future__ import annotations
 

@@ -39,10 +39,10 @@ class LatePicture:
 
 @attrs.frozen(eq=False)
 class Asked:
-    """What a twin is asked: the late picture and its view, the shown view and its (w, h), and what else the warp reads.
+    """What a twin is asked: the rendered picture and its view, the shown view and its (w, h), and what else the warp reads.
 
-    colour, inverse_depth as in LatePicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the late view, nearest
-    first. cube: (3n, 2n, 4) as geometry.cube lays it out. others: further late pictures. settings: the warp's. sampler_pixels: how
+    colour, inverse_depth as in LatePicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the rendered view, nearest
+    first. cube: (3n, 2n, 4) as geometry.cube lays it out. others: further rendered pictures. settings: the warp's. sampler_pixels: how
     far, in pixels, the sampler may place a bilinear look beside where it was asked for. places: where the shown view is looked at, if
     not at its pixel centres; the picture asked for then has their shape.
     """
@@ -70,7 +70,7 @@ class Asked:
         return world_directions(view, self.shown_size, None if self.places is None else self.places.pixels)
 
     def map_error(self, warp: WarpMap, inverse_depth: Array) -> Array:
-        """(h, w): how far a shader's late pixels may be off, see pixel_error_bound."""
+        """(h, w): how far a shader's rendered pixels may be off, see pixel_error_bound."""
         return pixel_error_bound(warp, self.shown_size, inverse_depth, self.places)
 
     def own_depth(self) -> Array:
@@ -96,7 +96,7 @@ class Asked:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) of the late picture."""
+        """(w, h) of the rendered picture."""
         return self.colour.shape[1::-1]
 
 

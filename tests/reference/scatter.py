@@ -36,7 +36,7 @@ def forward_raster(asked: Asked) -> ReferencePicture:
 
 
 def forward_ordered(asked: Asked) -> ReferencePicture:
-    """Each drawn pixel painted in turn, in McMillan's order around the shown eye's place in the late picture."""
+    """Each drawn pixel painted in turn, in McMillan's order around the shown eye's place in the rendered picture."""
     landed = _Landings.of(asked)
     x0, y0, towards = _epipole(asked)
     up, right = np.divmod(landed.source, asked.size[0])
@@ -53,7 +53,7 @@ def forward_ordered(asked: Asked) -> ReferencePicture:
 
 
 def _epipole(asked: Asked) -> tuple[int, int, bool]:
-    """The late pixel that the shown eye appears in, and whether it lies ahead: as angles from the late eye, not by the warp map."""
+    """The rendered pixel that the shown eye appears in, and whether it lies ahead: as angles from the rendered eye, not by the warp map."""
     rendered = asked.rendered
     x, y, z = rendered.pose.rotation.inv().apply(asked.shown.pose.position_m - rendered.pose.position_m)
     left, right, down, up = rendered.fov.tangents

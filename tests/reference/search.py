@@ -74,7 +74,7 @@ def _taken(values: Array, index: Array) -> Array:
 
 
 def _segment(rays: RaysInLate, run: Array, size: tuple[int, int]) -> tuple[Array, Array]:
-    """(h, w) each: the largest and the smallest inverse depth at which the ray lies in the late picture, before the shown eye."""
+    """(h, w) each: the largest and the smallest inverse depth at which the ray lies in the rendered picture, before the shown eye."""
     start = np.nan_to_num(rays.start)
     borders = np.stack([-start / run, (np.array(size) - start) / run])
     nearest = min(NEAREST, 1 / rays.ahead_m) if rays.ahead_m > 0 else NEAREST

@@ -13,7 +13,7 @@ from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, wor
 from reference.picture import HALF_SMALLEST, HALF_UNIT, Asked, ReferencePicture
 
 NEAREST = 2.0**20  # 1/m
-WIDEST = 3.0  # late pixels averaged over on each axis
+WIDEST = 3.0  # rendered pixels averaged over on each axis
 SHARPNESS = 0.6667
 UNKNOWN = 1e30  # how far off the depth of a pixel without one is
 CORNERS = [(-1, -1), (-1, 1), (1, -1), (1, 1)]
@@ -33,7 +33,7 @@ def splat(asked: Asked) -> ReferencePicture:
 
 @attrs.frozen(eq=False)
 class _Patches:
-    """Of each drawn pixel with depth: its centre (n, 2) in late pixels, its ray (n, 3) in the world, inverse depth (n,) and its steps
+    """Of each drawn pixel with depth: its centre (n, 2) in rendered pixels, its ray (n, 3) in the world, inverse depth (n,) and its steps
     (n, 2) per pixel, where it lands (n, 2), the error of that in pixels (n,), and whether rounding decides its steps (n,)."""
 
     centre: Array
@@ -149,12 +149,12 @@ def _ray_steps(view: View, size: tuple[int, int]) -> Array:
 
 
 def _at(patches: _Patches, grid: Array, x: float, y: float) -> tuple[Array, Array]:
-    """The rays and inverse depths of the points (x, y) late pixels beside the centres, on their planes."""
+    """The rays and inverse depths of the points (x, y) rendered pixels beside the centres, on their planes."""
     return patches.ray + x * grid[0] + y * grid[1], patches.inverse_depth + patches.steps @ np.array([x, y])
 
 
 def _planes(patches: _Patches, grid: Array) -> Array:
-    """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the late eye: what all four minors give."""
+    """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the rendered eye: what all four minors give."""
     points = [
         np.concatenate([ray, r[:, None]], axis=1)
         for ray, r in (_at(patches, grid, *d) for d in ((0, 0), (0.5, 0), (0, 0.5)))
@@ -185,10 +185,10 @@ def _pairs(
 
 
 def _margins(asked: Asked, patches: _Patches, grid: Array) -> tuple[Array, Array]:
-    """How far, in late pixels, rounding may move a point within its patch; and the change of shown inverse depth per late pixel.
+    """How far, in rendered pixels, rounding may move a point within its patch; and the change of shown inverse depth per rendered pixel.
 
     The shader solves for the place from where the centre lands and the derivative there, each off by at most the landing's own bound
-    per late pixel (derivatives are differences of the same terms): 4 of them cover the landing, both columns and the perspective.
+    per rendered pixel (derivatives are differences of the same terms): 4 of them cover the landing, both columns and the perspective.
     """
     back = asked.rendered.pose.position_m - asked.shown.pose.position_m
     ends = [
@@ -213,8 +213,8 @@ def _swap(point: tuple[Array, Array], offset: Array) -> tuple[Array, Array, Arra
 
 
 def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArray[np.bool_]) -> ReferencePicture:
-    """The late picture where the shown points are in it, averaged over the area of a shown pixel: of the late pixels there those that
-    agree in depth, or the one that agrees best of those under one late pixel's area."""
+    """The rendered picture where the shown points are in it, averaged over the area of a shown pixel: of the rendered pixels there those that
+    agree in depth, or the one that agrees best of those under one rendered pixel's area."""
     place, expected, error, half = _looks(asked, nearest, depth_error)
     covers = nearest >= 0
     low, high = place - half, place + half
@@ -256,7 +256,7 @@ def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArra
 
 @attrs.frozen(eq=False)
 class _Tap:
-    """One late pixel near each look: how much of it is covered (negative: how far it is from being), how far its depth is off."""
+    """One rendered pixel near each look: how much of it is covered (negative: how far it is from being), how far its depth is off."""
 
     area: Array
     off: Array
@@ -278,7 +278,7 @@ class _Tap:
 
 
 def _looks(asked: Asked, nearest: Array, depth_error: Array) -> tuple[Array, Array, Array, Array]:
-    """Where each shown point is in the late picture, its inverse depth there, the error of the place, and half the sides (.., 2) of
+    """Where each shown point is in the rendered picture, its inverse depth there, the error of the place, and half the sides (.., 2) of
     the box that a shown pixel covers around it."""
     shown, rendered, size = asked.shown, asked.rendered, asked.size
     moved = shown.pose.position_m - rendered.pose.position_m

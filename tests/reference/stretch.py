@@ -150,7 +150,7 @@ def _lines(
 def _in_view(
     start: Array, depths: list[float], rendered: tuple[View, tuple[int, int]], shown: View, size: tuple[int, int]
 ) -> tuple[bool, bool]:
-    """Whether the late picture looked at these points of a pixel's ray; whether rounding decides."""
+    """Whether the rendered picture looked at these points of a pixel's ray; whether rounding decides."""
     inside, close = True, False
     x, y = start - 0.5
     ray = world_directions(shown, size)[int(y), int(x)]

@@ -202,7 +202,7 @@ def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
 @settings(max_examples=40, deadline=None)
 @given(st.floats(0.1, 2), st.tuples(*[st.floats(-0.2, 0.2)] * 3), st.tuples(*[st.floats(-0.2, 0.2)] * 3))
 def test_planar_meets_a_real_plane(r, step, turn):
-    """A checked wall at 1/r metres, ray-cast from both eyes: the warped late picture is the other one, where it was seen."""
+    """A checked wall at 1/r metres, ray-cast from both eyes: the warped rendered picture is the other one, where it was seen."""
     rendered, shown = STRAIGHT, View(Pose(step, (*turn, 1)), FOV)
     assume(1 - r * -step[2] > 0.2)
     size = (16, 16)
@@ -210,7 +210,7 @@ def test_planar_meets_a_real_plane(r, step, turn):
 
     def picture(view):
         hits = cast_quads(wall, view.pose.position_m, world_directions(view, size).reshape(-1, 3))
-        # A linear colour is reproduced exactly by a bilinear look only from the late eye, which faces the wall.
+        # A linear colour is reproduced exactly by a bilinear look only from the rendered eye, which faces the wall.
         colour = np.column_stack(
             [hits.uv[:, 0] * 50 * 0.1 + 0.5, hits.uv[:, 1] * 50 * 0.1 + 0.5, np.full(len(hits.uv), 0.5), hits.shape + 1]
         )

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 def lay_over(asked: Asked, passing: Array, behind: Array) -> ReferencePicture:
     """What is shown where nothing that is known stands before the veil.
 
-    asked: the veil as a late picture, premultiplied by coverage. passing: (h, w, 3) of the late size, 1 where no sheet is. behind:
+    asked: the veil as a rendered picture, premultiplied by coverage. passing: (h, w, 3) of the rendered size, 1 where no sheet is. behind:
     (h, w, 4) of the shown size, what the veil is laid over; its holes stay holes.
     """
     covered = asked.colour[..., 3:]

@@ -1,4 +1,4 @@
-"""Passes that several effects share, and what they are made of."""
+"""Passes that several effects share, and their parts."""
 
 from .closing import Closing
 from .motion import REACH_M, REACH_S, MotionPass

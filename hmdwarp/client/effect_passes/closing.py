@@ -1,4 +1,4 @@
-"""Closes every hole of a picture from what is around it, in place: what has no depth to go by, but must not be black."""
+"""Closes every hole of a picture from its surroundings, for pictures without depth."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ class Closing:
         self._levels = [allocate(gpu.gl, each, COLOUR, linear=True) for each in sizes[1:]]
 
     def run(self, picture: moderngl.Texture) -> None:
-        """rgba16f, coverage in alpha; one without anything covered stays empty."""
+        """Close the holes of an rgba16f picture with coverage in alpha, in place.
+
+        A picture without anything covered stays empty.
+        """
         levels = [picture, *self._levels]
         for finer, level in zip(levels[:-1], levels[1:], strict=True):
             finer.bind_to_image(0, read=True, write=False)

@@ -1,4 +1,5 @@
-"""One pass for all that mirrors: the world behind the mirrors is warped as geometry and drawn into the warped surfaces."""
+"""One pass for all mirrors: the mirrored world is warped as geometry and drawn into the surfaces.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ GLOSSY = "glossy_reflections"
 
 
 class _DeepIterative(Iterative):
-    """`iterative` that tells the inverse depth of what each shown pixel sees, too: into `shown_inverse_depth`, r32f, -1 in holes."""
+    """`iterative` that also writes the inverse depth of each shown pixel, -1 in holes."""
 
     def prepare(self) -> None:
         super().prepare()
@@ -44,10 +45,12 @@ class _DeepIterative(Iterative):
 
 
 class Reflections(ShownPass):
-    """Two warps more: of what the mirrors show, by its own depth, and with the picture of what the surfaces are.
+    """Warps what the mirrors show by its own depth, and the picture of the surfaces with the
+    colour.
 
-    What the mirrors show is gathered (`iterative`), and its holes are closed from around them. Under scan-out it is shown as in the middle
-    of it. Holes of the picture that a fill has closed mirror as much as what is around them.
+    The mirrored world is gathered (`iterative`), and its holes are closed from around them. Under
+    scan-out it is shown as in the middle of it. Holes of the picture that a fill has closed mirror
+    as much as their surroundings.
     """
 
     name = "reflections"
@@ -67,7 +70,11 @@ class Reflections(ShownPass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """The layer's depth once, its colour and the surface for each shown pixel, read, warped, and read again; the picture both ways."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        The layer's depth once; its colour and the surface for each shown pixel read, warped and
+        read again; the picture both ways.
+        """
         return 4 * rendered_pixels + 8 * shown_pixels * (2 * 3 + 2)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:

@@ -1,4 +1,4 @@
-"""What is fixed to the head, composited after everything else and never warped."""
+"""Content fixed to the head, composited after everything else and never warped."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class OverlayPass(ShownPass):
-    """One look at each picture per pixel: the overlay was drawn for this very field of view and size."""
+    """Composites the overlay, which the server drew for this very field of view and size."""
 
     name = "composite the overlay"
     reads = ("shown.colour", "rendered.overlay")
@@ -31,11 +31,11 @@ class OverlayPass(ShownPass):
         self._program.run(*into.size)
 
     def close(self) -> None:
-        """It owns nothing."""
+        """Do nothing: it owns nothing."""
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Two pictures in, one out."""
+        """Return the bytes of two pictures in and one out."""
         return 3 * 8 * shown_pixels
 
 

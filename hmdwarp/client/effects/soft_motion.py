@@ -1,4 +1,4 @@
-"""Things that deform: each pixel goes on with the velocity it was drawn with, not for long and not far."""
+"""Things that deform: each pixel continues with its velocity, not for long and not far."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What one sees through, warped as a surface of its own depth and laid over the shown picture."""
+"""Transparent sheets, warped as a surface of their own depth over the shown picture."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ NEARER = 1 + 2.0**-10
 
 
 class _Veil(GatherWarp):
-    """The warp `iterative` with its own settings, for the veil; what its pixels find is composited where it is found."""
+    """The warp `iterative` with its own settings, for the veil, which it composites as it finds it.
+    """
 
     Settings = IterativeSettings
     rows = 4
@@ -36,7 +37,10 @@ class _Veil(GatherWarp):
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        """Lay the veil over `behind`. inputs.rendered: as the frame brought it."""
+        """Lay the veil over `behind`.
+
+        inputs.rendered: the picture as it came.
+        """
         layer, settings, (wide, high) = inputs.rendered["transparent"], self.settings, self.rendered_size
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
         surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
@@ -58,11 +62,12 @@ class _Veil(GatherWarp):
 
 
 class TransparencyPass(ShownPass):
-    """All sheets of a late pixel are one surface at the depth of the nearest: those behind it move with it.
+    """Warps all sheets of a rendered pixel as one surface at the depth of the nearest.
 
-    What hides the veil is found in the shown view. Tested in the rendered view by the server instead, the shown depth would not be wanted
-    (it takes as long as this pass), but in `greenhouse` after 400 ms FLIP is 5 % higher on look-around (0.0632 for 0.0605); on walk it is
-    the same (0.0392).
+    Sheets behind it move with it. What hides the veil is found in the shown view. If the server
+    tested that in the rendered view, the shown depth would not be needed (it takes as long as this
+    pass), but in `greenhouse` after 400 ms FLIP is 5 % higher on look-around (0.0632 instead of
+    0.0605); on walk it is the same (0.0392).
     """
 
     name = "lay the veil over"
@@ -80,7 +85,11 @@ class TransparencyPass(ShownPass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """The veil, what passes it and the picture in, one picture out, three depths: late, for the seeds and for the look, and shown."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        The veil, the colour that passes it and the picture in, one picture out; three depths:
+        rendered for the seeds and for the samples, and shown.
+        """
         return shown_pixels * (4 * 8 + 2 * 4) + 4 * rendered_pixels
 
 

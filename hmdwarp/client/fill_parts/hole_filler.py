@@ -1,4 +1,4 @@
-"""What fills share that put other pictures with depth into holes: the rays of empty pixels alone are met with them."""
+"""Fills holes from other pictures with depth: only the rays of empty pixels are traced."""
 
 from __future__ import annotations
 
@@ -20,10 +20,13 @@ _GUESSES = 3
 
 
 class HoleFiller:
-    """Meets the rays of a shown picture's holes with pictures, one after the other; of several the nearer stays, of equals the one that
-    sampled the place more densely. What the first picture knows nothing overrules if it is the newest.
+    """Intersects the rays of holes with one picture after the other.
 
-    cell: how many shown pixels a guess is for, on each axis: as many as a texel of what is guessed from covers.
+    Of several hits the nearer stays, of equals the one that sampled the place more densely. Nothing
+    overrules the first picture if it is the newest.
+
+    cell: shown pixels on each axis that share a guess: as many as a texel of the guessing picture
+    covers.
     """
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
@@ -42,7 +45,7 @@ class HoleFiller:
         self._stamp = 0
 
     def start(self, picture: ShownPicture, into: ShownPicture) -> None:
-        """Copy what is there already; what is added from now on goes into its holes."""
+        """Copy the picture; pictures added from now on go into its holes."""
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._first = True
         self._guesses.empty(self._pieces)
@@ -61,7 +64,11 @@ class HoleFiller:
     def add(
         self, found: DepthPicture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False
     ) -> None:
-        """What `found` holds, where the shown picture is empty. seeds: its inverse depth in fewer pixels (Reducer), to guess from."""
+        """Fill what is still empty from `found`.
+
+        seeds: its inverse depth in fewer pixels, for the guesses. newest: whether it is the newest
+        rendered picture.
+        """
         if not self._first:
             self._guesses.empty(self._no_pieces)
         depth = found.inverse_depth if seeds is None else seeds

@@ -1,4 +1,7 @@
-"""Which parts of a picture have holes: found while it is copied, so that what follows runs there alone, dispatched by the GPU itself."""
+"""The parts of a picture that have holes.
+
+They are listed while it is copied, so that further passes, dispatched by the GPU, run there alone.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +23,9 @@ _WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH, _FILLED_TOO = range(5)  # image 
 
 
 class HolePieces:
-    """The list of pieces with holes of one picture after the other; the buffers are its own.
+    """The list of pieces with holes of the newest picture; owns its buffers.
 
-    with_depth: the inverse depth is copied too. twice: the colour is copied to a second texture as well.
+    with_depth: copies the inverse depth too. twice: copies the colour to a second texture as well.
     """
 
     def __init__(
@@ -40,7 +43,10 @@ class HolePieces:
         self._stamps = gpu.gl.buffer(bytes(8 * self.count))
 
     def find(self, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
-        """Copy the picture and list its pieces with holes; returns the stamp that its pieces with covered pixels now have."""
+        """Copy the picture and list its pieces with holes.
+
+        Return the stamp that its pieces with covered pixels now have.
+        """
         self._stamp = self._stamp % (2**32 - 1) + 1
         self.list.write(_HEADER)
         uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
@@ -59,7 +65,7 @@ class HolePieces:
         return self._stamp
 
     def run(self, program: Compute) -> None:
-        """A program that includes lib/hole_columns.glsl, over the listed pieces."""
+        """Run a program that includes lib/hole_columns.glsl over the listed pieces."""
         self.list.bind_to_storage_buffer(0)
         self._stamps.bind_to_storage_buffer(1)
         program.program.run_indirect(self.list)

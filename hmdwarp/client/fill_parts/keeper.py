@@ -1,4 +1,4 @@
-"""Keeps late pictures, and forgets of them what newer ones disprove."""
+"""Keeps rendered pictures, and forgets of them what newer ones disprove."""
 
 from __future__ import annotations
 
@@ -28,28 +28,29 @@ _COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  
 
 @attrs.frozen(eq=False)
 class Slot:
-    """Room for a picture: colour rgba16f, inverse depth r32f, and seeds, the nearest of each 2 x 2 of the latter."""
+    """Room for one picture."""
 
-    colour: moderngl.Texture
-    inverse_depth: moderngl.Texture
-    seeds: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f
+    inverse_depth: moderngl.Texture  # r32f
+    seeds: moderngl.Texture  # r32f: the nearest of each 2 x 2 pixels.
 
     @classmethod
     def of(cls, gpu: Gpu, size: tuple[int, int]) -> Slot:
-        """An empty one."""
+        """Return an empty slot for pictures of that size."""
         return cls(allocate(gpu.gl, size, COLOUR, linear=True), allocate(gpu.gl, size, SCALAR), seeds_for(gpu, size))
 
     def release(self) -> None:
+        """Free the textures."""
         release_all(self.colour, self.inverse_depth, self.seeds)
 
 
 def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
-    """The texture for the seeds of a picture of that size."""
+    """Return the texture for the seeds of a picture of that size."""
     return allocate(gpu.gl, tiles(size, 2), SCALAR)
 
 
 class Keeper:
-    """Programs and buffers for late pictures of one size."""
+    """Programs and buffers for rendered pictures of one size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._gpu, self._size = gpu, size
@@ -82,20 +83,23 @@ class Keeper:
         self.seed(slot.inverse_depth, slot.seeds)
 
     def seed(self, inverse_depth: moderngl.Texture, seeds: moderngl.Texture) -> None:
-        """The nearest of each 2 x 2 pixels."""
+        """Write the nearest of each 2 x 2 pixels."""
         inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         seeds.bind_to_image(_FIRST, read=False, write=True)
         self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
 
-    def look_at(self, rendered: EyeImage) -> None:
-        """The picture that forget() goes by."""
+    def compare_with(self, rendered: EyeImage) -> None:
+        """Take `rendered` as the picture that forget() compares with."""
         self._bind_rendered(rendered)
         units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH}
         self._bind_bounds(read=False)
         self._run(self._bounds, self._depths.size, rendered_size=self._size, **units, **self._bound_units())
 
     def forget(self, slot: Slot, kept: View, rendered: View) -> None:
-        """What the picture of look_at(), seen from `late`, disproves of that seen from `kept`."""
+        """Forget what the picture of compare_with(), seen from `rendered`, disproves of `slot`.
+
+        kept: the view of the picture in the slot.
+        """
         there = WarpMap.between(kept, self._size, rendered, self._size)
         self._bind_slot(slot, read=True)
         self._bind_bounds(read=True)

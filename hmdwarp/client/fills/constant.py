@@ -18,7 +18,7 @@ _HEADER_BYTES = 32  # three counts of work groups and one spare, then the mean
 
 @fills.register
 class Constant(Fill):
-    """Whatever is empty takes the mean colour of what is covered, black if nothing is; never leaves coverage 0."""
+    """Empty pixels take the mean colour of the covered ones, or black if there are none."""
 
     name = "constant"
     summary = "whatever is left takes the mean colour of the picture: nothing stays empty"

@@ -23,8 +23,7 @@ MOST_REACH = 1024
 
 @attrs.frozen
 class InterpolateFullSettings:
-    """reach: passes at most, so pixels that a guess may lie from what is covered: a hole twice as wide is closed."""
-
+    # Most passes, so most pixels from a guess to a covered pixel: a hole twice as wide is closed.
     reach: int = 16
 
     def __attrs_post_init__(self) -> None:
@@ -34,7 +33,10 @@ class InterpolateFullSettings:
 
 @fills.register
 class InterpolateFull(Fill):
-    """The pass of `interpolate` again and again, in the parts that still have holes; ends by itself where nothing more changes."""
+    """The pass of `interpolate`, repeated in the parts that still have holes.
+
+    It ends where nothing changes any more.
+    """
 
     name = "interpolate_full"
     summary = "3x3 median passes until holes of up to 32 pixels are closed; wider ones get a rim"

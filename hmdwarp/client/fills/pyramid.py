@@ -1,4 +1,4 @@
-"""Push-pull through a pyramid in which what lies behind counts alone."""
+"""Push-pull through a pyramid that prefers the background."""
 
 from __future__ import annotations
 
@@ -29,12 +29,17 @@ _FILLED, _FILLED_DEPTH = 0, 5
 
 @attrs.frozen
 class PyramidSettings:
-    """holes: share of empty pixels in a part of the picture from which on what lies behind there is preferred to what is closer by.
-    tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
+    """When the background is preferred.
 
+    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    floor).
+    """
+
+    # Share of empty pixels in a part of the picture from which on the background is preferred to
+    # what is closer by.
     holes: float = 0.4
     tolerance: float = 0.2
-    floor: float = 0.02
+    floor: float = 0.02  # 1/m
 
     def __attrs_post_init__(self) -> None:
         if not all(0 <= value < float("inf") for value in (self.tolerance, self.floor)):
@@ -45,11 +50,11 @@ class PyramidSettings:
 
 @attrs.frozen(eq=False)
 class _Level:
-    """One level of the pyramid: rgba16f colour and weight; rgba32f inverse depth (-1: none), share of empty pixels,
-    and how much borders on them."""
+    """One level of the pyramid."""
 
     size: tuple[int, int]
-    colour: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f colour and weight
+    # rgba32f: inverse depth (-1: none), share of empty pixels, and how much borders on them.
     depth: moderngl.Texture
     framebuffer: moderngl.Framebuffer
 
@@ -68,7 +73,10 @@ class _Level:
 
 @fills.register
 class Pyramid(Fill):
-    """What borders on holes is averaged to ever coarser levels, and those fill the holes, of any width; the farther side is preferred."""
+    """Averages what borders on holes to ever coarser levels, which fill the holes, of any width.
+
+    The farther side is preferred.
+    """
 
     name = "pyramid"
     summary = "fills holes of any width smoothly from what borders on them, from the background where there is one"
@@ -91,7 +99,7 @@ class Pyramid(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """One colour and one inverse depth each way."""
+        """Return the bytes of one colour and one inverse depth each way."""
         return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:

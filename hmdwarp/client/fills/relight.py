@@ -34,14 +34,16 @@ MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 
 @attrs.frozen
 class RelightSettings:
-    """share: of the scene's triangles that the client draws, 0 to 1. samples: places that a hole's pixel takes light from. reach: how far
-    they lie from it at most, in widths of the picture. light: what the model knows of it: none, so that all is the picture's; or as it was
-    baked, which is divided out beside the albedo and multiplied on again, so that what is carried over is how light differs from it: that
-    is better everywhere where it is still as baked, or has changed far and wide alike."""
+    """How the model is drawn and lit."""
 
+    # Share of the scene's triangles that the client draws, 0 to 1.
     share: float = share_of_triangles()
-    samples: int = 32
-    reach: float = 0.25
+    samples: int = 32  # Places from which a hole's pixel takes light.
+    reach: float = 0.25  # Farthest of them, in widths of the picture.
+    # The model's own light. none: all light comes from the picture. baked: the baked light is
+    # divided out with the albedo and multiplied on again, so that only the difference from it is
+    # carried over; that is better wherever light is still as baked, or has changed far and wide
+    # alike.
     light: Literal["baked", "none"] = "baked"
 
     def __attrs_post_init__(self) -> None:
@@ -52,10 +54,11 @@ class RelightSettings:
 
 
 def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
-    """(count, 2) pixels in a disc of that radius, the denser the nearer; the same for every pixel and every picture.
+    """Return (count, 2) pixels in a disc of that radius, denser towards the middle.
 
-    A pattern of its own for every pixel would be grain that crawls when the head moves; with one for all, light changes only as what it is
-    read off does. Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
+    They are the same for every pixel and picture. A pattern of its own for every pixel would be
+    grain that crawls when the head moves; with one for all, light changes only as its samples do.
+    Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
     """
     plastic = 1.32471795724474602596
     k = np.arange(1, count + 1)
@@ -65,11 +68,13 @@ def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
 
 @fills.register
 class Relight(Fill):
-    """Light is what is shown over the model's albedo (times its baked light, if it has that) where both show the same surface; holes take
-    it from places that are near them in space, lie in their plane and face their way, so from the background. As albedo is divided out
-    first, no texture is copied.
+    """Fills holes with the model, lit by the shown picture.
 
-    What the model is lit by as baked weighs a little too: where nothing like the hole is in sight, it is all there is.
+    Light is the shown colour over the model's albedo (times its baked light, if it has that) where
+    both show the same surface. Holes take it from places that are near them in space, lie in their
+    plane and face their way, so from the background. As albedo is divided out first, no texture is
+    copied. The model's own baked light weighs a little too: where nothing like the hole is in
+    sight, it is all there is.
     """
 
     name = "relight"
@@ -137,7 +142,11 @@ class Relight(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Colour and inverse depth of the picture read and written, of the model written and read; the lights of 64 pixels are 48 bytes."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        Colour and inverse depth of the picture read and written, of the model written and read; the
+        lights of 64 pixels are 48 bytes.
+        """
         return (4 * (8 + 4) + 2) * shown_pixels
 
 

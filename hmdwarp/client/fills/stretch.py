@@ -1,4 +1,4 @@
-"""The background, drawn into the hole from the side that it was hidden on."""
+"""Draws the background into the hole from the side on which it was hidden."""
 
 from __future__ import annotations
 
@@ -22,12 +22,17 @@ _FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image uni
 
 @attrs.frozen
 class StretchSettings:
-    """spread: how far streaks are smoothed, in pixels for each pixel from where they start, if that is a pixel at all; 0: never.
-    tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
+    """How streaks are smoothed, and which depths are one surface.
 
+    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    floor).
+    """
+
+    # Pixels of smoothing for each pixel from where the streak starts, if that is at least one
+    # pixel; 0: none.
     spread: float = 0.1
     tolerance: float = 0.1
-    floor: float = 0.02
+    floor: float = 0.02  # 1/m
 
     def __attrs_post_init__(self) -> None:
         if not all(0 <= value < float("inf") for value in (self.spread, self.tolerance, self.floor)):
@@ -36,9 +41,11 @@ class StretchSettings:
 
 @fills.register
 class Stretch(Fill):
-    """From an empty pixel along its epipolar line to both edges of the hole; the farther one's colour, smoothed inside the hole alone.
+    """Follows the epipolar line of an empty pixel to both edges of the hole; the farther one's
+    colour.
 
-    What the late picture did not look at stays empty: it was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.
+    It is smoothed inside the hole alone. What lies outside of the rendered picture stays empty: it
+    was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.
     """
 
     name = "stretch"
@@ -55,7 +62,7 @@ class Stretch(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """One colour and one inverse depth each way."""
+        """Return the bytes of one colour and one inverse depth each way."""
         return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:

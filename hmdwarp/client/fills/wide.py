@@ -1,4 +1,4 @@
-"""A second, wide and coarse view of the late eye is put where the late picture ends."""
+"""A second, wide and coarse view of the rendered eye continues the picture at its border."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 @fills.register
 class Wide(Fill):
-    """Gathers from the wide view where the warp left holes: the border first of all, and what it saw beside an edge as the picture did."""
+    """Gathers from the wide view where the warp left holes.
+
+    They lie at the border first of all, and beside edges where the wide view saw more.
+    """
 
     name = "wide"
     summary = "a second view of 150 x 140 degrees at a quarter of the resolution, drawn and sent with every frame"

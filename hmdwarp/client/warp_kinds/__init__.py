@@ -1,7 +1,4 @@
-"""The kinds of warps: what the warps of one kind share, as base classes and passes.
-
-Warps, fills and effects are written on these, inside this project and outside of it.
-"""
+"""Kinds of warps: base classes and passes on which warps, fills and effects are built."""
 
 from .composite import CompositeWarp, DepthPicture
 from .gather import GatherWarp, bind_rendered_colour

@@ -1,4 +1,7 @@
-"""What the warps share that put several pictures with depth together: each is met by the shown rays in turn, one stays per pixel."""
+"""The kind of warps that put several pictures with depth together.
+
+The shown rays are intersected with one picture after the other; one hit stays per pixel.
+"""
 
 from __future__ import annotations
 
@@ -27,22 +30,23 @@ _GUESSES = 3
 
 @attrs.frozen(eq=False)
 class DepthPicture:
-    """One of the pictures: `colour` and `inverse_depth` as in EyeImage, and the view they were drawn for."""
+    """A picture with depth and the view it was rendered for."""
 
-    colour: moderngl.Texture
-    inverse_depth: moderngl.Texture
+    colour: moderngl.Texture  # As in EyeImage.
+    inverse_depth: moderngl.Texture  # As in EyeImage.
     view: View
 
 
 class CompositeWarp(Warp):
     """A gather from several pictures, each seeded by a scatter of its depth alone.
 
-    The scatter leaves in each shown pixel the nearest depth that lands there. The gather starts from these guesses, its own and its
-    neighbours', and looks where the ray meets the picture's surface (lib/meeting.glsl).
+    The scatter leaves in each shown pixel the nearest depth that lands there. The gather starts
+    from these guesses, its own and its neighbours', and finds where the ray meets the picture's
+    surface (lib/meeting.glsl).
     """
 
     kind = "scatter"
-    best: ClassVar[tuple[int, str]] = (1, "f4")  # what is remembered of each shown pixel between two pictures
+    best: ClassVar[tuple[int, str]] = (1, "f4")  # texture format of the best hit so far
 
     def prepare(self) -> None:
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
@@ -56,7 +60,7 @@ class CompositeWarp(Warp):
 
     @abstractmethod
     def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
-        """What is put together, in the order of preference between equals."""
+        """Return the pictures to put together, in the order of preference between equals."""
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         """Return what the warp's own shader reads besides, by uniform name."""
@@ -102,8 +106,12 @@ class CompositeWarp(Warp):
 
     @classmethod
     def bytes_of(cls, pictures: int, rendered_pixels: int, shown_pixels: int) -> int:
-        """For each picture: its depth read, the guesses emptied, raised (read, written) and read; depth and what is best so far read and
-        written once more; of all pictures one colour read and one written for each shown pixel."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        For each picture: its depth read, the guesses emptied, raised (read, written) and read;
+        depth and the best hit so far read and written once more. Of all pictures one colour read
+        and one written for each shown pixel.
+        """
         best = cls.best[0] * DEPTH_BYTES
         each = rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
         return pictures * each + shown_pixels * 2 * COLOUR_BYTES

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from ...gpu.context import Gpu
 
 PIECE_ROWS = 4
-_PIECE, _GROUP = 8, 64  # pixels of a piece and invocations of a work group, see lib/hole_pieces.glsl and lib/rows.glsl
+# Pixels of a piece (lib/hole_pieces.glsl) and invocations of a work group (lib/rows.glsl).
+_PIECE, _GROUP = 8, 64
 _HEADER_BYTES = 16  # of a list: three counts of work groups and one of pieces
 
 

@@ -1,4 +1,4 @@
-"""What the warps through one homography share: a single bilinear look per pixel."""
+"""The kind of warps through one homography: a single bilinear sample per pixel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What the mesh warps share: the late picture as a list of cells, made on the GPU, and drawn with a depth test."""
+"""The kind of warps that draw the rendered picture as a mesh.
+
+Its cells are listed on the GPU and drawn with a depth test.
+"""
 
 from __future__ import annotations
 
@@ -21,23 +24,24 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
 
-VERTEX_BLOCKS, BINDINGS = 2, 10  # what the drawing reads in its vertex shaders, and all that is bound
-MOST_SIDE = 2**14 - 2  # cells are named by 14 bits a side, and there is one more than pixels
-QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
+VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound
+MOST_SIDE = 2**14 - 2  # a cell's index has 14 bits a side, and there is one more than pixels
+QUADS = 2**14  # in one draw: a corner's index has 16 bits
 GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
 BLOCK_BYTES, CALL_BYTES = 24, 20
 CHUNK = 8  # as in shaders/warps/mesh_draws.glsl
 
 
 class MeshWarp(Warp):
-    """A warp that draws the late picture as cells between pixel centres: whole ones as two triangles, cut ones in quarters.
+    """A warp that draws cells between pixel centres.
 
-    steepest_deg: the angle from facing at which a plane is still taken for one surface from one pixel to the next.
+    Whole cells are two triangles, cut ones are drawn in quarters. Settings have `steepest_deg`: the
+    angle from facing up to which a plane counts as one surface from one pixel to the next.
     """
 
     kind = "scatter"
     reads = ("rendered.colour", "rendered.inverse_depth")
-    adaptive: ClassVar[bool]
+    adaptive: ClassVar[bool]  # Whether cells merge where that moves little.
 
     def prepare(self) -> None:
         _check_machine(self.name, self.gpu.gl.info)
@@ -52,7 +56,7 @@ class MeshWarp(Warp):
 
     @property
     def merging(self) -> dict[str, Any]:
-        """Tolerance in shown pixels and coarsest cell, for the shaders that merge."""
+        """Uniforms of the shaders that merge: tolerance in shown pixels and coarsest cell."""
         return {}
 
     def _compile(self) -> None:
@@ -108,8 +112,11 @@ class MeshWarp(Warp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Each drawn pixel's depth to make cells and again to draw them, its colour once; the shown colour and depth cleared and written,
-        the depth read for its test."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        Each rendered pixel's depth to make cells and again to draw them, its colour once; the shown
+        colour and depth cleared and written, the depth read for its test.
+        """
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
@@ -174,7 +181,7 @@ class MeshWarp(Warp):
         }
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
-            gl.depth_func = ">"  # what is written is larger where it is nearer
+            gl.depth_func = ">"  # the depth written is larger where it is nearer
             for draw, array, calls, count in zip(
                 (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
             ):
@@ -190,10 +197,11 @@ class MeshWarp(Warp):
 
 
 def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
-    """By what part of itself the inverse depth of a plane seen `angle_deg` from facing changes from one pixel to the next, on each axis.
+    """Return the most by which a plane's inverse depth changes from pixel to pixel, on each axis.
 
-    A plane's inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture it grows by tan(angle) of
-    itself for each 1 of tangent.
+    It is a share of the inverse depth itself, for a plane seen `angle_deg` from facing. A plane's
+    inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture
+    it grows by tan(angle) of itself for each 1 of tangent.
     """
     left, right, down, up = rendered.fov.tangents
     slope = float(np.tan(np.deg2rad(angle_deg)))
@@ -201,19 +209,25 @@ def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[f
 
 
 def reach(forward: WarpMap, shown_size: tuple[int, int]) -> float:
-    """The most shown pixels by which a point moves for 1/m more, at equal depths in both views: its place P moves along e - P e_z."""
+    """Return the most shown pixels by which a point moves for 1/m more.
+
+    At equal depths in both views its place P moves along e - P e_z.
+    """
     wide, high = shown_size
     corners = np.array([[0, 0], [wide, 0], [0, high], [wide, high]])
     return float(np.linalg.norm(forward.e[:2] - corners * forward.e[2], axis=1).max())
 
 
 def overlap(tolerance: float) -> float:
-    """Late pixels by which large cells reach over their neighbours: both may be off by the tolerance, and the rasteriser by 1/256."""
+    """Return the rendered pixels by which large cells overlap their neighbours.
+
+    Both may be off by the tolerance, and the rasteriser by 1/256.
+    """
     return min(2 * tolerance + 1 / 32, 0.5)
 
 
 def _check_machine(name: str, info: dict[str, Any]) -> None:
-    """Errors: MachineError where vertex shaders cannot read buffers: GL 4.3 alone does not promise it."""
+    """Raise MachineError where vertex shaders cannot read buffers; GL 4.3 does not promise it."""
     blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
     if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
         found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
@@ -222,10 +236,10 @@ def _check_machine(name: str, info: dict[str, Any]) -> None:
 
 def _check_side(name: str, size: tuple[int, int]) -> None:
     if max(size) > MOST_SIDE:
-        raise InputError(f"a late picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
+        raise InputError(f"a rendered picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
 
 
 def _check_room(name: str, limit_bytes: int, wanted_bytes: int, size: tuple[int, int]) -> None:
     if wanted_bytes > limit_bytes:
-        wanted = f"a late picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
+        wanted = f"a rendered picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
         raise InputError(f"{wanted}, this GPU has room for {limit_bytes}")

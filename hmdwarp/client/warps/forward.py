@@ -1,4 +1,4 @@
-"""Forward warping by points: every drawn pixel moves, the nearest wins."""
+"""Forward warping by points: every rendered pixel moves, the nearest wins."""
 
 from __future__ import annotations
 
@@ -18,16 +18,15 @@ if TYPE_CHECKING:
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
-ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # what the one-pass path asks of the driver
+ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # extensions of the one-pass path
 
 
 @attrs.frozen
 class ForwardSettings:
-    """path: portable (two 32-bit atomic passes), atomic64 (one pass with a 64-bit key), auto (atomic64 where the driver has it).
+    """Which atomics to use; both give the same picture, bit for bit."""
 
-    Both give the same picture, bit for bit.
-    """
-
+    # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
+    # the driver has it.
     path: Literal["auto", "portable", "atomic64"] = attrs.field(
         default="auto", validator=attrs.validators.in_(("auto", "portable", "atomic64"))
     )
@@ -35,7 +34,10 @@ class ForwardSettings:
 
 @warps.register
 class Forward(ScatterWarp):
-    """Scatters pixels with an exact depth test by atomics; equals go to the lower (row mod 4, column mod 4)."""
+    """Scatters pixels with an exact depth test by atomics.
+
+    Of equal depths the lower (row mod 4, column mod 4) wins.
+    """
 
     name = "forward"
     summary = "moves each pixel by its own depth, nearest wins; leaves cracks and holes"
@@ -47,15 +49,19 @@ class Forward(ScatterWarp):
     def prepare(self) -> None:
         if self.rendered_size[0] * self.rendered_size[1] > MOST_PIXELS:
             raise InputError(
-                f"a late picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
+                f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
             )
         self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """portable and auto: each drawn pixel's depth twice and colour once; the shown keys cleared, raised (read, written) and read;
-        the result cleared and written. atomic64: the depth once; keys of two words raised, read and emptied; a colour read and one
-        written for each shown pixel."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        portable and auto: each rendered pixel's depth twice and colour once; the shown keys
+        cleared, raised (read, written) and read; the result cleared and written. atomic64: the
+        depth once; keys of two words raised, read and emptied; a colour read and one written for
+        each shown pixel.
+        """
         if settings.path == "atomic64":
             return rendered_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
         drawn = 2 * DEPTH_BYTES + COLOUR_BYTES
@@ -73,7 +79,7 @@ def _one_pass(gpu: Gpu, path: str) -> bool:
     missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
     if path == "atomic64" and missing:
         raise MachineError(
-            f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} has not: use path=auto"
+            f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} lacks: use path=auto"
         )
     return path != "portable" and not missing
 

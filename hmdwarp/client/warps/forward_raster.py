@@ -1,4 +1,4 @@
-"""Forward warping without a depth test: what goes wrong then."""
+"""Forward warping without a depth test, to show what goes wrong then."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 @warps.register
 class ForwardRaster(OrderedScatter):
-    """Scatters pixels as if one after the other, row by row from the top of the picture, each from left to right: the last stays."""
+    """Scatters pixels as if one after the other, in raster order; the last stays.
+
+    Raster order runs row by row from the top of the picture, each from left to right.
+    """
 
     name = "forward_raster"
     summary = "moves each pixel by its own depth, the last one in raster order wins: shows why a depth test is needed"

@@ -1,4 +1,4 @@
-"""Layered depth: the server also sends what lies behind the visible surfaces, so that what an edge uncovers is known."""
+"""Layered depth: the server also sends surfaces behind the visible ones, which edges uncover."""
 
 from __future__ import annotations
 
@@ -19,9 +19,7 @@ MOST_LAYERS = 4
 
 @attrs.frozen
 class LayeredSettings:
-    """layers: depth layers, the visible one included, 2 to 4."""
-
-    layers: int = 3
+    layers: int = 3  # Depth layers, the visible one included, 2 to 4.
 
     def __attrs_post_init__(self) -> None:
         if not 2 <= self.layers <= MOST_LAYERS:
@@ -30,7 +28,7 @@ class LayeredSettings:
 
 @warps.register
 class Layered(CompositeWarp):
-    """All layers warped together, the nearest surface wins: real content behind edges, and surfaces right below the pixel."""
+    """All layers warped together, the nearest surface wins: real content behind edges."""
 
     name = "layered"
     summary = "warps two to four depth layers of the server together: real content behind edges"

@@ -1,4 +1,4 @@
-"""Planar reprojection: everything on one plane, at the median depth of the late picture."""
+"""Planar reprojection: everything on one plane, at the median depth of the rendered picture."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 @warps.register
 class Planar(GatherWarp):
-    """A gather through the fronto-parallel plane at the median inverse depth, found on the GPU."""
+    """A gather through the fronto-parallel plane at the median inverse depth, computed on the GPU.
+    """
 
     name = "planar"
     summary = "turns and shifts the picture as one plane at its median depth"

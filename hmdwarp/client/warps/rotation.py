@@ -9,7 +9,8 @@ from . import warps
 
 @warps.register
 class Rotation(HomographyWarp):
-    """Turns the late picture with the head and ignores how the eye moved (asynchronous time warp)."""
+    """Turns the rendered picture with the head, ignores how the eye moved (asynchronous time warp).
+    """
 
     name = "rotation"
     summary = "turns the picture with the head, ignores how the eye moved"
