@@ -9,7 +9,7 @@ import typing
 import attrs
 import numpy as np
 import reference
-from reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
+from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs, RenderedPicture
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.client.inputs import PassInputs
@@ -58,8 +58,8 @@ class World:
     ) -> None:
         self.rng = rng = np.random.default_rng(seed)
         self.size, self.shown_size = size, shown_size or size
-        self.layers: tuple[LatePicture, ...] = ()
-        self.others: tuple[LatePicture, ...] = ()
+        self.layers: tuple[RenderedPicture, ...] = ()
+        self.others: tuple[RenderedPicture, ...] = ()
         self.other_images: tuple[EyeImage, ...] = ()
         self.cube: np.ndarray | None = None
         fov = Fov(*np.deg2rad([-rng.uniform(30, 55), rng.uniform(30, 55), -rng.uniform(30, 55), rng.uniform(30, 55)]))
@@ -134,7 +134,7 @@ class World:
             uploaded = tuple(Surface(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
             self.rendered = self.rendered.having(peeled=uploaded)
         if "rendered.others" in entry.reads:
-            self.others = self.others or tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
+            self.others = self.others or tuple(RenderedPicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(
                 EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others
             )
@@ -159,13 +159,13 @@ class World:
         x, y = face.column * side, face.row * side
         return self.cube[y + edge : y + side - edge, x + edge : x + side - edge]
 
-    def _behind(self, number: int) -> LatePicture:
+    def _behind(self, number: int) -> RenderedPicture:
         """A layer: farther than the visible surface by a factor, missing where a peel would find nothing more."""
         colour, _ = self._picture()
         missing = (self.inverse_depth <= 0) | (self.rng.uniform(size=self.inverse_depth.shape) < 0.3)
         depth = np.where(missing, -1, self.inverse_depth * 0.6**number).astype(np.float32).astype(np.float64)
         colour[..., 3] = 1
-        return LatePicture(colour * ~missing[..., None], depth, self.rendered_view)
+        return RenderedPicture(colour * ~missing[..., None], depth, self.rendered_view)
 
     def _beside(self) -> View:
         """The rendered view from a few centimetres beside."""
@@ -193,8 +193,8 @@ class World:
         canvas.release()
         return out
 
-    def asked(self, settings: object) -> Asked:
-        return Asked(
+    def asked(self, settings: object) -> TwinInputs:
+        return TwinInputs(
             self.colour,
             self.inverse_depth,
             self.rendered_view,

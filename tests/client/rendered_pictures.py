@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from reference.picture import GPU_SAMPLER_PIXELS, Asked
+from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
 
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.variants import parse_warp
@@ -33,13 +33,13 @@ def warped(
     return out
 
 
-def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> Asked:
+def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> TwinInputs:
     """The same for a twin; half floats and floats as the GPU gets them."""
     size = depth.shape[::-1]
     stored = colour.astype(np.float16).astype(np.float64), depth.astype(np.float32).astype(np.float64)
     sampler = 4 * 2.0**-24 * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
     settings = parse_warp(spec).settings
-    return Asked(*stored, View(Pose(), FOV), View(pose, FOV), size, settings=settings, sampler_pixels=sampler)
+    return TwinInputs(*stored, View(Pose(), FOV), View(pose, FOV), size, settings=settings, sampler_pixels=sampler)
 
 
 def square_before_a_wall(thing: tuple[slice, slice], size: int = 60) -> tuple[np.ndarray, np.ndarray]:

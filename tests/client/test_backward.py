@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from reference import gather
-from reference.picture import Asked
+from reference.picture import TwinInputs
 
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
@@ -83,7 +83,7 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
     # A pixel at the rim of the hole may take the colour of the same wall from the texel across the corner.
     rim = hole & ~((y >= 21) & (y < 39) & (x >= 29) & (x < 36))
     assert np.array_equal((got[..., 3] == 0)[~rim], (hole | left_view)[~rim])
-    # Everywhere else the colour is the late one of the same surface: its depth is in red, and no other surface bled into it.
+    # Everywhere else the colour is the rendered one of the same surface: its depth is in red, and no other surface bled into it.
     seen = got[..., 3] == 1
     assert np.array_equal(got[..., 0][seen], now[seen])
     from_x = np.where(now == 1.0, x + 12, x + 3)
@@ -106,8 +106,8 @@ def test_without_own_depth_nothing_is_known(gpu):
     assert (got == 0).all()
 
 
-def test_points_behind_the_late_eye_were_not_seen(gpu):
-    """The eye has stepped 1 m back and sees, at 0.5 m, what lay behind the late one."""
+def test_points_behind_the_rendered_eye_were_not_seen(gpu):
+    """The eye has stepped 1 m back and sees, at 0.5 m, what lay behind the rendered one."""
     got = backward(gpu, white((9, 9)), np.full((9, 9), 0.5), np.full((9, 9), 2.0), Pose((0, 0, 1)))
     assert (got == 0).all()
 
@@ -125,7 +125,7 @@ def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
     got = backward(gpu, colour, rendered_depth, client, pose)
     settings = BackwardSettings()
     wanted = gather.backward(
-        Asked(colour, rendered_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
+        TwinInputs(colour, rendered_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
     )
     decided = ~wanted.undecided
     assert decided.sum() > 30

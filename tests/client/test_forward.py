@@ -19,7 +19,7 @@ from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
 
 from .scatters import Scatter, numbered
 
-# Late and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre lands on a border.
+# Rendered and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre lands on a border.
 MINIFIED = [
     ((60, 45), (20, 15)),
     ((64, 48), (16, 12)),
@@ -158,7 +158,7 @@ def test_pictures_of_several_work_groups_arrive_whole(gpu, size):
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
 
 
-def test_a_late_picture_of_more_pixels_than_keys_is_refused(gpu):
+def test_a_rendered_picture_of_more_pixels_than_keys_is_refused(gpu):
     side = 16384
     assert side * side > MOST_PIXELS
     with pytest.raises(InputError, match="a rendered picture of 16384x16384: 'forward' takes at most"):

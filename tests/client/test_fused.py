@@ -58,7 +58,7 @@ def picture_without_holes(gpu, headset: Headset, eye: int, size: tuple[int, int]
 @pytest.mark.parametrize("name", [name for name in FUSING if not warps.get(name).resamples])
 @pytest.mark.parametrize("headset", WITH_LENS)
 @pytest.mark.parametrize("eye", [0, 1])
-def test_an_unmoved_head_gets_the_lens_pass_of_the_late_picture(gpu, name, headset, eye):
+def test_an_unmoved_head_gets_the_lens_pass_of_the_rendered_picture(gpu, name, headset, eye):
     """Both look at the same place of the same picture, each off by its own error; the change nearby is at most 1, on both axes."""
     chosen, size, panel_size = load_headset(headset), (67, 53), (61, 83)
     world = picture_without_holes(gpu, chosen, eye, size)

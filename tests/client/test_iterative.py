@@ -43,7 +43,7 @@ def test_one_look_is_exact_on_a_slanted_plane(gpu, spec):
     colour = np.stack([np.tile(x + 1, (60, 1)), depth, np.zeros((60, 60)), np.ones((60, 60))], axis=-1)
     got = warped(gpu, spec, colour, depth, Pose((0.2, 0, 0)))
     from_x = (x + 0.1) / (1 - 0.04)
-    inside = np.abs(from_x) < 1 - 1 / 60  # further out the late ramp ends half a pixel before the border
+    inside = np.abs(from_x) < 1 - 1 / 60  # further out the rendered ramp ends half a pixel before the border
     assert (got[:, np.abs(from_x) < 1, 3] == 1).all()
     assert np.abs(got[..., 0] - (from_x + 1))[:, inside].max() <= 2 * (1 / 30 / 256 + 2.0**-10)
 

@@ -104,7 +104,7 @@ def test_two_layers_do_not_know_the_third(gpu):
     assert covered["layered:layers=3"] > 0.999
 
 
-def test_beyond_the_late_picture_hidden_things_do_not_come_forward(gpu):
+def test_beyond_the_rendered_picture_hidden_things_do_not_come_forward(gpu):
     """A wall that fills the rendered view; turned to the side, the sky behind it moves less and must not show beside it."""
     scene = Scene("wall", "", (square(1, (0, 0), 30, 0.25),), background=Background.uniform((1, 1, 1)))
     out, _ = shown_and_truth(gpu, scene, (0.3, 0, 0))

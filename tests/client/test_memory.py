@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from holed import Holed
 from reference.memory import fill_from, forgotten
-from reference.picture import LatePicture
+from reference.picture import RenderedPicture
 from replays import run
 from scipy.spatial.transform import Rotation
 from worlds import World, read
@@ -264,7 +264,7 @@ def test_room_is_made_by_what_the_others_cover():
     assert most_redundant(same, turned(-90)).slot == 0, "of equals the oldest"
 
 
-def test_what_is_looked_into_sees_what_the_late_view_does_not():
+def test_what_is_looked_into_sees_what_the_rendered_view_does_not():
     kept = [keyframe(0, 60, s=1), keyframe(1, -30, s=2), keyframe(2, 180, s=3), keyframe(3, 0, s=4)]
     chosen = most_useful(kept, turned(30), turned(0), 1)
     assert [one.slot for one in chosen] == [0]
@@ -282,8 +282,8 @@ def test_what_is_looked_into_sees_what_the_late_view_does_not():
 def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
     holed = Holed(gpu, seed, (67, 53), empty=0.6)
     world = holed.world
-    pictures = [LatePicture(world.colour, world.inverse_depth, world.rendered_view)]
-    pictures += [LatePicture(*world._picture(), world._beside()) for _ in range(2)]
+    pictures = [RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)]
+    pictures += [RenderedPicture(*world._picture(), world._beside()) for _ in range(2)]
     holes, picture, into = HoleFiller(gpu, holed.size, cell), holed.picture(gpu), holed.picture(gpu)
     holes.start(picture, into)
     for number, one in enumerate(pictures):
@@ -311,8 +311,8 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
 def test_what_is_forgotten_equals_its_twin(gpu, seed):
     """Of one random world against another from near by, and against itself, which disproves nothing that the twin lets stand."""
     world = World(gpu, seed, (66, 53))
-    rendered = LatePicture(*world._picture(), world._beside())
-    kept = LatePicture(world.colour, world.inverse_depth, world.rendered_view)
+    rendered = RenderedPicture(*world._picture(), world._beside())
+    kept = RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)
     keeper = Keeper(gpu, world.size)
     slot = Slot.of(gpu, world.size)
     keeper.keep(world.rendered, slot)

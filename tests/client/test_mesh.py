@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from reference.picture import Asked
+from reference.picture import TwinInputs
 from worlds import World, read, twin_of
 
 from hmdwarp.client.inputs import PassInputs
@@ -55,7 +55,7 @@ class Scene:
 
     def twin(self, spec: str):
         choice = parse_warp(spec)
-        asked = Asked(
+        asked = TwinInputs(
             self.colour.astype(float), self.inverse_depth.astype(float), self.rendered, self.shown, self.shown_size
         )
         return twin_of(choice.entry.name)(attrs.evolve(asked, settings=choice.settings))

@@ -55,12 +55,12 @@ MOTIONS = [Pose((0.1, 0.02, -0.05)), Pose((-0.05, 0.1, 0.1), (0.02, -0.03, 0.01,
 @pytest.mark.parametrize("pose", MOTIONS, ids=range(3))
 @pytest.mark.parametrize("tolerance", [0.02, 0.05, 0.2])
 def test_places_are_those_of_the_full_mesh_within_the_tolerance(gpu, pose, tolerance):
-    """Red and green tell the late place, so that their difference is what merging moved it by."""
+    """Red and green tell the rendered place, so that their difference is what merging moved it by."""
     depth = room()
     fine, coarse = Drawn(gpu, "mesh", depth, pose), Drawn(gpu, f"mesh_adaptive:tolerance={tolerance}", depth, pose)
     both = (fine.picture[..., 3] == 1) & (coarse.picture[..., 3] == 1)
     moved = np.abs(fine.picture[..., :2] - coarse.picture[..., :2])[both] * SIZE
-    # The stored place is a half float: half a thousandth of 150 pixels. Late pixels per shown one are about 1 here, and at most 2;
+    # The stored place is a half float: half a thousandth of 150 pixels. Rendered pixels per shown one are about 1 here, and at most 2;
     # on the few slanted pixels along silhouettes another surface may win.
     assert np.quantile(moved.max(axis=1), 0.98) <= 2 * tolerance + 0.15
     assert (fine.picture[..., 3] != coarse.picture[..., 3]).mean() < 0.01

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from reference.picture import LatePicture
+from reference.picture import RenderedPicture
 from worlds import World, read
 
 from hmdwarp.client.inputs import PassInputs
@@ -174,7 +174,7 @@ def test_an_unmoved_eye_with_a_wider_view_is_given_more_around(gpu):
 def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     world = World(gpu, 30, (57, 43), (61, 40))
     needs = parse_warp(spec).entry.needs(parse_warp(spec).settings)
-    world.others = tuple(LatePicture(*world._picture(), world._beside()) for _ in range(needs.others.count))
+    world.others = tuple(RenderedPicture(*world._picture(), world._beside()) for _ in range(needs.others.count))
     if not world.others:
         world.bring = lambda gpu, entry: None
     got, wanted = world.warp(gpu, spec), world.reference(spec)

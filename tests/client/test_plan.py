@@ -188,7 +188,7 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
 
 # --- what it costs -------------------------------------------------------------------------------------------------------
 
-LATE_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
+RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
 
 class Costs:
@@ -223,8 +223,8 @@ class Costs:
 
 
 def given_for(gpu, warp: str) -> PassInputs:
-    """All that this warp and any fill read, for LATE_SIZE and SHOWN_SIZE."""
-    world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
+    """All that this warp and any fill read, for RENDERED_SIZE and SHOWN_SIZE."""
+    world = World(gpu, 1, RENDERED_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
     return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered))
@@ -241,11 +241,11 @@ def geometry(gpu):
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     """What the warp and the fills ask for by themselves, and the shown depth where a fill reads it."""
     costs = Costs(gpu, monkeypatch)
-    warp = warps.get(choice[0])(gpu, LATE_SIZE, SHOWN_SIZE)
+    warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
     chain = parse_fills(choice[1])
-    made = [warp, *(one.entry(gpu, LATE_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
+    made = [warp, *(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
     if any(SHOWN_DEPTH in one.entry.reads for one in chain):
-        made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), LATE_SIZE, SHOWN_SIZE))
+        made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
     for one in made:
         one.close()
     return costs
@@ -261,7 +261,7 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     own = alone(gpu, monkeypatch, choice, geometry)
     own_counts, own_paths = own.counts, own.paths()
     costs = Costs(gpu, monkeypatch)
-    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, geometry)
+    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE, geometry)
     # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the warp, and one more after each fill that
     # writes one, where anybody reads it; the client's depth once.
     canvases = 2 * (1 + len(chain) + (lens != "none"))
@@ -294,9 +294,9 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
 def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
     costs = Costs(gpu, monkeypatch)
     plan = plan_of("forward", "interpolate", "radial", True)
-    first = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE)
+    first = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE)
     programs = costs.library.compiled
-    second = Compensator(gpu, plan, load_headset("rift-dk1"), SHOWN_SIZE, LATE_SIZE)
+    second = Compensator(gpu, plan, load_headset("rift-dk1"), SHOWN_SIZE, RENDERED_SIZE)
     assert costs.library.compiled == programs
     first.close()
     second.close()
@@ -305,7 +305,7 @@ def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
 def test_the_eyes_have_pictures_of_their_own(gpu):
     inputs = given_for(gpu, "forward")
     compensator = Compensator(
-        gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE
+        gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), RENDERED_SIZE, SHOWN_SIZE
     )
     left = compensator.run(inputs)
     right = compensator.run(attrs.evolve(inputs, eye=1))
@@ -315,6 +315,6 @@ def test_the_eyes_have_pictures_of_their_own(gpu):
 
 
 def test_backward_run_without_a_depth_is_refused(gpu):
-    warp = warps.get("backward")(gpu, LATE_SIZE, SHOWN_SIZE)
+    warp = warps.get("backward")(gpu, RENDERED_SIZE, SHOWN_SIZE)
     with pytest.raises(PlanError, match="needs the client's own depth"):
         warp.run(given_for(gpu, "backward"), None)

@@ -40,7 +40,7 @@ def shown(
     **inputs,
 ):
     """(colour, coverage after the warp) of the rendered picture of VIEW in `view`."""
-    plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
+    plan = build_plan(compensated, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
     frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
     result = compensator.run(PassInputs(frame.eyes[0], view, **inputs))

@@ -84,7 +84,7 @@ def test_a_slanted_plane_is_exact(gpu):
     got = warped(gpu, "search", colour, depth, Pose((0.2, 0, 0)))
     from_x = (x + 0.1) / (1 - 0.04)
     assert (got[:, np.abs(from_x) < 1, 3] == 1).all()
-    inside = np.abs(from_x) < 1 - 1 / 60  # further out the late ramp ends half a pixel before the border
+    inside = np.abs(from_x) < 1 - 1 / 60  # further out the rendered ramp ends half a pixel before the border
     assert np.abs(got[..., 0] - (from_x + 1))[:, inside].max() <= 2 * (1 / 30 / 256 + 2.0**-10)
 
 

@@ -66,7 +66,7 @@ def places(size, depth_of_shown: np.ndarray, shown: Pose) -> np.ndarray:
 
 @pytest.mark.parametrize("closer", [1.3, 2.0, 3.7, 20.0])
 def test_a_plane_that_comes_closer_has_no_cracks_and_is_smooth(gpu, closer):
-    """From 2 m to 2 m / closer: the middle of the picture, magnified; each pixel where it belongs to a hundredth of a late one."""
+    """From 2 m to 2 m / closer: the middle of the picture, magnified; each pixel where it belongs to a hundredth of a rendered one."""
     size, moved = (64, 48), 2 - 2 / closer
     shown = Pose((0.013, -0.007, -moved))
     out = splatted(gpu, np.full(size[::-1], 0.5), ramps(size), shown)
@@ -128,7 +128,7 @@ def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
     half_pixel = 0.5 * 2 / 90
     whole = (out[..., 0] == 1) & (out[..., 3] == 1)
     assert whole[away < 0].all(), "background, or a mixture, inside"
-    # Fattened by half a shown pixel at most, overlap (a twentieth of a late one) included.
+    # Fattened by half a shown pixel at most, overlap (a twentieth of a rendered one) included.
     assert (out[..., 0] == 0)[away * closer > max(half_pixel, closer * 0.05 * 2 * half_pixel * 1.01)].all(), (
         "foreground outside"
     )

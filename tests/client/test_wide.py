@@ -78,7 +78,7 @@ def test_its_bytes_count():
     assert "rendered.wide" not in frame_bytes(Needs(), sizes)
 
 
-def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):
+def test_a_turn_past_the_rendered_picture_is_filled_with_real_scenery(gpu):
     """45 degrees to the side the rendered picture has ended; a wall with a square on it stands there."""
     scene = scene_of(square(2.9, (-3.5, 0), 0.6, 0.5), WALL)
     server = Server(gpu, scene)

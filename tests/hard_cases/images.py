@@ -20,7 +20,7 @@ def _of_size(gpu, name, size: tuple[int, int], shown: tuple[int, int] | None = N
 
 @hard_case()
 def one_pixel(gpu, name):
-    """What: late and shown pictures of 1x1
+    """What: rendered and shown pictures of 1x1
     Why: no neighbours, no slope, a pyramid of one level
     Wants: what the float64 twin says
     """

@@ -28,7 +28,7 @@ def is_warped_by_the_frame_alone(name: str) -> bool:
 
 
 def brings_more_pictures(name: str) -> bool:
-    """Whether it shows other pictures than the late one too, which are noise here."""
+    """Whether it shows other pictures than the rendered one too, which are noise here."""
     return bool({"rendered.peeled", "rendered.others"} & set(parse_warp(name).entry.reads))
 
 

@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from reference.picture import LatePicture, ReferencePicture, sample_covered
+from reference.picture import RenderedPicture, ReferencePicture, sample_covered
 
 Mask = NDArray[np.bool_]
 MOST_STEP = 0.5  # pixels
@@ -95,7 +95,7 @@ def is_depth(inverse_depth: Array) -> Mask:
     return (inverse_depth >= 0) & (inverse_depth < 1e30)
 
 
-def guesses(picture: LatePicture, shown: View, shown_size: tuple[int, int]) -> tuple[list[Array], Mask]:
+def guesses(picture: RenderedPicture, shown: View, shown_size: tuple[int, int]) -> tuple[list[Array], Mask]:
     """Of what lands in each shown pixel and those around it the nearest, the nearest in the pixel itself, and the farthest: shown inverse
     depths, -1 for nothing. And where rounding may decide."""
     size = picture.inverse_depth.shape[1::-1]
@@ -128,7 +128,7 @@ def _may_land(pixels: Array, error: Array, shown_size: tuple[int, int]) -> Mask:
     return marked
 
 
-def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
+def meet(picture: RenderedPicture, rays: Rays, guess: Array) -> Meetings:
     """One step from a guess (shown inverse depth) to the plane of the texel that the ray is over at that depth."""
     guess_known = guess >= 0
     r = rays.rendered_depth(np.where(guess_known, guess, 0))
@@ -183,7 +183,7 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
     )
 
 
-def _held(picture: LatePicture, texel: NDArray[np.int64]) -> Array:
+def _held(picture: RenderedPicture, texel: NDArray[np.int64]) -> Array:
     high, wide = picture.inverse_depth.shape
     return picture.inverse_depth[np.clip(texel[..., 1], 0, high - 1), np.clip(texel[..., 0], 0, wide - 1)]
 
@@ -233,7 +233,7 @@ class Found:
     looked: ReferencePicture
 
 
-def met_by(picture: LatePicture, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> Found:
+def met_by(picture: RenderedPicture, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> Found:
     rays = Rays.between(shown, shown_size, picture.view, picture.inverse_depth.shape[1::-1])
     tried, unsure = guesses(picture, shown, shown_size)
     found = first_of([meet(picture, rays, guess) for guess in tried])

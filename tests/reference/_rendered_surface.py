@@ -14,10 +14,10 @@ LEAST_RUN = 0.25  # of 1 - slope . along
 
 
 @attrs.frozen(eq=False)
-class RaysInLate:
+class RaysInRendered:
     """Where shown rays appear in the rendered picture: at inverse depth r (of the rendered eye) at start + r * along, pixels.
 
-    lead: the rays' component along the rendered eye's axis; ahead_m: how far the shown eye stands before the late one along that axis.
+    lead: the rays' component along the rendered eye's axis; ahead_m: how far the shown eye stands before the rendered one along that axis.
     start_error, along_error: how far float32 may be off.
     """
 
@@ -36,7 +36,7 @@ class RaysInLate:
         shown: View,
         shown_size: tuple[int, int],
         directions: Array | None = None,
-    ) -> RaysInLate:
+    ) -> RaysInRendered:
         """Through the pixel centres of the shown view, or along `directions` (..., 3) of length 1 along its axis."""
         rays = world_directions(shown, shown_size) if directions is None else directions
         moved = shown.pose.position_m - rendered.pose.position_m
@@ -78,7 +78,7 @@ class Found:
 
 
 @attrs.frozen(eq=False)
-class LateSurface:
+class RenderedSurface:
     """A rendered inverse depth (h, w); neighbours are connected if they differ by at most tolerance * (the farther's + floor)."""
 
     inverse_depth: Array
@@ -122,6 +122,6 @@ class LateSurface:
         return Found(own + (slopes * off).sum(axis=-1), slopes, centre, np.stack(connected, axis=-1), own >= 0, close)
 
 
-def run_of(found: Found, rays: RaysInLate) -> Array:
+def run_of(found: Found, rays: RaysInRendered) -> Array:
     """How fast a ray comes nearer to the plane it is at, per inverse depth; at least LEAST_RUN."""
     return np.maximum(1 - (found.slope * rays.along).sum(axis=-1), LEAST_RUN)

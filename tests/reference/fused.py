@@ -8,12 +8,12 @@ import numpy as np
 from hmdwarp.geometry import View
 from hmdwarp.headsets import COLOURS, Headset
 from reference._rays import FLOAT32_UNIT, Array, Places
-from reference.picture import Asked, ReferencePicture, near_edge
+from reference.picture import TwinInputs, ReferencePicture, near_edge
 from reference.scanout import Twin, scanned_out
 
 
 def fused(
-    asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None
+    inputs: TwinInputs, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None
 ) -> ReferencePicture:
     """The panel picture (h, w, 4) that `twin`'s warp makes in one resample; black where the lens shows more than the shown view.
 
@@ -23,12 +23,12 @@ def fused(
     out = np.zeros((*panel_size[::-1], 4))
     tolerance, undecided = np.zeros(panel_size[::-1]), np.zeros(panel_size[::-1], bool)
     for channel, colour in enumerate(COLOURS):
-        pixels, error = looked_at(headset, eye, panel_size, asked, colour)
+        pixels, error = looked_at(headset, eye, panel_size, inputs, colour)
         # One more product and addition than for a pixel centre, and a map at the lens's axis: 4 more units of the same terms.
-        looking = attrs.evolve(asked, places=Places(pixels, error, rounding=1.5))
+        looking = attrs.evolve(inputs, places=Places(pixels, error, rounding=1.5))
         seen = twin(looking) if last is None else scanned_out(looking, last, twin)
-        inside = ((pixels >= 0) & (pixels < np.array(asked.shown_size))).all(axis=-1)
-        close = near_edge(pixels, asked.shown_size, error)
+        inside = ((pixels >= 0) & (pixels < np.array(inputs.shown_size))).all(axis=-1)
+        close = near_edge(pixels, inputs.shown_size, error)
         for target in (channel, 3) if colour == "green" else (channel,):
             out[..., target] = np.where(inside, seen.colour[..., target], 0)
         tolerance = np.maximum(tolerance, seen.tolerance)
@@ -37,7 +37,7 @@ def fused(
 
 
 def looked_at(
-    headset: Headset, eye: int, panel_size: tuple[int, int], asked: Asked, colour: str
+    headset: Headset, eye: int, panel_size: tuple[int, int], inputs: TwinInputs, colour: str
 ) -> tuple[Array, Array]:
     """(h, w, 2) the pixel of the shown view where each panel pixel sees that colour, in polar form; (h, w) a float32 shader's error.
 
@@ -52,8 +52,8 @@ def looked_at(
     radius, angle = np.hypot(on_lens[..., 0], on_lens[..., 1]), np.arctan2(on_lens[..., 1], on_lens[..., 0])
     along = lens.tangent_from_lens(np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
     tangent = np.stack([along * np.cos(angle), along * np.sin(angle)], axis=-1)
-    left, right, down, up = asked.shown.fov.tangents
-    low, per_tangent = np.array([left, down]), np.array(asked.shown_size) / np.array([right - left, up - down])
+    left, right, down, up = inputs.shown.fov.tangents
+    low, per_tangent = np.array([left, down]), np.array(inputs.shown_size) / np.array([right - left, up - down])
 
     k = np.abs(lens.coefficients[colour]) * lens.tangent_per_unit
     powers = radius[..., None] ** (2 * np.arange(len(k)))

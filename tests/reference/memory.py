@@ -10,7 +10,7 @@ from hmdwarp.geometry import View, WarpMap
 from reference._meeting import DEPTH_FLOOR, Found, Mask, Rays, first_of, guesses, meet
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
 from reference.multi import _confidence, _is_better
-from reference.picture import LatePicture, ReferencePicture, sample_covered
+from reference.picture import RenderedPicture, ReferencePicture, sample_covered
 
 SETTLED = 1e30  # a depth that nothing stands before
 LARGEST = 65504.0  # of a half float
@@ -29,7 +29,7 @@ def fill_from(
     colour: Array,
     inverse_depth: Array,
     shown: View,
-    pictures: tuple[LatePicture, ...],
+    pictures: tuple[RenderedPicture, ...],
     *,
     newest: bool,
     sampler_pixels: float,
@@ -70,7 +70,7 @@ def _nearest_of_blocks(depth: Array) -> Array:
 
 
 def _met_by(
-    picture: LatePicture, guessed: LatePicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float
+    picture: RenderedPicture, guessed: RenderedPicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float
 ) -> Found:
     """As _meeting.met_by, with guesses for cells of the shown picture instead of its pixels."""
     cells = (-(-size[0] // cell), -(-size[1] // cell))
@@ -86,7 +86,7 @@ def _met_by(
     return Found(rays, tried[0][here], found, attrs.evolve(looked, undecided=looked.undecided & found.met))
 
 
-def forgotten(kept: LatePicture, rendered: LatePicture) -> tuple[Mask, Mask]:
+def forgotten(kept: RenderedPicture, rendered: RenderedPicture) -> tuple[Mask, Mask]:
     """Which pixels of a kept picture the newest one disproves, and which are too close to call.
 
     Each kept pixel is a point in the world; the newest picture's extremes around where it sees that point come from rank filters.
@@ -119,7 +119,7 @@ def forgotten(kept: LatePicture, rendered: LatePicture) -> tuple[Mask, Mask]:
     return gone, known & np.nan_to_num(unsure, nan=1).astype(bool)
 
 
-def _extremes(rendered: LatePicture) -> tuple[Array, Array, Array, Array]:
+def _extremes(rendered: RenderedPicture) -> tuple[Array, Array, Array, Array]:
     """Per cell of 2 x 2 pixels with one more around: nearest (infinite if any is unknown) and farthest depth, lowest and highest colour."""
     depth = rendered.inverse_depth
     window = {"size": 4, "mode": "nearest", "origin": -1}  # from one before an even pixel to two after it

@@ -29,7 +29,7 @@ def _with_none_as_minus_one(inverse_depth: Array) -> Array:
 
 
 @attrs.frozen(eq=False)
-class LatePicture:
+class RenderedPicture:
     """colour (h, w, 4) premultiplied linear with coverage in alpha, inverse_depth (h, w) in 1/m, -1 for none, and their view."""
 
     colour: Array
@@ -38,13 +38,13 @@ class LatePicture:
 
 
 @attrs.frozen(eq=False)
-class Asked:
-    """What a twin is asked: the rendered picture and its view, the shown view and its (w, h), and what else the warp reads.
+class TwinInputs:
+    """What a twin is inputs: the rendered picture and its view, the shown view and its (w, h), and what else the warp reads.
 
-    colour, inverse_depth as in LatePicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the rendered view, nearest
+    colour, inverse_depth as in RenderedPicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the rendered view, nearest
     first. cube: (3n, 2n, 4) as geometry.cube lays it out. others: further rendered pictures. settings: the warp's. sampler_pixels: how
-    far, in pixels, the sampler may place a bilinear look beside where it was asked for. places: where the shown view is looked at, if
-    not at its pixel centres; the picture asked for then has their shape.
+    far, in pixels, the sampler may place a bilinear look beside where it should be. places: where the shown view is looked at, if
+    not at its pixel centres; the result then has their shape.
     """
 
     colour: Array
@@ -53,20 +53,20 @@ class Asked:
     shown: View
     shown_size: tuple[int, int]
     client_inverse_depth: Array | None = None
-    layers: tuple[LatePicture, ...] = ()
+    layers: tuple[RenderedPicture, ...] = ()
     cube: Array | None = None
-    others: tuple[LatePicture, ...] = ()
+    others: tuple[RenderedPicture, ...] = ()
     settings: Any = None
     sampler_pixels: float = GPU_SAMPLER_PIXELS
     places: Places | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(h, w) of the picture asked for."""
+        """(h, w) of the result."""
         return self.shown_size[::-1] if self.places is None else self.places.pixels.shape[:2]
 
     def directions(self, view: View) -> Array:
-        """(h, w, 3) directions in the world that `view`, of the shown size, is asked about."""
+        """(h, w, 3) directions in the world that `view`, of the shown size, looks in."""
         return world_directions(view, self.shown_size, None if self.places is None else self.places.pixels)
 
     def map_error(self, warp: WarpMap, inverse_depth: Array) -> Array:
@@ -81,8 +81,8 @@ class Asked:
         nearest = np.floor(np.clip(place, -1, np.array(self.shown_size))).astype(int)
         return np.pad(self.client_inverse_depth, 1, constant_values=-1)[nearest[..., 1] + 1, nearest[..., 0] + 1]
 
-    def at_centres(self) -> Asked:
-        """The same, asked about the centres of the shown pixels that its places lie in."""
+    def at_centres(self) -> TwinInputs:
+        """The same for the centres of the shown pixels that its places lie in."""
         if self.places is None:
             return self
         return attrs.evolve(self, places=attrs.evolve(self.places, pixels=np.floor(self.places.pixels) + 0.5))

@@ -104,7 +104,7 @@ def stretch(
 ) -> Stretched:
     """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with holes filled from what lies behind.
 
-    late: the view that was rendered and its (w, h). settings: tolerance, floor, spread, as the fill's.
+    rendered: the view that was rendered and its (w, h). settings: tolerance, floor, spread, as the fill's.
     """
     size = colour.shape[1::-1]
     lines, shaky = _lines(rendered, shown, size, least_parallax)

@@ -16,7 +16,7 @@ from reference import gather, scatter
 from reference._rays import pixel_error_bound, project, world_directions
 from reference.interpolate import interpolate
 from reference.lens import radial
-from reference.picture import Asked, near_edge, sample_covered
+from reference.picture import TwinInputs, near_edge, sample_covered
 from reference.raycast import cast_quads, cast_spheres, cast_triangles, nearest
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
@@ -138,7 +138,7 @@ def test_the_tolerance_covers_a_moved_look(seed, error):
 )
 def test_an_unmoved_eye_sees_the_picture_itself(twin):
     picture, depth = random_picture(1, (9, 7)), np.random.default_rng(2).uniform(0, 2, (7, 9))
-    got = twin(Asked(picture, depth, STRAIGHT, STRAIGHT, (9, 7)))
+    got = twin(TwinInputs(picture, depth, STRAIGHT, STRAIGHT, (9, 7)))
     assert np.abs(got.colour - picture).max() <= 1e-12
 
 
@@ -147,20 +147,20 @@ def test_known_shifts():
     picture, depth = random_picture(3, (10, 10)), np.ones((10, 10))
     right = View(Pose((0.2, 0, 0)), FOV)
     for twin in (gather.planar, scatter.forward):
-        got = twin(Asked(picture, depth, STRAIGHT, right, (10, 10))).colour
+        got = twin(TwinInputs(picture, depth, STRAIGHT, right, (10, 10))).colour
         assert np.abs(got[:, :9] - picture[:, 1:]).max() <= 1e-9
         assert (got[:, 9] == 0).all()
     for twin in (gather.none, gather.rotation):
-        assert np.abs(twin(Asked(picture, depth, STRAIGHT, right, (10, 10))).colour - picture).max() <= 1e-9
+        assert np.abs(twin(TwinInputs(picture, depth, STRAIGHT, right, (10, 10))).colour - picture).max() <= 1e-9
     up = View(Pose((0, 0.4, 0)), FOV)
-    assert np.abs(scatter.forward(Asked(picture, depth, STRAIGHT, up, (10, 10))).colour[:8] - picture[2:]).max() <= 1e-9
+    assert np.abs(scatter.forward(TwinInputs(picture, depth, STRAIGHT, up, (10, 10))).colour[:8] - picture[2:]).max() <= 1e-9
 
 
 def test_a_quarter_roll_turns_the_picture():
     """The head rolls to the left, so the picture rolls to the right: what was above is now at the right."""
     picture = random_picture(4, (8, 8))
     rolled = View(Pose(orientation_xyzw=(0, 0, math.sqrt(0.5), math.sqrt(0.5))), FOV)
-    got = gather.rotation(Asked(picture, np.ones((8, 8)), STRAIGHT, rolled, (8, 8))).colour
+    got = gather.rotation(TwinInputs(picture, np.ones((8, 8)), STRAIGHT, rolled, (8, 8))).colour
     # Bottom row first: the new column x, row y shows what was at row x, from the right by y.
     wanted = picture.transpose(1, 0, 2)[::-1]
     assert np.abs(got - wanted).max() <= 1e-9
@@ -169,7 +169,7 @@ def test_a_quarter_roll_turns_the_picture():
 def test_none_keeps_the_angle_when_the_fields_of_view_differ():
     wide, narrow = View(Pose(), Fov.from_tangents([-2, 2, -2, 2])), View(Pose((5, 5, 5), (1, 0, 0, 0)), FOV)
     picture = random_picture(5, (8, 8))
-    got = gather.none(Asked(picture, np.ones((8, 8)), wide, narrow, (4, 4))).colour
+    got = gather.none(TwinInputs(picture, np.ones((8, 8)), wide, narrow, (4, 4))).colour
     assert np.abs(got - picture[2:6, 2:6]).max() <= 1e-9
 
 
@@ -181,7 +181,7 @@ def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
     rng = np.random.default_rng(seed)
     picture = random_picture(seed, size)
     depth = rng.choice([-1.0, 0.0, 0.3, 1.0, 2.0], (7, 9)) * rng.choice([1, 1.5])
-    got = scatter.forward(Asked(picture, depth, frm, to, shown_size))
+    got = scatter.forward(TwinInputs(picture, depth, frm, to, shown_size))
     warp, best = WarpMap.between(frm, size, to, shown_size), {}
     for index in range(9 * 7):
         y, x = divmod(index, 9)
@@ -217,7 +217,7 @@ def test_planar_meets_a_real_plane(r, step, turn):
         return colour.reshape(16, 16, 4), hits.inverse_depth.reshape(16, 16)
 
     colour, depth = picture(rendered)
-    got = gather.planar(Asked(colour, depth, rendered, shown, size))
+    got = gather.planar(TwinInputs(colour, depth, rendered, shown, size))
     truth, _ = picture(shown)
     inner = (got.colour[..., 3] == 1) & (truth[..., 3] == 1)
     # A look within half a pixel of the border meets the clamped edge, where the picture is not linear.

@@ -33,7 +33,7 @@ class _DeepIterative(Iterative):
         self.shown_inverse_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
 
     def gather(self, path: str, **defines: object) -> Compute:
-        return super().gather(path, TELLS_DEPTH=1, **defines)
+        return super().gather(path, WRITES_DEPTH=1, **defines)
 
     def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
         self.shown_inverse_depth.bind_to_image(2, read=False, write=True)
