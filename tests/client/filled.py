@@ -1,4 +1,7 @@
-"""Rendered pictures made by hand, warped and filled as a run does it: what the tests of several fills share."""
+"""Rendered pictures made by hand, warped and filled as a run does it.
+
+What the tests of several fills share.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ from .rendered_pictures import FOV
 def filled(
     gpu, warp: str, fill: str, colour: np.ndarray, depth: np.ndarray, pose: Pose
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV; the rendered eye stands at the origin."""
+    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV.
+
+    The rendered eye stands at the origin.
+    """
     size = depth.shape[::-1]
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):

@@ -1,4 +1,7 @@
-"""Rendered pictures made by hand, warped to a pose: what the tests of the gathers that search the rendered depth share."""
+"""Rendered pictures made by hand, warped to a pose.
+
+What the tests of the gathers that search the rendered depth share.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ FOV = Fov.from_tangents([-1, 1, -1, 1])
 def warped(
     gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, rendered_pose: Pose | None = None
 ) -> np.ndarray:
-    """(h, w, 4) what the eye at `pose` sees, through FOV, as large as the rendered picture; all bottom row first."""
+    """(h, w, 4) what the eye at `pose` sees, through FOV, as large as the rendered picture.
+
+    All bottom row first.
+    """
     size, choice = depth.shape[::-1], parse_warp(spec)
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
@@ -43,7 +49,10 @@ def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> 
 
 
 def square_before_a_wall(thing: tuple[slice, slice], size: int = 60) -> tuple[np.ndarray, np.ndarray]:
-    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth: `thing` at 1 m before a wall at 4 m."""
+    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth.
+
+    `thing` at 1 m before a wall at 4 m.
+    """
     y, x = np.mgrid[:size, :size]
     depth = np.full((size, size), 0.25)
     depth[thing] = 1.0

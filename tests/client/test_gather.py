@@ -1,4 +1,7 @@
-"""Gather warps where their homography says more than the picture: behind the eye, through the plane, without a turn."""
+"""Gather warps where their homography says more than the picture.
+
+Behind the eye, through the plane, without a turn.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,10 @@ def warped(
 @pytest.mark.parametrize("name", ["rotation", "planar"])
 @pytest.mark.parametrize("axis", [(0, 1, 0), (1, 0, 0), (1, 1, 0)])
 def test_an_eye_that_looks_the_other_way_sees_nothing(gpu, name, axis):
-    """Behind the rendered eye the homography still has an answer, upside down: it must not be taken."""
+    """Behind the rendered eye the homography still has an answer, upside down.
+
+    It must not be taken.
+    """
     for degrees in (110, 180):
         half = math.radians(degrees) / 2
         q = (*(np.array(axis) / np.linalg.norm(axis) * math.sin(half)), math.cos(half))
@@ -79,6 +85,7 @@ def test_planar_at_infinity_is_rotation(gpu):
     pose = Pose((0.3, -0.2, 0.1), (0.02, 0.05, -0.03, 1))
     _, planar = warped(gpu, "planar", pose, 0.0, seed=3)
     _, rotation = warped(gpu, "rotation", pose, 0.0, seed=3)
-    # The inverse of the way there against the way back: both float64, rounded once; a unit of a half float where they part.
+    # The inverse of the way there against the way back: both float64, rounded once; a unit of a
+    # half float where they part.
     assert np.abs(planar.astype(float) - rotation.astype(float)).max() <= 2.0**-10
     assert np.array_equal(planar[..., 3], rotation[..., 3])

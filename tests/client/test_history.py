@@ -1,4 +1,7 @@
-"""The older frames that are kept: never too many, never too close, and every frame is given back exactly once."""
+"""The older frames that are kept.
+
+Never too many, never too close, and every frame is given back exactly once.
+"""
 
 from __future__ import annotations
 

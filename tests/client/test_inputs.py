@@ -1,4 +1,7 @@
-"""What passes are given of a display that lights up row by row: its first and last instant; the middle for those that cannot follow."""
+"""What passes are given of a display that lights up row by row: its first and last instant.
+
+The middle for those that cannot follow.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The layered warp on walls whose every view is known: real content behind edges, no cracks, no guesses beyond the rendered picture."""
+"""The layered warp on walls whose every view is known.
+
+Real content behind edges, no cracks, no guesses beyond the rendered picture.
+"""
 
 from __future__ import annotations
 
@@ -64,7 +67,10 @@ def inner(out: np.ndarray, margin: int = 12) -> np.ndarray:
 
 
 def near_an_edge(truth: np.ndarray, pixels: int = 1) -> np.ndarray:
-    """Pixels next to another colour: an edge may be half a rendered pixel and half a shown one off."""
+    """Pixels next to another colour.
+
+    An edge may be half a rendered pixel and half a shown one off.
+    """
     marked = np.zeros(truth.shape[:2], bool)
     for axis in (0, 1):
         for k in range(1, pixels + 1):
@@ -92,7 +98,10 @@ def test_a_surface_twice_as_near_has_no_cracks(gpu, step):
 
 
 def test_two_layers_do_not_know_the_third(gpu):
-    """Before the small square stands a smaller one: behind both of them the wall is only the third layer."""
+    """Before the small square stands a smaller one.
+
+    Behind both of them the wall is only the third layer.
+    """
     scene = attrs.evolve(SCENE, meshes=(square(0.9, (0, 0), 0.2, 0.75), *SCENE.meshes))
     covered = {}
     for spec in ("layered:layers=2", "layered:layers=3"):
@@ -105,7 +114,10 @@ def test_two_layers_do_not_know_the_third(gpu):
 
 
 def test_beyond_the_rendered_picture_hidden_things_do_not_come_forward(gpu):
-    """A wall that fills the rendered view; turned to the side, the sky behind it moves less and must not show beside it."""
+    """A wall that fills the rendered view.
+
+    Turned to the side, the sky behind it moves less and must not show beside it.
+    """
     scene = Scene("wall", "", (square(1, (0, 0), 30, 0.25),), background=Background.uniform((1, 1, 1)))
     out, _ = shown_and_truth(gpu, scene, (0.3, 0, 0))
     assert (out[:, : SIZE[0] * 8 // 10, 3] == 1).all()

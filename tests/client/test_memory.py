@@ -1,4 +1,7 @@
-"""The memory: what was seen before comes back, what moved is forgotten, and it stays within its bounds."""
+"""The memory.
+
+What was seen before comes back, what moved is forgotten, and it stays within its bounds.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +79,10 @@ def turned(degrees: float, x: float = 0) -> View:
 
 
 def test_scenery_that_was_seen_comes_back(gpu, client):
-    """The head looks left, right and left again: at the last look the rendered picture still shows the right."""
+    """The head looks left, right and left again.
+
+    At the last look the rendered picture still shows the right.
+    """
     scene = scene_of(square(2, (-1.5, 0.2), 0.5, 0.5), WALL)
     left, right = (drawn(gpu, scene, turned(angle)) for angle in (0, -50))
     client.sees(seconds(left, 0), left.view)
@@ -106,13 +112,16 @@ def test_the_depth_of_what_is_remembered_is_that_in_the_shown_view(gpu, client):
     wall = scene_of(WALL)
     client.sees(seconds(drawn(gpu, wall, turned(0)), 0), turned(0))
     out = client.sees(seconds(drawn(gpu, wall, turned(-50)), 1), at(0, 0, -1))
-    # The wall stands at 3 m, the shown eye a metre nearer. A point is found by some ten float32 operations.
+    # The wall stands at 3 m, the shown eye a metre nearer. A point is found by some ten float32
+    # operations.
     assert np.abs(client.depth()[out[..., 3] > 0] - 0.5).max() < 1e-4
     assert (client.depth()[out[..., 3] == 0] == -1).all()
 
 
 def test_what_has_left_is_forgotten_once_a_newer_frame_looks_through_its_place(gpu, client):
-    """A square before the wall is seen, goes while it is looked at, and is not put back when the head has turned away from it."""
+    """A square before the wall is seen, goes while it is looked at, and is not put back when the
+    head has turned away from it.
+    """
     with_it, without = drawn(gpu, BEFORE_A_WALL, turned(0)), drawn(gpu, scene_of(WALL), turned(0))
     away = drawn(gpu, scene_of(WALL), turned(-60))
     client.sees(seconds(with_it, 0), turned(0))
@@ -137,7 +146,10 @@ def test_what_changed_its_colour_is_forgotten(gpu, client):
 
 
 def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
-    """20 looks at the same things from places a little apart: outlines move by parts of a pixel each time."""
+    """20 looks at the same things from places a little apart.
+
+    Outlines move by parts of a pixel each time.
+    """
     rng = np.random.default_rng(4)
     first = drawn(gpu, BEFORE_A_WALL, turned(0))
     client.sees(seconds(first, 0), turned(0))
@@ -152,7 +164,10 @@ def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
 @pytest.mark.parametrize("moved_on", [False, True])
 @pytest.mark.parametrize("what", ["ids", "velocity"])
 def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
-    """The square is a body of its own, or deforms; also where a pass before the warp has used up what tells it apart."""
+    """The square is a body of its own, or deforms.
+
+    Also where a pass before the warp has used up what tells it apart.
+    """
     image = drawn(gpu, BEFORE_A_WALL, turned(0))
     moving = np.abs(read(image.colour)[..., 0] - 0.5) <= HALF_FLOAT
     assert moving.sum() > 100
@@ -171,7 +186,10 @@ def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
 
 
 def test_the_newest_picture_is_not_overruled(gpu, client):
-    """A square that stood before the newest picture's empty wall has gone; memory fills holes in what that picture shows from it."""
+    """A square that stood before the newest picture's empty wall has gone.
+
+    Memory fills holes in what that picture shows from it.
+    """
     client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(0)), 0), turned(0))
     rendered = seconds(drawn(gpu, scene_of(WALL), turned(1)), 0.1)
     out = inner(client.sees(rendered, turned(1)))
@@ -241,7 +259,7 @@ def test_mb_bounds_how_many_are_kept_and_too_few_are_told(gpu):
             parse_fills(f"memory:{wrong}")
 
 
-# --- which pictures are kept and looked into -----------------------------------------------------------------------------
+# --- which pictures are kept and looked into ----------------------------------------------------
 
 
 def keyframe(slot: int, degrees: float, x: float = 0, s: float = 0) -> Keyframe:
@@ -273,7 +291,7 @@ def test_what_is_looked_into_sees_what_the_rendered_view_does_not():
     assert [one.drawn_ns for one in chosen] == sorted((one.drawn_ns for one in chosen), reverse=True)
 
 
-# --- the twins ------------------------------------------------------------------------------------------------------------
+# --- the twins ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -309,7 +327,9 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
 
 @pytest.mark.parametrize("seed", [5, 6])
 def test_what_is_forgotten_equals_its_twin(gpu, seed):
-    """Of one random world against another from near by, and against itself, which disproves nothing that the twin lets stand."""
+    """Of one random world against another from near by, and against itself, which disproves nothing
+    that the twin lets stand.
+    """
     world = World(gpu, seed, (66, 53))
     rendered = RenderedPicture(*world._picture(), world._beside())
     kept = RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)
@@ -330,11 +350,14 @@ def test_what_is_forgotten_equals_its_twin(gpu, seed):
     keeper.close()
 
 
-# --- in the loop ----------------------------------------------------------------------------------------------------------
+# --- in the loop --------------------------------------------------------------------------------
 
 
 def test_a_head_that_comes_back_sees_what_it_saw_and_two_runs_are_one(tmp_path):
-    """The same turns with and without memory, 400 ms late: look-around comes back to what it saw from 6 s on."""
+    """The same turns with and without memory, 400 ms late.
+
+    Look-around comes back to what it saw from 6 s on.
+    """
     options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 10.0, "latency_ms": 400.0, "metrics_every": 10}
     without, with_memory, again = (
         run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory"))

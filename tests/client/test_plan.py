@@ -1,4 +1,7 @@
-"""The plan over every combination of registered passes: what runs, why, and that nothing else costs anything."""
+"""The plan over every combination of registered passes.
+
+What runs, why, and that nothing else costs anything.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,8 @@ from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 
-# Each warp with and without a fill, each fill after a warp that carries depth and one that cannot, chains; each lens; geometry or not.
+# Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
+# chains; each lens; geometry or not.
 _PAIRS = [
     *itertools.product(warps.names(), ("none", "interpolate")),
     *itertools.product(("forward", "environment"), fills.names()),
@@ -53,7 +57,7 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
     return build_plan((), warp, fill, lens, client_geometry=geometry)
 
 
-# --- what is in it -------------------------------------------------------------------------------------------------------
+# --- what is in it ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
@@ -125,7 +129,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
             assert isinstance(entry.is_pass, bool)
 
 
-# --- what is refused -----------------------------------------------------------------------------------------------------
+# --- what is refused ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("fill", "lens"), list(itertools.product(("none", "interpolate", "pyramid"), lenses.names())))
@@ -134,7 +138,8 @@ def test_backward_without_geometry_is_refused(fill, lens):
         plan_of("backward", fill, lens, False)
     message = str(caught.value)
     assert message == (
-        "warp backward reads client.inverse_depth, which no pass before it writes; it needs the scene's geometry on the client"
+        "warp backward reads client.inverse_depth, which no pass before it writes; it needs the scene's geometry on "
+        "the client"
     )
 
 
@@ -186,7 +191,7 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
             )
 
 
-# --- what it costs -------------------------------------------------------------------------------------------------------
+# --- what it costs ------------------------------------------------------------------------------
 
 RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
@@ -232,14 +237,16 @@ def given_for(gpu, warp: str) -> PassInputs:
 
 @pytest.fixture(scope="module")
 def geometry(gpu):
-    """Everything the client can draw, drawn once, so that what is compiled and allocated for it is there already."""
+    """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
+    there already.
+    """
     scene = ClientScene(gpu)
     scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
     return scene
 
 
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
-    """What the warp and the fills ask for by themselves, and the shown depth where a fill reads it."""
+    """What warp and fills read by themselves, and the shown depth where a fill reads it."""
     costs = Costs(gpu, monkeypatch)
     warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
     chain = parse_fills(choice[1])
@@ -262,8 +269,9 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     own_counts, own_paths = own.counts, own.paths()
     costs = Costs(gpu, monkeypatch)
     compensator = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE, geometry)
-    # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the warp, and one more after each fill that
-    # writes one, where anybody reads it; the client's depth once.
+    # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
+    # warp, and one more after each fill that writes one, where anybody reads it; the client's depth
+    # once.
     canvases = 2 * (1 + len(chain) + (lens != "none"))
     has_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
     depths = 2 * (1 + sum(SHOWN_DEPTH in one.entry.writes for one in chain)) if has_depth else 0
@@ -286,7 +294,8 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     assert stages == [step.stage for step in plan.steps] * 3
 
     compensator.close()
-    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry, which is not closed.
+    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry,
+    # which is not closed.
     left = [thing for thing in costs.alive() if not (_draws(warp, fill) and isinstance(thing, moderngl.Framebuffer))]
     assert left == [], "close() frees everything"
 

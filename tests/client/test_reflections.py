@@ -1,4 +1,7 @@
-"""Reflections after the warp: nothing lost where nothing moved, better than glued on where something did, and no black in mirrors."""
+"""Reflections after the warp.
+
+Nothing lost where nothing moved, better than glued on where something did, and no black in mirrors.
+"""
 
 from __future__ import annotations
 
@@ -68,8 +71,9 @@ def truth_of(server: Server, view) -> np.ndarray:
 def test_an_unmoved_view_is_the_whole_picture(gpu, server, warp):
     found, _ = shown(gpu, server, VIEW, warp=warp)
     truth = truth_of(server, VIEW)
-    # What mirrors show, the surface, its depth and the picture each pass through one more half float, and the sum is stored as one; a
-    # disturbed look that moves by the depth's share (2^-10 of a few pixels) meets a contrast of at most 1.
+    # What mirrors show, the surface, its depth and the picture each pass through one more half
+    # float, and the sum is stored as one; a disturbed look that moves by the depth's share (2^-10
+    # of a few pixels) meets a contrast of at most 1.
     apart = np.abs(found - truth).max(axis=-1)
     assert np.median(apart) == 0
     assert (apart <= 4 * HALF_UNIT * truth.max() + 0.01).mean() > 0.995

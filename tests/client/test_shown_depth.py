@@ -1,4 +1,7 @@
-"""The inverse depth of the shown picture: rendered depth seen from the shown eye, carried along by whichever warp is planned."""
+"""The inverse depth of the shown picture.
+
+Rendered depth seen from the shown eye, carried along by whichever warp is planned.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,10 @@ def test_it_equals_its_twin_under_every_warp(gpu, name):
 
 @pytest.mark.parametrize("name", CARRYING)
 def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
-    """Whatever the warp decides is decided once, by the same depths: a pixel with a colour has that colour's depth, a hole none."""
+    """Whatever the warp decides is decided once, by the same depths.
+
+    A pixel with a colour has that colour's depth, a hole none.
+    """
     world = World(gpu, 5, SIZE)
     got, colour = depth_of(gpu, world, name), world.warp(gpu, name)
     assert np.array_equal(got >= 0, colour[..., 3] > 0)

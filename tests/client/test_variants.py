@@ -1,4 +1,8 @@
-"""`name:key=value`: what is printed is read back as it was, and what cannot be meant is refused in one line that says what can."""
+"""`name:key=value`.
+
+What is printed is read back as it was, and what cannot be meant is refused in one line that says
+what can.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +36,10 @@ def values_of(kind: typing.Any, default: typing.Any) -> st.SearchStrategy:
 
 @st.composite
 def choices(draw: st.DrawFn) -> Choice:
-    """Any warp with settings of which any may differ from its default; those that do not go together are passed over."""
+    """Any warp with settings of which any may differ from its default.
+
+    Those that do not go together are passed over.
+    """
     warp = draw(st.sampled_from(sorted(warps, key=lambda one: one.name)))
     chosen = {name: draw(values_of(kind, default)) for name, kind, default in fields_of(warp) if draw(st.booleans())}
     try:
@@ -103,7 +110,9 @@ def test_a_number_that_is_none_is_refused(name, field, value):
 @pytest.mark.parametrize(("name", "field"), numbers())
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "-1"])
 def test_a_number_that_cannot_be_meant_is_refused(name, field, value):
-    """A negative tolerance or a step count that is not a number would make a picture that looks like a fault of the method."""
+    """A negative tolerance or a step count that is not a number would make a picture that looks
+    like a fault of the method.
+    """
     with pytest.raises(InputError) as refused:
         parse_warp(f"{name}:{field}={value}")
     assert field in str(refused.value)

@@ -1,4 +1,7 @@
-"""Twin of the environment warp: each shown ray, projected onto the face it comes nearest to the axis of."""
+"""Twin of the environment warp.
+
+Each shown ray, projected onto the face it comes nearest to the axis of.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,13 @@ import numpy as np
 from hmdwarp.geometry import View
 from hmdwarp.geometry.cube import FACES, face_views
 from reference._rays import FLOAT32_UNIT, Array, Places, pixel_centres, project
-from reference.picture import TwinInputs, ReferencePicture, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, sample_covered
 
 
 def environment(inputs: TwinInputs) -> ReferencePicture:
-    """Every face looked into as a picture of its own view; each ray takes the face whose axis it is nearest to.
+    """Every face looked into as a picture of its own view.
+
+    Each ray takes the face whose axis it is nearest to.
 
     Rays that rounding may put on either of two faces are undecided.
     """
@@ -27,8 +32,9 @@ def environment(inputs: TwinInputs) -> ReferencePicture:
     for index, (face, view) in enumerate(zip(FACES, views, strict=True)):
         picture = inputs.cube[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
         pixels, _, _ = project(rays, np.zeros(3), np.zeros(rays.shape[:2]), view, (side, side))
-        # The quotient of two coordinates, each off by `error`, the larger at least 1 / sqrt(3) of the ray, times half a face; and the place
-        # itself, counted from the corner of the picture, is rounded three times.
+        # The quotient of two coordinates, each off by `error`, the larger at least 1 / sqrt(3) of
+        # the ray, times half a face; and the place itself, counted from the corner of the picture,
+        # is rounded three times.
         bound = side * error / order[-1] + 3 * FLOAT32_UNIT * 3 * side
         here = chosen == index
         looked = sample_covered(picture, np.where(here[..., None], pixels, np.nan), bound, inputs.sampler_pixels)
@@ -38,7 +44,10 @@ def environment(inputs: TwinInputs) -> ReferencePicture:
 
 
 def direction_error(inputs: TwinInputs) -> Array:
-    """(h, w): how far each coordinate of the shader's direction may be off: 8 u of the sum of its terms, as in pixel_error_bound."""
+    """(h, w): how far each coordinate of the shader's direction may be off.
+
+    8 u of the sum of its terms, as in pixel_error_bound.
+    """
     shown, rendered, size = inputs.shown, inputs.rendered, inputs.shown_size
     turn = np.abs(rendered.pose.rotation.as_matrix().T @ shown.pose.rotation.as_matrix())
     to_tangent = np.abs(np.linalg.inv(shown.fov.pixel_from_tangent(size)))

@@ -6,7 +6,7 @@ import numpy as np
 
 from hmdwarp.geometry import Pose, View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, project
-from reference.picture import TwinInputs, ReferencePicture, near_edge, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 
 def none(inputs: TwinInputs) -> ReferencePicture:
@@ -17,7 +17,9 @@ def none(inputs: TwinInputs) -> ReferencePicture:
 def rotation(inputs: TwinInputs) -> ReferencePicture:
     """Each shown pixel's direction, looked up in the rendered picture."""
     shown = inputs.shown
-    return _through_infinity(inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov))
+    return _through_infinity(
+        inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov)
+    )
 
 
 def _through_infinity(inputs: TwinInputs, shown: View) -> ReferencePicture:
@@ -43,9 +45,9 @@ def planar(inputs: TwinInputs) -> ReferencePicture:
     r = median_inverse_depth(inputs.inverse_depth)
     rays = inputs.directions(shown)
     moved = shown.pose.position_m - rendered.pose.position_m
-    # Along the rendered eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
-    # length t with axis . (moved + t ray) = 1/r. As inverse lengths, so that r = 0 needs no case:
-    # 1/t = (axis . ray) r / (1 - r axis . moved).
+    # Along the rendered eye's axis the ray has climbed (axis . ray) per unit length; it meets the
+    # plane at depth 1/r after length t with axis . (moved + t ray) = 1/r. As inverse lengths, so
+    # that r = 0 needs no case: 1/t = (axis . ray) r / (1 - r axis . moved).
     axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
     past = 1 - r * (axis @ moved)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -62,9 +64,11 @@ def planar(inputs: TwinInputs) -> ReferencePicture:
 
 
 def backward(inputs: TwinInputs) -> ReferencePicture:
-    """Each shown point, looked up in the rendered picture where the rendered depth there agrees with the point's own.
+    """Each shown point, looked up in the rendered picture where the rendered depth there agrees
+    with the point's own.
 
-    Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever the colour is looked for.
+    Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever
+    the colour is looked for.
     """
     rendered, shown, shown_size, size, settings = (
         inputs.rendered,
@@ -98,10 +102,12 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
 def _where_depth_agrees(
     inverse_depth: Array, pixels: Array, centres: Array, expected: Array, error: Array, tolerance: float, floor: float
 ):
-    """The place, or the centre of the one of two texels that agrees; whether any agrees; where rounding may decide.
+    """The place, or the centre of the one of two texels that agrees; whether any agrees.
 
-    The two texels: the one that the centre of the shown pixel falls into, and of the other three of the place's bilinear footprint the
-    one not beside it.
+    Where rounding may decide.
+
+    The two texels: the one that the centre of the shown pixel falls into, and of the other three of
+    the place's bilinear footprint the one not beside it.
     """
     corner = np.floor(np.nan_to_num(pixels) - 0.5).astype(int)
     texel = np.floor(np.nan_to_num(centres)).astype(int)
@@ -109,7 +115,8 @@ def _where_depth_agrees(
     near, near_close = _agrees(inverse_depth, texel, expected, tolerance, floor)
     far, far_close = _agrees(inverse_depth, across, expected, tolerance, floor)
     at = np.where((near & far)[..., None], pixels, np.where(near[..., None], texel, across) + 0.5)
-    # The centre may fall into the next texel, or the place into the other half of its own, where the other three texels are others.
+    # The centre may fall into the next texel, or the place into the other half of its own, where
+    # the other three texels are others.
     within = np.nan_to_num(centres) - texel
     from_border = np.minimum(within, 1 - within).min(axis=-1) <= error
     middle = np.nan_to_num(pixels) - np.round(np.nan_to_num(pixels) - 0.5) - 0.5
@@ -118,13 +125,17 @@ def _where_depth_agrees(
 
 
 def _agrees(inverse_depth: Array, texel: Array, expected: Array, tolerance: float, floor: float):
-    """Whether the texel lies inside the picture and holds the expected depth; and whether that is a close call."""
+    """Whether the texel lies inside the picture and holds the expected depth.
+
+    And whether that is a close call.
+    """
     most = np.array(inverse_depth.shape[1::-1]) - 1
     clipped = np.clip(texel, 0, most)
     inside = (texel == clipped).all(axis=-1)
     held = inverse_depth[clipped[..., 1], clipped[..., 0]]
     limit = tolerance * (np.nan_to_num(expected) + floor)
     difference = np.abs(held - expected)
-    # 16 u covers the division by w and the products of the comparison, relative to the larger of both depths.
+    # 16 u covers the division by w and the products of the comparison, relative to the larger of
+    # both depths.
     close = np.abs(difference - limit) <= 16 * FLOAT32_UNIT * (np.abs(held) + np.nan_to_num(expected) + limit) + 1e-30
     return inside & (difference <= limit), inside & close

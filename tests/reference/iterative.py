@@ -6,8 +6,8 @@ import numpy as np
 
 from hmdwarp.geometry import WarpMap
 from reference._rays import FLOAT32_UNIT, project
-from reference._rendered_surface import LEAST_RUN, Array, Bools, RenderedSurface, RaysInRendered, run_of
-from reference.picture import TwinInputs, ReferencePicture, near_edge, sample_covered
+from reference._rendered_surface import LEAST_RUN, Array, Bools, RaysInRendered, RenderedSurface, run_of
+from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 BLOCK = 4
 SAME_SURFACE = 0.9
@@ -18,7 +18,10 @@ FARTHEST_BITS, NEAREST_BITS = (
 
 
 def iterative(inputs: TwinInputs) -> ReferencePicture:
-    """Each shown ray meets the rendered surface where its guess no longer moves; what still moves is a hole."""
+    """Each shown ray meets the rendered surface where its guess no longer moves.
+
+    What still moves is a hole.
+    """
     settings, size = inputs.settings, inputs.size
     surface = RenderedSurface(inputs.inverse_depth, settings.tolerance, settings.floor)
     rays = RaysInRendered.of(inputs.rendered, size, inputs.shown, inputs.shown_size)
@@ -44,7 +47,14 @@ def iterative(inputs: TwinInputs) -> ReferencePicture:
 
 
 def _coloured(
-    inputs: TwinInputs, rays: RaysInRendered, r: Array, met: Bools, at: Array, pixels: Array, error: Array, unsure: Bools
+    inputs: TwinInputs,
+    rays: RaysInRendered,
+    r: Array,
+    met: Bools,
+    at: Array,
+    pixels: Array,
+    error: Array,
+    unsure: Bools,
 ) -> ReferencePicture:
     size = inputs.size
     with np.errstate(invalid="ignore"):
@@ -81,7 +91,10 @@ def _plain_look(
 
 
 def first_guess(inputs: TwinInputs, surface: RenderedSurface) -> tuple[Array, Array, Bools]:
-    """(h, w) per shown pixel: the guess of its cell, its error, and whether another block may win there."""
+    """(h, w) per shown pixel.
+
+    The guess of its cell, its error, and whether another block may win there.
+    """
     keys, texels, unsure = _in_front(inputs)
     high, wide = keys.shape
     left, right, down, up = inputs.shown.fov.tangents
@@ -105,7 +118,11 @@ def first_guess(inputs: TwinInputs, surface: RenderedSurface) -> tuple[Array, Ar
 
 
 def _in_front(inputs: TwinInputs) -> tuple[Array, Array, Bools]:
-    """Per cell of shown pixels: the largest key of the blocks that land there (0: none), its rendered texel, whether rounding may change it."""
+    """Per cell of shown pixels.
+
+    The largest key of the blocks that land there (0: none), its rendered texel, whether rounding
+    may change it.
+    """
     wide, high = inputs.size
     cells = tuple(-(-n // BLOCK) for n in inputs.shown_size)
     padded = np.zeros((-(-high // BLOCK) * BLOCK, -(-wide // BLOCK) * BLOCK))
@@ -153,7 +170,10 @@ def _splat_block(
 
 
 def _box(inputs: TwinInputs, column: int, row: int, nearest: float, farthest: float):
-    """What a block covers of the shown picture: lowest and highest pixel, their error; None where it reaches beside the shown eye."""
+    """What a block covers of the shown picture: lowest and highest pixel, their error.
+
+    None where it reaches beside the shown eye.
+    """
     rendered, wide, high = inputs.rendered, *inputs.size
     left, right, down, up = rendered.fov.tangents
     corners = np.array([(column + dx, row + dy) for dy in (0, BLOCK) for dx in (0, BLOCK)], float)

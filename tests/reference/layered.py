@@ -1,11 +1,14 @@
-"""Twin of the layered warp: every ray against every layer, the nearest meeting that was uncovered stays."""
+"""Twin of the layered warp.
+
+Every ray against every layer, the nearest meeting that was uncovered stays.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from reference._meeting import Mask, Meetings, Rays, is_depth, is_nearer, met_by
-from reference.picture import TwinInputs, RenderedPicture, ReferencePicture
+from reference.picture import ReferencePicture, RenderedPicture, TwinInputs
 
 
 def layered(inputs: TwinInputs) -> ReferencePicture:
@@ -36,7 +39,9 @@ def layered(inputs: TwinInputs) -> ReferencePicture:
 
 
 def _uncovered(front: RenderedPicture, rays: Rays, found: Meetings) -> tuple[Mask, Mask]:
-    """Whether what covers the found place in the visible layer lies on the shown ray within the picture; and where that is uncertain."""
+    """Whether what covers the found place in the visible layer lies on the shown ray within the
+    picture; and where that is uncertain.
+    """
     place = np.where(found.met[..., None], np.nan_to_num(found.place), 0)
     x, y = np.clip(np.floor(place).astype(int), 0, np.array(rays.size) - 1).transpose(2, 0, 1)
     depth = front.inverse_depth[y, x]

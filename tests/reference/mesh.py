@@ -1,7 +1,10 @@
-"""Twins of the mesh warps: each shown ray is met with every triangle it may hit, in the world; the nearest hit is seen.
+"""Twins of the mesh warps: each shown ray is met with every triangle it may hit, in the world.
 
-A triangle's corners are points at eye + direction / inverse depth; scaled by their inverse depths they are vectors that exist for
-infinitely far corners too. A ray that is the sum of the three with weights of one sign hits it, and the weights say where.
+The nearest hit is seen.
+
+A triangle's corners are points at eye + direction / inverse depth; scaled by their inverse depths
+they are vectors that exist for infinitely far corners too. A ray that is the sum of the three with
+weights of one sign hits it, and the weights say where.
 """
 
 from __future__ import annotations
@@ -13,12 +16,14 @@ from scipy import ndimage
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, project
 from reference._surface import OVERLAP, Surface, known_depth, surface
-from reference.picture import TwinInputs, ReferencePicture, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, sample_covered
 
-# The rasteriser moves corners to 1/256 of a pixel (GL asks for 1/16, all that exists has 1/256 and rounds), each axis by half of
-# that, and the corners themselves are float32: in all less than 1/256 on each axis.
+# The rasteriser moves corners to 1/256 of a pixel (GL asks for 1/16, all that exists has 1/256 and
+# rounds), each axis by half of that, and the corners themselves are float32: in all less than 1/256
+# on each axis.
 EDGE_PIXELS = 1 / 256
-# The depth buffer keeps 19 bits of the significand, and what was interpolated in float32 is off by less than that again.
+# The depth buffer keeps 19 bits of the significand, and what was interpolated in float32 is off by
+# less than that again.
 DEPTH_RELATIVE, DEPTH_LEAST = 2.0**-17, 2.0**-19
 DEPTH_MOST = 2.0**11  # 1/m; what is nearer is as near to it
 LEAST_ALPHA = 0.5
@@ -30,9 +35,12 @@ def mesh(inputs: TwinInputs) -> ReferencePicture:
 
 
 def mesh_adaptive(inputs: TwinInputs) -> ReferencePicture:
-    """As mesh: what merging may move, the tolerance, is added to what a place and an edge may be off by.
+    """As mesh.
 
-    Where large cells reach over pieces of cut ones, by at most twice the tolerance and 1/32, the colour may be the large cell's.
+    What merging may move, the tolerance, is added to what a place and an edge may be off by.
+
+    Where large cells reach over pieces of cut ones, by at most twice the tolerance and 1/32, the
+    colour may be the large cell's.
     """
     tolerance = inputs.settings.tolerance
     return _seen(inputs, "slope", tolerance, min(2 * tolerance + 1 / 32, 0.5))
@@ -40,9 +48,13 @@ def mesh_adaptive(inputs: TwinInputs) -> ReferencePicture:
 
 @attrs.frozen(eq=False)
 class _Hits:
-    """Pairs of a triangle and a shown pixel whose ray hits it. pixel, triangle (n,): indices. place (n, 2): rendered pixels, where the
-    colour is. depth (n,): shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,): rendered pixels per
-    shown one. doubtful (n,): rounding may unmake it. sure (n,): the ray stays within it however the rasteriser moves its edges."""
+    """Pairs of a triangle and a shown pixel whose ray hits it.
+
+    pixel, triangle (n,): indices. place (n, 2): rendered pixels, where the colour is. depth (n,):
+    shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,):
+    rendered pixels per shown one. doubtful (n,): rounding may unmake it. sure (n,): the ray stays
+    within it however the rasteriser moves its edges.
+    """
 
     pixel: np.ndarray
     triangle: np.ndarray
@@ -57,7 +69,10 @@ class _Hits:
         return _Hits(*(getattr(self, field.name)[which] for field in attrs.fields(_Hits)))
 
     def coloured_by_owner(self, triangles: Surface) -> _Hits:
-        """Places on pieces of a cut cell move to where the colour may be taken: their pixel's centre, or along a joined edge from it."""
+        """Places on pieces of a cut cell move to where the colour may be taken.
+
+        Their pixel's centre, or along a joined edge from it.
+        """
         owner, towards = triangles.owner[self.triangle], triangles.towards[self.triangle]
         away = towards * np.maximum((self.place - owner) * towards, 0)
         away[np.arange(len(away)), np.argmin(np.abs(away), axis=1)] = 0
@@ -78,7 +93,8 @@ def _seen(inputs: TwinInputs, cut: str, tolerance: float = 0.0, overlap: float =
         return _nearest_first(_coloured(inputs.colour, found.coloured_by_owner(triangles)))
 
     edge = EDGE_PIXELS + tolerance
-    # Where merging moves nothing the rasteriser still does, and a crack may be narrower than what merging may move.
+    # Where merging moves nothing the rasteriser still does, and a crack may be narrower than what
+    # merging may move.
     beside = [hits((x, y)) for far in sorted({EDGE_PIXELS, edge}) for x in (-far, far) for y in (-far, far)]
     centre = hits((0.0, 0.0))
     pieces = ~np.isnan(triangles.owner[centre.triangle, 0])
@@ -109,8 +125,11 @@ def _in_shown_pixels(inputs: TwinInputs, corners: Array) -> Array:
 
 
 def _hits(inputs: TwinInputs, triangles: Surface, offset: Array, grown: float = 0.0, reach: float = 0.0) -> _Hits:
-    """Rays through the shown pixels' centres moved by `offset` pixels; triangles with each edge `grown` pixels farther out, and whole
-    cells as if each were part of a large one, which reaches `reach` rendered pixels over its border."""
+    """Rays through the shown pixels' centres moved by `offset` pixels.
+
+    Triangles with each edge `grown` pixels farther out, and whole cells as if each were part of a
+    large one, which reaches `reach` rendered pixels over its border.
+    """
     corners = _in_shown_pixels(inputs, triangles.corners)
     whole = np.isnan(triangles.owner[:, 0])
     which, pixels = _pairs(corners, inputs.shown_size, offset, grown, reach * whole)
@@ -144,8 +163,11 @@ def _hits(inputs: TwinInputs, triangles: Surface, offset: Array, grown: float = 
 
 
 def _volume_error(inputs: TwinInputs, points: Array, corners: Array, lines: Array) -> Array:
-    """(n,): what a triangle's volume may be off by, whose sign says which way it faces: each corner's error, of float32 as in
-    docs/hard-cases.md and of the rasteriser, times the area that the other two span."""
+    """(n,): what a triangle's volume may be off by, whose sign says which way it faces.
+
+    Each corner's error, of float32 as in docs/hard-cases.md and of the rasteriser, times the area
+    that the other two span.
+    """
     warp = WarpMap.between(inputs.rendered, inputs.size, inputs.shown, inputs.shown_size)
     places = np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
     error = 8 * FLOAT32_UNIT * (places @ np.abs(warp.H).T + points[..., 2:] * np.abs(warp.e))
@@ -162,8 +184,9 @@ def _rays(inputs: TwinInputs, pixels: np.ndarray, offset: Array) -> Array:
 def _pairs(
     corners: Array, shown_size: tuple[int, int], offset: Array, grown: float, reach: Array
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles and the pixels of the box around each, grown by pixels and by twice (perspective) `reach` (n,) times itself; all pixels
-    where a corner lies behind the eye."""
+    """Triangles and the pixels of the box around each, grown by pixels and by twice (perspective)
+    `reach` (n,) times itself; all pixels where a corner lies behind the eye.
+    """
     wide, high = shown_size
     before = (corners[..., 2] > 0).all(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -183,13 +206,18 @@ def _pairs(
     return which, y * wide + x
 
 
-def _without_sheets(inputs: TwinInputs, triangles: Surface, hits: _Hits, limits: tuple[float, float], offset: Array) -> _Hits:
-    """Without what has another depth than its nearest pixel and lies more than half a pixel from it at that pixel's own depth; what
-    has another depth and is nearer than that gets the pixel's own colour."""
+def _without_sheets(
+    inputs: TwinInputs, triangles: Surface, hits: _Hits, limits: tuple[float, float], offset: Array
+) -> _Hits:
+    """Without what has another depth than its nearest pixel and lies more than half a pixel from it
+    at that pixel's own depth; what has another depth and is nearer than that gets the pixel's own
+    colour.
+    """
     rendered, size = inputs.rendered, inputs.size
     pixel = np.clip(np.floor(hits.place).astype(int), 0, np.array(size) - 1)
     own = known_depth(inputs.inverse_depth)[pixel[:, 1], pixel[:, 0]]
-    # The surface's rendered depth at the hit, from the shown one: by the ray's length along both views' axes.
+    # The surface's rendered depth at the hit, from the shown one: by the ray's length along both
+    # views' axes.
     left, right, down, up = inputs.shown.fov.tangents
     places = _rays(inputs, hits.pixel, offset)[:, :2] / np.array(inputs.shown_size)
     tangents = places * np.array([right - left, up - down]) + np.array([left, down])
@@ -238,7 +266,10 @@ def _winners(hits: _Hits, count: int) -> np.ndarray:
 
 
 def _picture(inputs: TwinInputs, hits: _Hits, beside: list[_Hits], edge: float, merged: Array) -> ReferencePicture:
-    """What the rays hit; undecided where a ray moved by what edges may be off hits another surface, or the next is as near.
+    """What the rays hit.
+
+    Undecided where a ray moved by what edges may be off hits another surface, or the next is as
+    near.
 
     merged (n,): by how many rendered pixels each hit's place may be off where cells were merged.
     """
@@ -253,8 +284,8 @@ def _picture(inputs: TwinInputs, hits: _Hits, beside: list[_Hits], edge: float, 
         hits.scale[winner[seen]],
         hits.triangle[winner[seen]],
     )
-    # Places are interpolated as place / w and 1 / w from the picture's corner: a few roundings of the place itself and of its
-    # slope times the shown place, in each.
+    # Places are interpolated as place / w and 1 / w from the picture's corner: a few roundings of
+    # the place itself and of its slope times the shown place, in each.
     error = 16 * FLOAT32_UNIT * (max(inputs.size) + max(inputs.shown_size) * scale)
     error[seen] += merged[winner[seen]]
     undecided, beneath = _nearly_as_near(hits, winner, edge, count)
@@ -278,8 +309,10 @@ def _picture(inputs: TwinInputs, hits: _Hits, beside: list[_Hits], edge: float, 
 
 
 def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) -> tuple[np.ndarray, Array]:
-    """Pixels where a hit elsewhere in the rendered picture, or a doubtful one, is as near as the nearest to the depth buffer; and how far
-    from the nearest's place others are that lie on the same surface, where pieces of it overlap."""
+    """Pixels where a hit elsewhere in the rendered picture, or a doubtful one, is as near as the
+    nearest to the depth buffer; and how far from the nearest's place others are that lie on the
+    same surface, where pieces of it overlap.
+    """
     best = winner[hits.pixel]
     apart = np.abs(hits.place - hits.place[best]).max(axis=1)
     elsewhere = _elsewhere(apart, hits.scale, hits.scale[best], edge)
@@ -292,20 +325,29 @@ def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) ->
 
 
 def _elsewhere(apart: Array, scale: Array, other_scale: Array, edge: float) -> np.ndarray:
-    """Whether two places of the rendered picture are not one that was moved; a tolerance covers two pixels around, so one at the most."""
+    """Whether two places of the rendered picture are not one that was moved.
+
+    A tolerance covers two pixels around, so one at the most.
+    """
     return apart > np.minimum(2 * edge * (scale + other_scale) + 1e-3, 1.0)
 
 
 def _as_near(hits: _Hits, others: _Hits, index: np.ndarray, edge: float) -> np.ndarray:
-    """Whether the depth buffer may find a hit as near as another, others[index]. A triangle that is moved takes its depth along, and is
-    off by what the depth changes by in as much."""
+    """Whether the depth buffer may find a hit as near as another, others[index].
+
+    A triangle that is moved takes its depth along, and is off by what the depth changes by in as
+    much.
+    """
     least = (others.depth - edge * others.slope)[index] * (1 - DEPTH_RELATIVE) - DEPTH_LEAST
     return hits.depth + edge * hits.slope >= np.minimum(least, DEPTH_MOST)
 
 
 def _grazed(inputs: TwinInputs, hits: _Hits, around: _Hits, edge: float) -> np.ndarray:
-    """(h * w,): pixels that a triangle beside them may reach, though the four moved rays may miss it: slivers are thinner than the box
-    between them."""
+    """(h * w,).
+
+    Pixels that a triangle beside them may reach, though the four moved rays may miss it: slivers
+    are thinner than the box between them.
+    """
     count = inputs.shown_size[0] * inputs.shown_size[1]
     winner = _winners(hits, count)
     best = winner[around.pixel]
@@ -320,8 +362,11 @@ def _grazed(inputs: TwinInputs, hits: _Hits, around: _Hits, edge: float) -> np.n
 
 
 def _ajar(inputs: TwinInputs, hits: _Hits, around: _Hits, triangles: Surface) -> np.ndarray:
-    """(h * w,): pixels at a seam that may stand open: pieces share no corners with what is beside them and reach over it by OVERLAP rendered
-    pixels, which closes the seam only where that is more than the rasteriser moves both."""
+    """(h * w,): pixels at a seam that may stand open.
+
+    Pieces share no corners with what is beside them and reach over it by OVERLAP rendered pixels,
+    which closes the seam only where that is more than the rasteriser moves both.
+    """
     count = inputs.shown_size[0] * inputs.shown_size[1]
     closed = np.zeros(count, bool)
     closed[hits.pixel[hits.sure]] = True

@@ -1,7 +1,10 @@
-"""Twin of the motion pass: rays from the rendered eye against the squares that moving pixels cover, moved in the world.
+"""Twin of the motion pass.
 
-Each moving pixel is a square on the surface it shows. Its corners are put into the world, moved there (a body's by its poses, the rest by
-its velocity), and met by rays; nowhere is a warp map or a rasteriser.
+Rays from the rendered eye against the squares that moving pixels cover, moved in the world.
+
+Each moving pixel is a square on the surface it shows. Its corners are put into the world, moved
+there (a body's by its poses, the rest by its velocity), and met by rays; nowhere is a warp map or a
+rasteriser.
 """
 
 from __future__ import annotations
@@ -20,9 +23,11 @@ from reference.raycast import cast_triangles
 
 Array = NDArray[np.float64]
 
-# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis, before it says which centres are covered.
+# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis, before it says
+# which centres are covered.
 SNAP_PX = 1 / 256
-# Two surfaces closer than this (1/m) may come out in either order: 24 bits of depth for 0 to 50 1/m, twice.
+# Two surfaces closer than this (1/m) may come out in either order: 24 bits of depth for 0 to 50
+# 1/m, twice.
 DEPTH_STEP = 2 * 50 * 2.0**-24
 TEAR_PX = 2.0  # pixels by which neighbours on one surface may move apart
 SOFT = -1  # what the ids of deforming pixels are replaced by
@@ -30,10 +35,13 @@ SOFT = -1  # what the ids of deforming pixels are replaced by
 
 @attrs.frozen(eq=False)
 class MotionAsked:
-    """A rendered picture and how it moves: colour (h, w, 4), inverse_depth (h, w), ids (h, w) with 0 for what stands still, view.
+    """A rendered picture and how it moves.
 
-    poses: of each body when it was drawn and when it is shown. way_m: (h, w, 3) along the eye's axes, how far each pixel of what deforms
-    goes by itself; NaN where nothing does. steepest: part of itself by which the inverse depth of one surface changes from pixel to pixel.
+    Colour (h, w, 4), inverse_depth (h, w), ids (h, w) with 0 for what stands still, view.
+
+    poses: of each body when it was drawn and when it is shown. way_m: (h, w, 3) along the eye's
+    axes, how far each pixel of what deforms goes by itself; NaN where nothing does. steepest: part
+    of itself by which the inverse depth of one surface changes from pixel to pixel.
     """
 
     colour: Array
@@ -50,7 +58,10 @@ class MotionAsked:
         return self.colour.shape[1::-1]
 
     def keys(self) -> NDArray[np.int64]:
-        """(h, w) what each pixel moves with: 0 nothing, SOFT, or its body; a body beyond the table or at rest is nothing."""
+        """(h, w) what each pixel moves with: 0 nothing, SOFT, or its body.
+
+        A body beyond the table or at rest is nothing.
+        """
         moves = [not drawn.isclose(shown, 1e-12) for drawn, shown in self.poses]
         known = np.isin(self.ids, 1 + np.flatnonzero(moves))
         keys = np.where(known, self.ids, 0)
@@ -61,7 +72,10 @@ class MotionAsked:
 
 @attrs.frozen(eq=False)
 class MovedPicture:
-    """What the pass should leave: the picture, and its inverse depth with its own tolerance (h, w)."""
+    """What the pass should leave.
+
+    The picture, and its inverse depth with its own tolerance (h, w).
+    """
 
     picture: ReferencePicture
     inverse_depth: Array
@@ -69,7 +83,10 @@ class MovedPicture:
 
 
 def moved_picture(inputs: MotionAsked) -> MovedPicture:
-    """Everything that moves, moved; holes where it was. What a place within SNAP_PX shows otherwise is tolerance, or undecided."""
+    """Everything that moves, moved; holes where it was.
+
+    What a place within SNAP_PX shows otherwise is tolerance, or undecided.
+    """
     squares = _Squares.of(inputs)
     exact = _looked(inputs, squares, np.zeros(2))
     beside = [
@@ -97,8 +114,11 @@ def _touching(a: NDArray[np.int64], b: NDArray[np.int64], wide: int) -> NDArray[
 
 @attrs.frozen(eq=False)
 class _Squares:
-    """Two triangles for each moving pixel that still face the eye: corners (m, 3, 3) in the world, moved; their rendered pixels (m, 3, 2) and
-    inverse depths (m, 3); owner (m,) index of the pixel."""
+    """Two triangles for each moving pixel that still face the eye.
+
+    Corners (m, 3, 3) in the world, moved; their rendered pixels (m, 3, 2) and inverse depths (m,
+    3); owner (m,) index of the pixel.
+    """
 
     corners: Array
     pixels: Array
@@ -120,7 +140,10 @@ class _Squares:
 
 
 def _corner(inputs: MotionAsked, keys: NDArray, row: int, column: int, dx: int, dy: int) -> tuple[Array, Array, float]:
-    """A corner of a pixel's square: its place in the world after the motion, its rendered pixel, its inverse depth."""
+    """A corner of a pixel's square.
+
+    Its place in the world after the motion, its rendered pixel, its inverse depth.
+    """
     around = [(row + dy - 1 + b, column + dx - 1 + a) for a in (0, 1) for b in (0, 1)]
     members = _surface(inputs, keys, (row, column), around)
     inverse_depth = float(np.mean([inputs.inverse_depth[at] for at in members]))
@@ -168,7 +191,9 @@ def _strain(inputs: MotionAsked, a: tuple[int, int], b: tuple[int, int]) -> Arra
     places = []
     for row, column in (a, b):
         at = np.array([column + 0.5, row + 0.5])
-        point = rays_through(inputs.view, inputs.size, at) / inputs.inverse_depth[row, column] + inputs.way_m[row, column]
+        point = (
+            rays_through(inputs.view, inputs.size, at) / inputs.inverse_depth[row, column] + inputs.way_m[row, column]
+        )
         share = (point[:2] / -point[2] - (left, down)) / (right - left, up - down)
         places.append(share * inputs.size - at)
     return places[1] - places[0]
@@ -176,7 +201,10 @@ def _strain(inputs: MotionAsked, a: tuple[int, int], b: tuple[int, int]) -> Arra
 
 @attrs.frozen(eq=False)
 class _Look:
-    """What rays met: colour (h, w, 4), inverse depth (h, w), owner (h, w): index of the moving pixel, -1 for what stands still."""
+    """What rays met: colour (h, w, 4), inverse depth (h, w), owner (h, w).
+
+    Index of the moving pixel, -1 for what stands still.
+    """
 
     colour: Array
     inverse_depth: Array
@@ -201,7 +229,8 @@ def _looked(inputs: MotionAsked, squares: _Squares, offset_px: Array) -> _Look:
     for index in np.flatnonzero((hits.shape >= 0) & (hits.inverse_depth >= still.ravel())):
         row, column = divmod(int(index), wide)
         which, (u, v) = hits.shape[index], hits.uv[index]
-        # Weights in space to weights in the rendered picture: a corner counts there for its inverse depth.
+        # Weights in space to weights in the rendered picture: a corner counts there for its inverse
+        # depth.
         weights = np.array([1 - u - v, u, v]) / squares.depths[which]
         place = weights @ squares.pixels[which] / weights.sum()
         owner[row, column], depth[row, column] = squares.owner[which], met[row, column]

@@ -1,4 +1,7 @@
-"""Twin of the multi warp: every ray against every rendered picture; depth, then confidence, then the newer decides."""
+"""Twin of the multi warp: every ray against every rendered picture.
+
+Depth, then confidence, then the newer decides.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import numpy as np
 from hmdwarp.geometry import WarpMap
 from reference._meeting import DEPTH_FLOOR, DEPTH_TOLERANCE, Mask, Meetings, Rays, is_depth, met_by
 from reference._rays import FLOAT32_UNIT, Array, project, world_directions
-from reference.picture import TwinInputs, RenderedPicture, ReferencePicture
+from reference.picture import ReferencePicture, RenderedPicture, TwinInputs
 
 GAIN = 1.25
 # Depths and ratios are some ten float32 operations from exact.
@@ -15,7 +18,10 @@ CLOSE = 64 * FLOAT32_UNIT
 
 
 def multi(inputs: TwinInputs) -> ReferencePicture:
-    """The newest picture, then the others in turn. An eye that has not moved and sees no more than before gets the newest alone."""
+    """The newest picture, then the others in turn.
+
+    An eye that has not moved and sees no more than before gets the newest alone.
+    """
     newest = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
     shape = inputs.shown_size[::-1]
     colour, tolerance = np.zeros((*shape, 4)), np.zeros(shape)
@@ -24,7 +30,8 @@ def multi(inputs: TwinInputs) -> ReferencePicture:
         one = met_by(picture, inputs.shown, inputs.shown_size, inputs.sampler_pixels)
         found, looked, sure = one.meetings, one.looked, _confidence(one.rays, one.meetings.depth)
         better, unsure = _is_better(found.depth, sure, depth, confidence)
-        # Where even the nearest guess would not be better than what is there, no surface is looked for.
+        # Where even the nearest guess would not be better than what is there, no surface is looked
+        # for.
         worth, unsure_worth = _is_better(one.nearest_guess, _confidence(one.rays, one.nearest_guess), depth, confidence)
         if number > 0:
             gone, unsure_gone = _is_contradicted(inputs, newest, found)
@@ -44,7 +51,10 @@ def _is_unmoved(inputs: TwinInputs) -> bool:
 
 
 def _confidence(rays: Rays, depth: Array) -> Array:
-    """How densely the picture sampled a place on the ray: by how much nearer it is to its eye than to the shown one."""
+    """How densely the picture sampled a place on the ray.
+
+    By how much nearer it is to its eye than to the shown one.
+    """
     moved = rays.shown.pose.position_m - rays.view.pose.position_m
     points = np.maximum(depth, 0)
     ratio = project(world_directions(rays.shown, rays.shown_size), moved, points, rays.view, rays.size)[2]
@@ -64,7 +74,9 @@ def _is_better(depth: Array, sure: Array, depth_before: Array, sure_before: Arra
 
 
 def _is_contradicted(inputs: TwinInputs, newest: RenderedPicture, found: Meetings) -> tuple[Mask, Mask]:
-    """Whether the newest picture, at the pixel in which the found point appears there, holds something farther; and close calls."""
+    """Whether the newest picture, at the pixel in which the found point appears there, holds
+    something farther; and close calls.
+    """
     moved, size = inputs.shown.pose.position_m - newest.view.pose.position_m, inputs.size
     points = np.where(found.met, found.depth, 0)
     pixels, expected, w = project(world_directions(inputs.shown, inputs.shown_size), moved, points, newest.view, size)

@@ -1,4 +1,8 @@
-"""Twin of fill `relight`: planes by solving for three of their points, blocks by reshaping, samples one after the other over all holes."""
+"""Twin of fill `relight`.
+
+Planes by solving for three of their points, blocks by reshaping, samples one after the other over
+all holes.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +20,9 @@ FLOOR = 0.02  # 1/m
 class Relit:
     """What the fill goes by; all pictures (h, w, ..) bottom row first, rgb linear.
 
-    warped: (h, w, 4), coverage in alpha. inverse_depth: its depth, -1 unknown. albedo, lit, model_inverse_depth: the model's. offsets:
-    (n, 2) whole pixels. The rest: as the shader's uniforms of these names.
+    warped: (h, w, 4), coverage in alpha. inverse_depth: its depth, -1 unknown. albedo, lit,
+    model_inverse_depth: the model's. offsets: (n, 2) whole pixels. The rest: as the shader's
+    uniforms of these names.
     """
 
     fov: Fov
@@ -78,7 +83,10 @@ def relight(inputs: Relit) -> Array:
 
 @attrs.frozen(eq=False)
 class _Lights:
-    """Of each block: mean colour, mean albedo, (x, y, z) in metres, unit normal; (rows, columns, 3) each."""
+    """Of each block: mean colour, mean albedo, (x, y, z) in metres, unit normal.
+
+    (rows, columns, 3) each.
+    """
 
     seen: Array
     plain: Array
@@ -138,7 +146,11 @@ def _points(tangent: Array, depth: Array) -> Array:
 
 
 def _beside(inputs: Relit, rows: Array, columns: Array) -> tuple[tuple[float, Array], tuple[float, Array]]:
-    """For x and y: the way to the neighbour whose inverse depth is nearer to the pixel's own, and what that is, prolonged through it."""
+    """For x and y.
+
+    The way to the neighbour whose inverse depth is nearer to the pixel's own, and what that is,
+    prolonged through it.
+    """
     found = []
     for axis, (at, step) in enumerate(zip((columns, rows), _one_pixel(inputs), strict=True)):
         picture = inputs.model_inverse_depth if axis == 0 else inputs.model_inverse_depth.T
@@ -151,7 +163,10 @@ def _beside(inputs: Relit, rows: Array, columns: Array) -> tuple[tuple[float, Ar
 
 
 def _normals(tangent: Array, depth: Array, beside: tuple[float, Array], above: tuple[float, Array]) -> Array:
-    """Unit normals of planes through three points each: m . (x, y, -1) is their inverse depth, so m solves three equations."""
+    """Unit normals of planes through three points each: m .
+
+    (x, y, -1) is their inverse depth, so m solves three equations.
+    """
     corner = np.concatenate([tangent, -np.ones((*depth.shape, 1))], axis=-1)
     rows = np.stack([corner, corner + [beside[0], 0, 0], corner + [0, above[0], 0]], axis=-2)
     solved = np.linalg.solve(rows, np.stack([depth, beside[1], above[1]], axis=-1)[..., None])[..., 0]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hmdwarp.geometry import WarpMap
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from reference.picture import TwinInputs, ReferencePicture
+from reference.picture import ReferencePicture, TwinInputs
 
 FARTHEST, NEAREST = 2.0**-20, 2.0**11  # 1/m
 EPIPOLE_FARTHEST = 2.0**20  # pixels from the picture's middle: the shader's epipole is a whole number
@@ -17,8 +17,9 @@ EPIPOLE_FARTHEST = 2.0**20  # pixels from the picture's middle: the shader's epi
 def forward(inputs: TwinInputs) -> ReferencePicture:
     """Each drawn pixel to the shown pixel it lands in; of several the nearest. Colours are copied.
 
-    Depths that float32 may take for equal are undecided here; tests/client/test_forward.py decides exact ties. As for the shader,
-    all that is farther than 1000 km is equally far (the lowest index wins), and all that is nearer than 0.5 mm equally near.
+    Depths that float32 may take for equal are undecided here; tests/client/test_forward.py decides
+    exact ties. As for the shader, all that is farther than 1000 km is equally far (the lowest index
+    wins), and all that is nearer than 0.5 mm equally near.
     """
     landed = _Landings.of(inputs)
     depth = _as_ordered(landed.depth)
@@ -29,14 +30,18 @@ def forward(inputs: TwinInputs) -> ReferencePicture:
 
 
 def forward_raster(inputs: TwinInputs) -> ReferencePicture:
-    """Each drawn pixel painted in turn, from the top row of the picture to the bottom one, each from left to right."""
+    """Each drawn pixel painted in turn, from the top row of the picture to the bottom one, each
+    from left to right.
+    """
     landed = _Landings.of(inputs)
     up, right = np.divmod(landed.source, inputs.size[0])
     return _painted(inputs, landed, np.lexsort((right, -up)))
 
 
 def forward_ordered(inputs: TwinInputs) -> ReferencePicture:
-    """Each drawn pixel painted in turn, in McMillan's order around the shown eye's place in the rendered picture."""
+    """Each drawn pixel painted in turn, in McMillan's order around the shown eye's place in the
+    rendered picture.
+    """
     landed = _Landings.of(inputs)
     x0, y0, towards = _epipole(inputs)
     up, right = np.divmod(landed.source, inputs.size[0])
@@ -53,14 +58,18 @@ def forward_ordered(inputs: TwinInputs) -> ReferencePicture:
 
 
 def _epipole(inputs: TwinInputs) -> tuple[int, int, bool]:
-    """The rendered pixel that the shown eye appears in, and whether it lies ahead: as angles from the rendered eye, not by the warp map."""
+    """The rendered pixel that the shown eye appears in, and whether it lies ahead.
+
+    As angles from the rendered eye, not by the warp map.
+    """
     rendered = inputs.rendered
     x, y, z = rendered.pose.rotation.inv().apply(inputs.shown.pose.position_m - rendered.pose.position_m)
     left, right, down, up = rendered.fov.tangents
     middle = np.array([left + right, down + up]) / 2
     per_tangent = inputs.size / np.array([right - left, up - down])
     towards = z <= 0
-    # From the picture's middle, in pixels, times the depth: where that is 0 the epipole is at infinity.
+    # From the picture's middle, in pixels, times the depth: where that is 0 the epipole is at
+    # infinity.
     offset = (np.array([x, y]) + z * middle) * per_tangent * (1 if towards else -1)
     scale = max(abs(z), np.hypot(*offset) / EPIPOLE_FARTHEST)
     offset = offset / scale if scale > 0 else offset
@@ -70,8 +79,11 @@ def _epipole(inputs: TwinInputs) -> tuple[int, int, bool]:
 
 @attrs.frozen(eq=False)
 class _Landings:
-    """What lands inside the shown picture: index of the drawn pixel, index of the shown one, inverse depth there; and the shown
-    pixels (flat) that rounding alone may give to others."""
+    """What lands inside the shown picture.
+
+    Index of the drawn pixel, index of the shown one, inverse depth there; and the shown pixels
+    (flat) that rounding alone may give to others.
+    """
 
     source: NDArray[np.int64]
     slot: NDArray[np.int64]
@@ -111,7 +123,9 @@ def _as_ordered(inverse_depth: Array) -> Array:
 
 
 def _near_ties(slot: Array, depth: Array, pixels: int) -> np.ndarray:
-    """Shown pixels whose two nearest landings are closer in depth than float32 tells apart, but not infinitely far."""
+    """Shown pixels whose two nearest landings are closer in depth than float32 tells apart, but not
+    infinitely far.
+    """
     marked = np.zeros(pixels, bool)
     if len(slot) > 1:
         same = slot[1:] == slot[:-1]

@@ -7,8 +7,8 @@ import numpy as np
 from scipy import ndimage
 
 from reference._rays import FLOAT32_UNIT
-from reference._rendered_surface import Array, Bools, RenderedSurface, RaysInRendered
-from reference.picture import TwinInputs, ReferencePicture, near_edge, sample_covered
+from reference._rendered_surface import Array, Bools, RaysInRendered, RenderedSurface
+from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 NEAREST = 2.0**11  # 1/m
 STRIDE = 1e-3  # pixels by which the shader steps over each border
@@ -17,7 +17,9 @@ LEAST_RUN = 1e-9  # pixels per 1/m
 
 
 def search(inputs: TwinInputs) -> ReferencePicture:
-    """Each shown ray to the first quarter texel whose plane it meets within, or `gap` pixels beside."""
+    """Each shown ray to the first quarter texel whose plane it meets within, or `gap` pixels
+    beside.
+    """
     settings, size = inputs.settings, inputs.size
     surface = RenderedSurface(inputs.inverse_depth, settings.tolerance, settings.floor)
     rays = RaysInRendered.of(inputs.rendered, size, inputs.shown, inputs.shown_size)
@@ -42,7 +44,8 @@ def search(inputs: TwinInputs) -> ReferencePicture:
     reached = np.minimum(first, max(inputs.inverse_depth.max(), 0.0))  # nearer than that nothing is met
     error = 3 * STRIDE + 4 * rays.place_error(reached, np.zeros(first.shape))[..., None]
     margin = np.minimum(np.abs(r - near - slack), np.abs(r - far + slack)) * pixels_per_r
-    # A slice thinner than the stride may be stepped over; a plane prolonged into the gap may leave the bounds of its block.
+    # A slice thinner than the stride may be stepped over; a plane prolonged into the gap may leave
+    # the bounds of its block.
     thin = meets & ((near - far) * pixels_per_r <= error)
     beyond = meets & _beyond_bounds(inputs.inverse_depth, surface.texel(middle), r)
     at_limit = (np.abs(facing - LEAST_FACING) <= 1e-4) | (np.abs(r * rays.ahead_m - 1) <= 1e-5)
@@ -74,7 +77,11 @@ def _taken(values: Array, index: Array) -> Array:
 
 
 def _segment(rays: RaysInRendered, run: Array, size: tuple[int, int]) -> tuple[Array, Array]:
-    """(h, w) each: the largest and the smallest inverse depth at which the ray lies in the rendered picture, before the shown eye."""
+    """(h, w) each.
+
+    The largest and the smallest inverse depth at which the ray lies in the rendered picture, before
+    the shown eye.
+    """
     start = np.nan_to_num(rays.start)
     borders = np.stack([-start / run, (np.array(size) - start) / run])
     nearest = min(NEAREST, 1 / rays.ahead_m) if rays.ahead_m > 0 else NEAREST
@@ -82,7 +89,9 @@ def _segment(rays: RaysInRendered, run: Array, size: tuple[int, int]) -> tuple[A
 
 
 def _crossings(rays: RaysInRendered, run: Array, size: tuple[int, int], first: Array, last: Array) -> Array:
-    """(h, w, n) inverse depths, falling, at which each ray crosses the lines that part texels into quarters, from first to last."""
+    """(h, w, n) inverse depths, falling, at which each ray crosses the lines that part texels into
+    quarters, from first to last.
+    """
     start = np.nan_to_num(rays.start)
     lines = [(np.arange(2 * n + 1) / 2 - start[..., axis, None]) / run[..., axis, None] for axis, n in enumerate(size)]
     every = np.concatenate([*lines, first[..., None], last[..., None]], axis=-1)

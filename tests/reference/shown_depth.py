@@ -1,4 +1,8 @@
-"""Twin of the shown depth: rendered points put into the world, looked at from the shown eye, carried along by the warp's own twin."""
+"""Twin of the shown depth.
+
+Rendered points put into the world, looked at from the shown eye, carried along by the warp's own
+twin.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +13,15 @@ import numpy as np
 
 from hmdwarp.geometry import View
 from reference._rays import Array, project, world_directions
-from reference.picture import HALF_UNIT, TwinInputs, RenderedPicture, ReferencePicture
+from reference.picture import HALF_UNIT, ReferencePicture, RenderedPicture, TwinInputs
 
 LARGEST_HALF = 65504.0
 
 
 def shown_depth(inputs: TwinInputs, twin: Callable[[TwinInputs], ReferencePicture]) -> ReferencePicture:
-    """The warp's answer on pictures that hold in red what inverse depth in 1/m each pixel has for the shown eye; coverage 0: not known."""
+    """The warp's answer on pictures that hold in red what inverse depth in 1/m each pixel has for
+    the shown eye; coverage 0: not known.
+    """
     own = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
     swapped = attrs.evolve(
         inputs,

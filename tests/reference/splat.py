@@ -1,4 +1,7 @@
-"""Twin of the splat warp: each drawn pixel is a patch of a plane in the world, and each shown ray is met with it."""
+"""Twin of the splat warp.
+
+Each drawn pixel is a patch of a plane in the world, and each shown ray is met with it.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from numpy.typing import NDArray
 
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from reference.picture import HALF_SMALLEST, HALF_UNIT, TwinInputs, ReferencePicture
+from reference.picture import HALF_SMALLEST, HALF_UNIT, ReferencePicture, TwinInputs
 
 NEAREST = 2.0**20  # 1/m
 WIDEST = 3.0  # rendered pixels averaged over on each axis
@@ -20,21 +23,28 @@ CORNERS = [(-1, -1), (-1, 1), (1, -1), (1, 1)]
 
 
 def splat(inputs: TwinInputs) -> ReferencePicture:
-    """Of all patches that a shown ray meets the nearest; its colours averaged over what the shown pixel covers there.
+    """Of all patches that a shown ray meets the nearest.
 
-    Undecided: where rounding decides whether a patch is met, whether two drawn pixels hang together, or which ones agree in depth.
+    Its colours averaged over what the shown pixel covers there.
+
+    Undecided: where rounding decides whether a patch is met, whether two drawn pixels hang
+    together, or which ones agree in depth.
     """
     nearest, depth_error, undecided = _met(inputs)
     return _fetched(inputs, nearest, depth_error, undecided)
 
 
-# --- depth forward ------------------------------------------------------------------------------------------------------------
+# --- depth forward ------------------------------------------------------------------------------
 
 
 @attrs.frozen(eq=False)
 class _Patches:
-    """Of each drawn pixel with depth: its centre (n, 2) in rendered pixels, its ray (n, 3) in the world, inverse depth (n,) and its steps
-    (n, 2) per pixel, where it lands (n, 2), the error of that in pixels (n,), and whether rounding decides its steps (n,)."""
+    """Of each drawn pixel with depth.
+
+    Its centre (n, 2) in rendered pixels, its ray (n, 3) in the world, inverse depth (n,) and its
+    steps (n, 2) per pixel, where it lands (n, 2), the error of that in pixels (n,), and whether
+    rounding decides its steps (n,).
+    """
 
     centre: Array
     ray: Array
@@ -49,7 +59,10 @@ class _Patches:
 
 
 def _met(inputs: TwinInputs) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """(h, w) nearest inverse depth of the patches each shown ray meets, -1 for none; its error; where rounding decides."""
+    """(h, w) nearest inverse depth of the patches each shown ray meets, -1 for none; its error.
+
+    Where rounding decides.
+    """
     wide, high = inputs.shown_size
     patches = _patches(inputs)
     grid = _ray_steps(inputs.rendered, inputs.size)
@@ -122,7 +135,10 @@ def _patches(inputs: TwinInputs) -> _Patches:
 def _steps(
     depth: Array, opened: Callable[[Array], Array], axis: int, settings: object
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """The change of inverse depth to the next pixel along an axis: the mean of those that hang together; and close calls."""
+    """The change of inverse depth to the next pixel along an axis.
+
+    The mean of those that hang together; and close calls.
+    """
     edge = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(depth, edge, constant_values=np.nan)
     total, count, shaky = np.zeros(depth.shape), np.zeros(depth.shape, int), np.zeros(depth.shape, bool)
@@ -149,12 +165,16 @@ def _ray_steps(view: View, size: tuple[int, int]) -> Array:
 
 
 def _at(patches: _Patches, grid: Array, x: float, y: float) -> tuple[Array, Array]:
-    """The rays and inverse depths of the points (x, y) rendered pixels beside the centres, on their planes."""
+    """The rays and inverse depths of the points (x, y) rendered pixels beside the centres, on their
+    planes.
+    """
     return patches.ray + x * grid[0] + y * grid[1], patches.inverse_depth + patches.steps @ np.array([x, y])
 
 
 def _planes(patches: _Patches, grid: Array) -> Array:
-    """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the rendered eye: what all four minors give."""
+    """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the
+    rendered eye: what all four minors give.
+    """
     points = [
         np.concatenate([ray, r[:, None]], axis=1)
         for ray, r in (_at(patches, grid, *d) for d in ((0, 0), (0.5, 0), (0, 0.5)))
@@ -166,7 +186,9 @@ def _planes(patches: _Patches, grid: Array) -> Array:
 def _pairs(
     inputs: TwinInputs, patches: _Patches, grid: Array
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Patch number and shown pixel of all pairs where the patch might be met, at most `reach` from where it lands."""
+    """Patch number and shown pixel of all pairs where the patch might be met, at most `reach` from
+    where it lands.
+    """
     back, half = inputs.rendered.pose.position_m - inputs.shown.pose.position_m, 0.55 + inputs.settings.overlap
     corners = [_at(patches, grid, half * x, half * y) for x, y in CORNERS]
     seen = [project(ray, back, r, inputs.shown, inputs.shown_size)[0] for ray, r in corners]
@@ -185,10 +207,13 @@ def _pairs(
 
 
 def _margins(inputs: TwinInputs, patches: _Patches, grid: Array) -> tuple[Array, Array]:
-    """How far, in rendered pixels, rounding may move a point within its patch; and the change of shown inverse depth per rendered pixel.
+    """How far, in rendered pixels, rounding may move a point within its patch.
 
-    The shader solves for the place from where the centre lands and the derivative there, each off by at most the landing's own bound
-    per rendered pixel (derivatives are differences of the same terms): 4 of them cover the landing, both columns and the perspective.
+    And the change of shown inverse depth per rendered pixel.
+
+    The shader solves for the place from where the centre lands and the derivative there, each off
+    by at most the landing's own bound per rendered pixel (derivatives are differences of the same
+    terms): 4 of them cover the landing, both columns and the perspective.
     """
     back = inputs.rendered.pose.position_m - inputs.shown.pose.position_m
     ends = [
@@ -209,12 +234,14 @@ def _swap(point: tuple[Array, Array], offset: Array) -> tuple[Array, Array, Arra
     return point[0], offset, point[1]
 
 
-# --- colour backward ----------------------------------------------------------------------------------------------------------
+# --- colour backward ----------------------------------------------------------------------------
 
 
 def _fetched(inputs: TwinInputs, nearest: Array, depth_error: Array, undecided: NDArray[np.bool_]) -> ReferencePicture:
-    """The rendered picture where the shown points are in it, averaged over the area of a shown pixel: of the rendered pixels there those that
-    agree in depth, or the one that agrees best of those under one rendered pixel's area."""
+    """The rendered picture where the shown points are in it, averaged over the area of a shown
+    pixel: of the rendered pixels there those that agree in depth, or the one that agrees best of
+    those under one rendered pixel's area.
+    """
     place, expected, error, half = _looks(inputs, nearest, depth_error)
     covers = nearest >= 0
     low, high = place - half, place + half
@@ -256,7 +283,10 @@ def _fetched(inputs: TwinInputs, nearest: Array, depth_error: Array, undecided: 
 
 @attrs.frozen(eq=False)
 class _Tap:
-    """One rendered pixel near each look: how much of it is covered (negative: how far it is from being), how far its depth is off."""
+    """One rendered pixel near each look.
+
+    How much of it is covered (negative: how far it is from being), how far its depth is off.
+    """
 
     area: Array
     off: Array
@@ -278,8 +308,9 @@ class _Tap:
 
 
 def _looks(inputs: TwinInputs, nearest: Array, depth_error: Array) -> tuple[Array, Array, Array, Array]:
-    """Where each shown point is in the rendered picture, its inverse depth there, the error of the place, and half the sides (.., 2) of
-    the box that a shown pixel covers around it."""
+    """Where each shown point is in the rendered picture, its inverse depth there, the error of the
+    place, and half the sides (.., 2) of the box that a shown pixel covers around it.
+    """
     shown, rendered, size = inputs.shown, inputs.rendered, inputs.size
     moved = shown.pose.position_m - rendered.pose.position_m
     rays, own = world_directions(shown, inputs.shown_size), np.maximum(nearest, 0)
@@ -293,6 +324,7 @@ def _looks(inputs: TwinInputs, nearest: Array, depth_error: Array) -> tuple[Arra
     small = 1e-6 * (own + 1e-3)
     parallax = np.abs(project(rays, moved, own + small, rendered, size)[0] - place).max(axis=-1) / small
     bound = pixel_error_bound(WarpMap.between(shown, inputs.shown_size, rendered, size), inputs.shown_size, own)
-    # The sides of a box larger than a pixel are differences of the place's own terms: its bound once more for each half of a side.
+    # The sides of a box larger than a pixel are differences of the place's own terms: its bound
+    # once more for each half of a side.
     error = bound * (1 + 2 * (half.max(axis=-1) > 0.5)) + parallax * depth_error + 1e-5 * (half.max(axis=-1) - 0.5)
     return place, np.nan_to_num(expected, nan=-1), np.minimum(np.nan_to_num(error, nan=1), 1), half

@@ -1,4 +1,7 @@
-"""Twin of the pass that lays a veil over the shown picture: the twin of the warp `iterative` twice, then the sum of the light."""
+"""Twin of the pass that lays a veil over the shown picture.
+
+The twin of the warp `iterative` twice, then the sum of the light.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.iterative import iterative
-from reference.picture import HALF_UNIT, TwinInputs, ReferencePicture
+from reference.picture import HALF_UNIT, ReferencePicture, TwinInputs
 
 Array = NDArray[np.float64]
 
@@ -15,8 +18,9 @@ Array = NDArray[np.float64]
 def lay_over(inputs: TwinInputs, passing: Array, behind: Array) -> ReferencePicture:
     """What is shown where nothing that is known stands before the veil.
 
-    inputs: the veil as a rendered picture, premultiplied by coverage. passing: (h, w, 3) of the rendered size, 1 where no sheet is. behind:
-    (h, w, 4) of the shown size, what the veil is laid over; its holes stay holes.
+    inputs: the veil as a rendered picture, premultiplied by coverage. passing: (h, w, 3) of the
+    rendered size, 1 where no sheet is. behind: (h, w, 4) of the shown size, what the veil is laid
+    over; its holes stay holes.
     """
     covered = inputs.colour[..., 3:]
     stopped = np.concatenate([(1 - passing) * covered, covered], axis=2)

@@ -26,9 +26,11 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
 
-# What deforms swings: limbs and cloth come and go about once in SWING_S. How far a swing has gone after a latency L is best told from its
-# speed for sin(w L) / w seconds; the parabola L (1 - 2 L / SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms,
-# 0.24 at 400, 0.16 at 800, and nothing from half a swing on, where the speed says nothing. Held at 0.25 s instead, 800 ms lost by it.
+# What deforms swings: limbs and cloth come and go about once in SWING_S. How far a swing has gone
+# after a latency L is best told from its speed for sin(w L) / w seconds; the parabola L (1 - 2 L /
+# SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms, 0.24 at 400, 0.16 at
+# 800, and nothing from half a swing on, where the speed says nothing. Held at 0.25 s instead, 800
+# ms lost by it.
 SWING_S = 2.0
 REACH_S = SWING_S / 8  # the longest
 REACH_M = 0.3
@@ -112,7 +114,8 @@ class MotionPass(RenderedPass):
         self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
         self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
-        # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in the shaders.
+        # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in
+        # the shaders.
         sizes = (
             4 * MAP_FLOATS * MOST_BODIES,
             4 * self._words,
@@ -229,12 +232,12 @@ def _table(maps: Sequence[WarpMap]) -> np.ndarray:
 
 
 def _check(gpu: Gpu, size: tuple[int, int]) -> None:
-    """Raise MachineError where vertex shaders cannot read buffers, InputError for a large picture.
-    """
+    """Raise MachineError if vertex shaders cannot read buffers, InputError for a large picture."""
     blocks = gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"]
     if blocks < 2:
         raise MachineError(
-            f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects no-{RIGID},no-{SOFT}"
+            f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects "
+            f"no-{RIGID},no-{SOFT}"
         )
     if max(size) > MOST_SIDE:
         raise InputError(

@@ -1,4 +1,6 @@
-"""One pass for all mirrors: the mirrored world is warped as geometry and drawn into the surfaces.
+"""One pass for all mirrors.
+
+The mirrored world is warped as geometry and drawn into the warped surfaces.
 """
 
 from __future__ import annotations
@@ -45,8 +47,7 @@ class _DeepIterative(Iterative):
 
 
 class Reflections(ShownPass):
-    """Warps what the mirrors show by its own depth, and the picture of the surfaces with the
-    colour.
+    """Warps what the mirrors show by its own depth, and the surfaces along with the colour.
 
     The mirrored world is gathered (`iterative`), and its holes are closed from around them. Under
     scan-out it is shown as in the middle of it. Holes of the picture that a fill has closed mirror

@@ -10,7 +10,8 @@ effects.register(
     Effect(
         name="curved_reflections",
         order=12,
-        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula: half the radius for far things",
+        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula: half the "
+        "radius for far things",
         applies=lambda _, mesh: mesh.material.curved,
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.CURVED),

@@ -48,6 +48,7 @@ effects.register(
         made_by=OverlayPass,
         needs=Needs(overlay=True),
         without="what is fixed to the head is warped with the world, so that it swims and tears",
-        source="Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad in view space",
+        source="Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad "
+        "in view space",
     )
 )

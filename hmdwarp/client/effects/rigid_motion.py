@@ -16,6 +16,7 @@ effects.register(
         made_by=MotionPass,
         needs=Needs(ids=True),
         without="moving things hang where they were when the frame was drawn",
-        source="object poses on the frame, as appSpaceDeltaPose of XR_FB_space_warp; McMillan and Bishop 1995 for the map of each body",
+        source="object poses on the frame, as appSpaceDeltaPose of XR_FB_space_warp; McMillan and Bishop 1995 for "
+        "the map of each body",
     )
 )

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
     from ..picture import ShownPicture
 
-# The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncated, both make things farther away). What
-# lies on a surface must not come and go; what stands 1.5 mm behind its frame at 1.5 m is drawn over the frame for that.
+# The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncated,
+# both make things farther away). What lies on a surface must not come and go; what stands 1.5 mm
+# behind its frame at 1.5 m is drawn over the frame for that.
 NEARER = 1 + 2.0**-10
 
 
 class _Veil(GatherWarp):
-    """The warp `iterative` with its own settings, for the veil, which it composites as it finds it.
-    """
+    """The warp `iterative` with its own settings, for the veil, which it composites at once."""
 
     Settings = IterativeSettings
     rows = 4
@@ -101,7 +101,8 @@ effects.register(
         applies=lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh),
         made_by=TransparencyPass,
         needs=Needs(transparent=True),
-        without="a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the room behind",
+        without="a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the "
+        "room behind",
         source="Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
     )
 )

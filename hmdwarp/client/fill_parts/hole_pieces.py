@@ -37,7 +37,8 @@ class HolePieces:
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
         if self.count * PIECE[0] > 64 * most:
             raise InputError(
-                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a smaller one"
+                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a "
+                "smaller one"
             )
         self.list = gpu.gl.buffer(reserve=len(_HEADER) + 4 * self.count)
         self._stamps = gpu.gl.buffer(bytes(8 * self.count))

@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 
 BYTES_PER_PIXEL = 13  # of a kept picture
 
-# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest shows in 4 x 4 pixels around it; and by
-# how much darker or brighter than all of them, absolute in linear light and as a share of the brightest. Textures seen from elsewhere
-# differ by less, as their detail is filtered by distance.
+# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest
+# shows in 4 x 4 pixels around it; and by how much darker or brighter than all of them, absolute in
+# linear light and as a share of the brightest. Textures seen from elsewhere differ by less, as
+# their detail is filtered by distance.
 TOLERANCE = 0.05
 COLOUR_MARGIN = (0.08, 0.25)
 _IDS = 1  # texture unit

@@ -72,7 +72,8 @@ class Fill(ABC):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write: one colour each
-        way.
+        """Return the bytes that one eye's picture must at least read and write.
+
+        One colour each way.
         """
         return 16 * shown_pixels

@@ -17,8 +17,7 @@ MINIMUM_COUNT = 3
 
 @fills.register
 class Interpolate(Fill):
-    """An empty pixel with at least three covered neighbours takes their median, channel by channel.
-    """
+    """An empty pixel with at least three covered neighbours takes their median, by channel."""
 
     name = "interpolate"
     summary = "one 3x3 median pass: closes cracks, leaves wide holes"

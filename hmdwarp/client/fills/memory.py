@@ -57,8 +57,7 @@ class MemorySettings:
 
 @fills.register
 class Memory(Fill):
-    """Keeps rendered pictures that cover new directions and places, and gathers from them into
-    holes.
+    """Keeps rendered pictures that cover new places, and gathers from them into holes.
 
     Both eyes share the pictures. Each new rendered picture is compared with one of the kept ones,
     in turn (all of 12 within six refreshes of two eyes). A kept pixel is forgotten where the new
@@ -105,8 +104,7 @@ class Memory(Fill):
             self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
 
     def _learn(self, inputs: PassInputs) -> None:
-        """Forget what a new rendered picture disproves, and keep it if it shows enough that is new.
-        """
+        """Forget what a new rendered picture disproves, and keep it if it shows enough."""
         rendered = inputs.as_drawn  # in which moving things can still be told apart
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept)

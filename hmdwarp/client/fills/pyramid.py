@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from ..picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
-# Up to texels of 2^LOCAL_LEVELS pixels the farthest is preferred if it is LEAST_LOCAL of what borders on holes below a texel. Above that it
-# must be LEAST_BORDER of it, and no longer takes the place of what is nearer by. What borders on cracks alone counts CRACK_BORDER.
+# Up to texels of 2^LOCAL_LEVELS pixels the farthest is preferred if it is LEAST_LOCAL of what
+# borders on holes below a texel. Above that it must be LEAST_BORDER of it, and no longer takes the
+# place of what is nearer by. What borders on cracks alone counts CRACK_BORDER.
 LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER = 6, 2.0**-10, 0.23, 2.0**-20
 NEVER = 1e6  # no share of holes is as large
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture

@@ -26,9 +26,10 @@ SAME_DEPTH = SAME_SURFACE = (
 )
 NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
-# What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1 unlit and 0.003 baked (`room`, `walk` and
-# `look-around`, 400 ms); ten times less or more costs 1 to 2 %. After warp `mesh`, whose holes are wide, unlit is 0.3 % worse than fill
-# `model` by FLIP, baked 0.9 % better; after `forward` 1.5 and 5 % better.
+# What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1
+# unlit and 0.003 baked (`room`, `walk` and `look-around`, 400 ms); ten times less or more costs 1
+# to 2 %. After warp `mesh`, whose holes are wide, unlit is 0.3 % worse than fill `model` by FLIP,
+# baked 0.9 % better; after `forward` 1.5 and 5 % better.
 MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 
 
@@ -81,7 +82,10 @@ class Relight(Fill):
     summary = "the client draws a model into the holes, in the light of what is shown around them on the same surface"
     reads = ("shown.colour", "shown.inverse_depth", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); Roberts 2018 (samples)"
+    source = (
+        "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); "
+        "Roberts 2018 (samples)"
+    )
     complete = True
     Settings = RelightSettings
     variants = ("light=none",)

@@ -41,8 +41,9 @@ class StretchSettings:
 
 @fills.register
 class Stretch(Fill):
-    """Follows the epipolar line of an empty pixel to both edges of the hole; the farther one's
-    colour.
+    """Follows the epipolar line of an empty pixel to both edges of the hole.
+
+    The farther one's colour.
 
     It is smoothed inside the hole alone. What lies outside of the rendered picture stays empty: it
     was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.

@@ -73,6 +73,5 @@ class LensPass(ABC):
 
     @classmethod
     def bytes_moved(cls, panel_pixels: int) -> int:
-        """Return the bytes that one eye's panel must at least read and write: one colour each way.
-        """
+        """Return the bytes that one eye's panel must at least move: one colour each way."""
         return 16 * panel_pixels

@@ -67,7 +67,9 @@ class GatherWarp(Warp):
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
         if self.output.lens is not None:
             bind_texels(program, self.picture(inputs))
-            program.uniforms.set(panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye))
+            program.uniforms.set(
+                panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
+            )
         program.run(*into.size)
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:

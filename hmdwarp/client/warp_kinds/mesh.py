@@ -85,7 +85,8 @@ class MeshWarp(Warp):
         groups = self._groups[0] * self._groups[1]
         self._calls = -(-cells // QUADS), 1 if self.adaptive else -(-4 * cells // QUADS)
         chunks = -(-cells // CHUNK)
-        # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them; their triangles, chunks and masks.
+        # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them;
+        # their triangles, chunks and masks.
         sizes = [
             groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES,
             8 * groups,

@@ -59,7 +59,8 @@ class Seeds:
         most = min(self._gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
         if sum(self._index_bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
             raise InputError(
-                f"a rendered picture of {wide}x{high}: the forward seed takes about {most} pixels at most; use seed=rotation"
+                f"a rendered picture of {wide}x{high}: the forward seed takes about {most} pixels at most; use "
+                "seed=rotation"
             )
 
     def close(self) -> None:

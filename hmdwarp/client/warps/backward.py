@@ -1,5 +1,4 @@
-"""Backward warping: the client draws its own depth now and fetches the colour from the late frame.
-"""
+"""Backward warping: the client draws its own depth and fetches colour from the late frame."""
 
 from __future__ import annotations
 

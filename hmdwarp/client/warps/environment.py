@@ -57,9 +57,7 @@ class Environment(GatherWarp):
         cube.use(unit)
 
     def _looks_along_a_face(self, inputs: PassInputs) -> bool:
-        """Return whether each shown pixel is exactly a pixel of one face, so that none is
-        resampled.
-        """
+        """Return whether each shown pixel is exactly a pixel of one face: none is resampled."""
         shown, side = inputs.shown, inputs.rendered["cube"].size[0] // 3
         if self.output.lens is not None or self.output.scanout or np.abs(shown.fov.tangents).max() > 1 + 1e-9:
             return False
@@ -71,7 +69,8 @@ class Environment(GatherWarp):
         cube = inputs.rendered.get("cube")
         if cube is None:
             raise PlanError(
-                "warp 'environment' needs a cube map around the eye, which this frame lacks; frames from a scene have it"
+                "warp 'environment' needs a cube map around the eye, which this frame lacks; frames from a scene "
+                "have it"
             )
         side = cube.size[0] // 3
         pixel = (1 / cube.size[0], 1 / cube.size[1])

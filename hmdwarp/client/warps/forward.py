@@ -49,7 +49,8 @@ class Forward(ScatterWarp):
     def prepare(self) -> None:
         if self.rendered_size[0] * self.rendered_size[1] > MOST_PIXELS:
             raise InputError(
-                f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
+                f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most "
+                f"{MOST_PIXELS} pixels"
             )
         self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 

@@ -15,8 +15,9 @@ from . import warps
 if TYPE_CHECKING:
     from ..inputs import PassInputs
 
-# Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows of the largest picture then turn
-# by at most 2^14 / 2^20 rad against the true lines, a pixel in 64, and the distance still fits into an integer.
+# Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows
+# of the largest picture then turn by at most 2^14 / 2^20 rad against the true lines, a pixel in 64,
+# and the distance still fits into an integer.
 FARTHEST = 2.0**20
 
 
@@ -42,7 +43,10 @@ class ForwardOrdered(OrderedScatter):
         "moves each pixel by its own depth, in the occlusion-compatible order from the epipole: no depth comparison"
     )
     exact_when = "as 'forward', of surfaces whose pixels meet along epipolar lines"
-    gets_wrong = "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; else as 'forward'"
+    gets_wrong = (
+        "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; "
+        "else as 'forward'"
+    )
     source = (
         "McMillan 1995 (UNC TR95-005), Walia and Verma; Mark and Bishop 1997 (why it does not always hold for pixels)"
     )

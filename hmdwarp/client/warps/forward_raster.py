@@ -21,7 +21,10 @@ class ForwardRaster(OrderedScatter):
     name = "forward_raster"
     summary = "moves each pixel by its own depth, the last one in raster order wins: shows why a depth test is needed"
     exact_when = "the eye does not move"
-    gets_wrong = "shows hidden things through what hides them, wherever they come later in the picture; cracks and holes as 'forward'"
+    gets_wrong = (
+        "shows hidden things through what hides them, wherever they come later in the picture; "
+        "cracks and holes as 'forward'"
+    )
     source = "what McMillan 1995 (UNC TR95-005) and the 2014 thesis set out from: pixels moved in raster order"
 
     def order(self, inputs: PassInputs) -> dict[str, object]:

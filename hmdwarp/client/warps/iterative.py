@@ -55,11 +55,15 @@ class Iterative(GatherWarp):
 
     name = "iterative"
     summary = (
-        "each pixel guesses its depth, samples where that was rendered, and takes the depth found there for its next guess"
+        "each pixel guesses its depth, samples where that was rendered, and takes the depth found there for its next "
+        "guess"
     )
     reads = ("rendered.colour", "rendered.inverse_depth")
     exact_when = "the rendered picture saw the surface and the guesses converge, up to one bilinear resample"
-    gets_wrong = "may miss the front one of several surfaces on a ray, or end in a hole there; silhouettes end half way between rendered pixels"
+    gets_wrong = (
+        "may miss the front one of several surfaces on a ray, or end in a hole there; "
+        "silhouettes end half way between rendered pixels"
+    )
     source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
     Settings = IterativeSettings
     variants = ("seed=rotation", "slanted=3")

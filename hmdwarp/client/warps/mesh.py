@@ -35,7 +35,8 @@ class Mesh(MeshWarp):
     name = "mesh"
     summary = "draws the rendered picture as triangles between its pixels, cut where surfaces part"
     exact_when = (
-        "surfaces are seen in the rendered picture and are smooth from one pixel to the next, up to one bilinear resample"
+        "surfaces are seen in the rendered picture and are smooth from one pixel to the next, up to one bilinear "
+        "resample"
     )
     gets_wrong = "what was hidden is a hole; every edge is half a pixel wide of the truth; slow where triangles are"
     source = "Mark, McMillan and Bishop 1997, Post-Rendering 3D Warping; Mark 1999 (thesis), 3.3"

@@ -27,8 +27,7 @@ class MeshAdaptiveSettings:
 
 @warps.register
 class MeshAdaptive(MeshWarp):
-    """`mesh` with cells of up to 16x16 pixels where this motion moves nothing beyond the tolerance.
-    """
+    """`mesh` with cells of up to 16x16 pixels where this motion stays within the tolerance."""
 
     name = "mesh_adaptive"
     summary = (
@@ -36,7 +35,10 @@ class MeshAdaptive(MeshWarp):
     )
     exact_when = "as mesh, up to the tolerance (in shown pixels)"
     gets_wrong = "as mesh; detail in depth below the tolerance is flattened"
-    source = "Schollmeyer et al. 2017, Efficient Hybrid Image Warping; Reinert et al. 2016, Proxy-guided Image-based Rendering"
+    source = (
+        "Schollmeyer et al. 2017, Efficient Hybrid Image Warping; "
+        "Reinert et al. 2016, Proxy-guided Image-based Rendering"
+    )
     Settings = MeshAdaptiveSettings
     adaptive = True
 

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
 @warps.register
 class Planar(GatherWarp):
-    """A gather through the fronto-parallel plane at the median inverse depth, computed on the GPU.
-    """
+    """A gather through the fronto-parallel plane at the median inverse depth."""
 
     name = "planar"
     summary = "turns and shifts the picture as one plane at its median depth"

@@ -9,8 +9,7 @@ from . import warps
 
 @warps.register
 class Rotation(HomographyWarp):
-    """Turns the rendered picture with the head, ignores how the eye moved (asynchronous time warp).
-    """
+    """Turns the picture with the head, ignores how the eye moved (asynchronous time warp)."""
 
     name = "rotation"
     summary = "turns the picture with the head, ignores how the eye moved"

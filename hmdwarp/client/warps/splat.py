@@ -47,7 +47,10 @@ class Splat(ScatterWarp):
     )
     exact_when = "always, up to one resample, where the rendered picture saw the surface"
     gets_wrong = "what was hidden is a hole; soft edges travel with their depth; magnified over 32 times it shows gaps"
-    source = "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); Mori et al. 2009 (depth forward, colour backward)"
+    source = (
+        "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); "
+        "Mori et al. 2009 (depth forward, colour backward)"
+    )
     Settings = SplatSettings
 
     def prepare(self) -> None:
