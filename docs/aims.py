@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hmdwarp.report.bench_cases import cases
+from hmdwarp.report.bench import cases
 
 THESIS = ("forward", "interpolate")
 LATENCY_MS = 200

@@ -27,9 +27,7 @@ import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
-from hmdwarp.report.bench_cases import cases
-from hmdwarp.report.bench_charts import pareto_plot_png
-from hmdwarp.report.bench_tables import markdown_table
+from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 
 FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
 SMALL = shlex.split("--scene room --fill interpolate --size 480x600 --start 2 --seconds 6 --metrics-every 12")

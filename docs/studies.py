@@ -13,10 +13,10 @@ from PIL import Image
 
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.display import Command
-from hmdwarp.report.study_words import p_text
-from hmdwarp.study.asking import CONTROLS, Asked
+from hmdwarp.report import p_text
+from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 Program = Callable[..., None]
 WORDS = ("pairs (+/0/-)", "mean difference", "BCa 95 %", "Hodges-Lehmann", "exact p", "Holm 3 / 6", "r")
@@ -93,6 +93,6 @@ def question_picture(path: Path) -> None:
 
 def _asked(name: str, *steps: str) -> np.ndarray:
     scale = load_scale(name)
-    asked = Asked(Ask(f"trial/1/{name}", scale, scale.items[0], "trial", 1, "trial/1"), lambda: 0.0)
-    asked.obey([Command(step) for step in steps])
-    return asked.label().ink()
+    asked = QuestionDialog(Ask(f"trial/1/{name}", scale, scale.items[0], "trial", 1, "trial/1"), lambda: 0.0)
+    asked.handle([Command(step) for step in steps])
+    return asked.panel().ink()

@@ -1,45 +1,10 @@
 """hmdwarp: latency compensation for head-mounted displays.
 
-    out = hmdwarp.warp_image(colour, depth_m, rendered=View(...), shown=View(...), warp="forward", fill="interpolate")
+    out = hmdwarp.warp_image(colour, depth_m, rendered=View(...), shown=View(...), warp="forward")
 
-Names are imported when they are first used, so that importing the package costs nothing.
+Names are in __init__.pyi; each loads its module at first use, so this import costs nothing.
 """
 
-from __future__ import annotations
+import lazy_loader
 
-import importlib
-from typing import Any
-
-from .version import __version__
-
-_HOME = {
-    "DepthLayer": "geometry",
-    "Fov": "geometry",
-    "HmdwarpError": "errors",
-    "InputError": "errors",
-    "MachineError": "errors",
-    "Pose": "geometry",
-    "PoseTrack": "poses",
-    "RunOptions": "pipeline.options",
-    "View": "geometry",
-    "WarpMap": "geometry",
-    "WarpedImage": "image.warping",
-    "inverse_depth_from_clip": "geometry",
-    "load_trace": "poses",
-    "replay": "run.replay",
-    "warp_image": "image.warping",
-}
-
-__all__ = ["__version__", *_HOME]  # noqa: PLE0604 (the keys are strings)
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'hmdwarp' has no attribute '{name}'")
-    value = getattr(importlib.import_module(f"hmdwarp.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted([*globals(), *_HOME])
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,7 +6,8 @@ import json
 from pathlib import Path
 
 PAIRS = (("none", "none"), ("rotation", "none"), ("forward", "interpolate"))
-# So far above what any of them takes at 96x80 that another program on this machine cannot make a difference.
+# So far above what any of them takes at 96x80 that another program on this machine cannot make a
+# difference.
 AMPLE_MS = 1e4
 
 
@@ -17,12 +18,24 @@ def a_row(warp: str, fill: str, total_ms: float | None, flip: float, **changes) 
         name: {"mean": 0.0, "p95": 0.0} for name in ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker")
     }
     row = {
-        "schema": 1, "hmdwarp": "0", "trace": "look-around", "scene": "planes", "effects": [], "latency_ms": 200.0, "warp": warp,
-        "fill": fill, "lens": "none", "headset": "flat-90", "size": [96, 80], "frames": 6, "guard": 1.0,
-        "machine": {"gl_renderer": "somebody's", "gl_version": "4.5", "cpu_count": 1}, "clock": "wall",
+        "schema": 1,
+        "hmdwarp": "0",
+        "trace": "look-around",
+        "scene": "planes",
+        "effects": [],
+        "latency_ms": 200.0,
+        "warp": warp,
+        "fill": fill,
+        "lens": "none",
+        "headset": "flat-90",
+        "size": [96, 80],
+        "frames": 6,
+        "guard": 1.0,
+        "machine": {"gl_renderer": "somebody's", "gl_version": "4.5", "cpu_count": 1},
+        "clock": "wall",
         "time_ms": {**time_ms, "total": {"median": total_ms, "p95": total_ms}},
         "quality": {**quality, "flip": {"mean": flip, "p95": flip}},
-    }  # fmt: skip
+    }
     return {**row, **changes}
 
 

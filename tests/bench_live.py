@@ -1,12 +1,16 @@
-"""What a refresh of `hmdwarp live` costs beside OpenGL: `make bench-live`. With --gc: what Python's garbage collector costs it.
+"""What a refresh of `hmdwarp live` costs beside OpenGL: `make bench-live`.
 
-The whole live driver runs, on a display without a window (tests/run/live/offscreen.py) and small pictures: late pose, drawing, link, newest
-pose, warp maps, passes, handing over, log. Every call into OpenGL is timed and taken away; what is left is Python. On llvmpipe the
-drawing itself takes the processor and its caches, so the rest is slower than it would be beside a GPU.
+With --gc: what Python's garbage collector costs it.
 
-Three ways, in runs of their own: the wall's clock; the processor time of this thread, which leaves out what other programs took but not
-that they slow the processor down; and the wall's clock with calls that draw nothing, which is the loop's own cost. A fixed piece of work
-between the refreshes tells how slow the machine was: 1.0 is its best.
+The whole live driver runs, on a display without a window (tests/run/live/offscreen.py) and small
+pictures: late pose, drawing, link, newest pose, warp maps, passes, handing over, log. Every call
+into OpenGL is timed and taken away; what is left is Python. On llvmpipe the drawing itself takes
+the processor and its caches, so the rest is slower than it would be beside a GPU.
+
+Three ways, in runs of their own: the wall's clock; the processor time of this thread, which leaves
+out what other programs took but not that they slow the processor down; and the wall's clock with
+calls that draw nothing, which is the loop's own cost. A fixed piece of work between the refreshes
+tells how slow the machine was: 1.0 is its best.
 """
 
 from __future__ import annotations
@@ -39,7 +43,8 @@ CASES: dict[str, dict[str, Any]] = {
     "rotation + none, fused with the lens": {"warp": "rotation", "fill": "none", "lens": "radial", "fused": True},
     "mesh + pyramid, radial lens": {"warp": "mesh", "fill": "pyramid", "lens": "radial"},
 }
-# The last one is what is left where the pixels are made elsewhere: on one machine a software driver takes caches and clock rate away.
+# The last one is what is left where the pixels are made elsewhere: on one machine a software driver
+# takes caches and clock rate away.
 CLOCKS = (
     ("wall", time.perf_counter_ns, True),
     ("thread", time.thread_time_ns, True),
@@ -51,7 +56,10 @@ GL_CLASSES = ("moderngl", "_moderngl")
 
 
 class TimedDisplay(OffscreenDisplay):
-    """Calls begin() and end() around all that happens between one wait() and the next; `frames` refreshes, then it closes."""
+    """Calls begin() and end() around all that happens between one wait() and the next.
+
+    `frames` refreshes, then it closes.
+    """
 
     def __init__(self, gpu: Gpu, frames: int, begin: Callable[[], None], end: Callable[[], None]) -> None:
         super().__init__(gpu=gpu, size=SIZE, rate_hz=90.0)
@@ -110,7 +118,9 @@ class Outside:
             self.calls.append(self._gl.calls)
 
     def figures(self) -> tuple[float, float, float, float, float]:
-        """(median, p95, p5 outside GL in ms, median in all, how slow the machine was), warm-up left out."""
+        """(median, p95, p5 outside GL in ms, median in all, how slow the machine was), warm-up left
+        out.
+        """
         outside = np.array(self.outside_ms[WARM:])
         slow = median(self.probes_ns[WARM:]) / min(self.probes_ns)
         low, middle, high = np.percentile(outside, (5, 50, 95))
@@ -128,7 +138,9 @@ def measure(gpu: Gpu, frames: int, clock: Callable[[], int], *, draws: bool = Tr
 
 
 def shares(gpu: Gpu, frames: int, **chosen: Any) -> list[tuple[str, float]]:
-    """(part of the program, share of the time outside GL), the largest first: by cProfile, which makes small functions look large.
+    """(part of the program, share of the time outside GL), the largest first.
+
+    By cProfile, which makes small functions look large.
 
     What NumPy and attrs do counts for the module that called them.
     """
@@ -163,7 +175,11 @@ def _share_out(stats: dict, function: tuple, inside: float, callers: dict, own: 
 
 
 def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
-    """Every case in each way; whether those that have a limit keep it, beside a driver that draws and beside one that does not."""
+    """Every case in each way.
+
+    Whether those that have a limit keep it, beside a driver that draws and beside one that does
+    not.
+    """
     table = Table(
         "case",
         "clock",

@@ -1,8 +1,9 @@
 """How long one eye takes, against OpenCV on the same frame in the same process: `make bench-quick`.
 
-Prints ratios, which carry over between machines better than times do. Each round runs every method once, so that a machine
-that slows down slows all of them; the figures are medians over the rounds. OpenCV uses two threads. At the end: how many frames a
-second a whole replay makes, from typing the command to its page, and how long the command line takes to start.
+Prints ratios, which carry over between machines better than times do. Each round runs every method
+once, so that a machine that slows down slows all of them; the figures are medians over the rounds.
+OpenCV uses two threads. At the end: how many frames a second a whole replay makes, from typing the
+command to its page, and how long the command line takes to start.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
-# OpenCV's threads spin for a few milliseconds after their work, on the cores that the next method needs; so it comes last.
+# OpenCV's threads spin for a few milliseconds after their work, on the cores that the next method
+# needs; so it comes last.
 PAUSE_S = 0.05
 LATENCY_NS = 200_000_000
 # Against which OpenCV function each warp is held, and the ratio it must not exceed, per size.
@@ -106,7 +108,8 @@ class Case:
 def measure(gpu: Gpu, methods: dict[str, Callable[[], object]], rounds: int) -> dict[str, np.ndarray]:
     """Milliseconds of each method in each round, after one round to warm up.
 
-    Between two runs of a method all others run, as in a frame loop: nobody finds the caches as it left them.
+    Between two runs of a method all others run, as in a frame loop: nobody finds the caches as it
+    left them.
     """
     times: dict[str, list[float]] = {name: [] for name in methods}
     first = next(iter(methods.values()))
@@ -126,7 +129,11 @@ def measure(gpu: Gpu, methods: dict[str, Callable[[], object]], rounds: int) -> 
 
 
 def warm(gpu: Gpu, methods: dict[str, Callable[[], object]], size: tuple[int, int], rounds: int) -> str:
-    """One line: the same ratios with each method alone in a tight loop, where everything it touches may stay in the caches."""
+    """One line.
+
+    The same ratios with each method alone in a tight loop, where everything it touches may stay in
+    the caches.
+    """
     times = {}
     for name in (*LIMITS[size], *{other for other, _ in LIMITS[size].values()}):
         alone = {name: methods[name]}
@@ -169,7 +176,10 @@ def seconds_of(*arguments: str) -> float:
 
 
 def whole_replay(seconds: float) -> tuple[str, list[str]]:
-    """Frames a second of a whole replay with its default comparison, start-up and report included; and whether that is too few."""
+    """Frames a second of a whole replay with its default comparison, start-up and report included.
+
+    And whether that is too few.
+    """
     with tempfile.TemporaryDirectory() as out:
         took = seconds_of("-m", "hmdwarp", "replay", *REPLAY, "--seconds", f"{seconds:g}", "--out", out)
         frames = json.loads((Path(out) / "summary.json").read_text(encoding="utf-8"))["frames"]

@@ -6,7 +6,10 @@ import numpy as np
 
 
 def moving(size: tuple[int, int], count: int, *, holes: bool = True) -> list[tuple[np.ndarray, np.ndarray]]:
-    """(colour (h, w, 3) uint8, inverse_depth (h, w) float32) of `count` instants: a slanted wall, a box passing before it, sky above."""
+    """(colour (h, w, 3) uint8, inverse_depth (h, w) float32) of `count` instants.
+
+    A slanted wall, a box passing before it, sky above.
+    """
     width, height = size
     y, x = np.mgrid[:height, :width].astype(np.float64)
     out = []

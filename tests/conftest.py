@@ -1,4 +1,7 @@
-"""Fixtures that every test may use: one GPU context for the session, the development head traces, the order of tests."""
+"""Fixtures that every test may use.
+
+One GPU context for the session, the development head traces, the order of tests.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,10 @@ def gpu():
 
 @pytest.fixture(autouse=True)
 def no_context_is_left_behind():
-    """A test that leaves an OpenGL context of its own open makes every later one draw there: black pictures, far from the cause."""
+    """A test that leaves an OpenGL context of its own open makes every later one draw there.
+
+    Black pictures, far from the cause.
+    """
     before = _current_gpu()
     yield
     assert _current_gpu() is before, "this test left an OpenGL context open: close it"
@@ -35,15 +41,21 @@ def _current_gpu():
 
 @pytest.fixture(scope="session")
 def real_traces() -> Path:
-    """The folder of real recorded head motion used in development; it is not part of the project."""
+    """The folder of real recorded head motion used in development.
+
+    It is not part of the project.
+    """
     if not DEVELOPMENT_TRACES.is_dir():
         pytest.skip(f"no real head traces at {DEVELOPMENT_TRACES} (they lie beside the development checkout only)")
     return DEVELOPMENT_TRACES
 
 
 def pytest_configure() -> None:
-    """Signals as a terminal has them: under nohup, or in the background of a script, they are ignored, and so would be in every
-    program that a test starts and then interrupts."""
+    """Signals as a terminal has them.
+
+    Under nohup, or in the background of a script, they are ignored, and so would be in every
+    program that a test starts and then interrupts.
+    """
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, usual)

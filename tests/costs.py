@@ -1,4 +1,8 @@
-"""What a run asks of the GPU: which programs it compiles, what it allocates, how often it dispatches and draws, what a frame weighs."""
+"""What a run asks of the GPU.
+
+Which programs it compiles, what it allocates, how often it dispatches and draws, what a frame
+weighs.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +23,12 @@ WORK += ((moderngl.VertexArray, "render_indirect"),)
 
 @attrs.frozen
 class Costs:
-    """shaders: the files of all programs compiled. made: how many of each kind of thing. work: dispatches and draws of one refresh,
-    drawing the frame included. layers: bytes of each layer of a frame; sent: of a frame, as the link was told. textures: how
-    many of each size, components and type."""
+    """shaders: the files of all programs compiled.
+
+    made: how many of each kind of thing. work: dispatches and draws of one refresh, drawing the
+    frame included. layers: bytes of each layer of a frame; sent: of a frame, as the link
+    was told. textures: how many of each size, components and type.
+    """
 
     shaders: frozenset[str]
     made: dict[str, int]

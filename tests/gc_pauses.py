@@ -1,4 +1,7 @@
-"""What Python's garbage collector does to the pictures of a live run: whenever it likes, and between them."""
+"""What Python's garbage collector does to the pictures of a live run.
+
+Whenever it likes, and between them.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ WHEN = {"whenever it likes": False, "between the pictures": True}
 
 
 class Pauses:
-    """Of each refresh what it took, and what of that was collecting: between begin() and end(), and beside (after the hand-over)."""
+    """Of each refresh what it took, and what of that was collecting.
+
+    Between begin() and end(), and beside (after the hand-over).
+    """
 
     def __init__(self) -> None:
         self.refreshes_ms: list[float] = []
@@ -57,7 +63,8 @@ def table_of(drive: Callable[..., None], frames: int, chosen: dict[str, Any]) ->
         "longest",
         "late by it",
     )
-    title = f"Garbage collection in {frames} refreshes ({chosen['warp']} + {chosen['fill']}); late by it: over {BUDGET_MS:.1f} ms (90 Hz)"
+    how = f"{frames} refreshes ({chosen['warp']} + {chosen['fill']})"
+    title = f"Garbage collection in {how}; late by it: over {BUDGET_MS:.1f} ms (90 Hz)"
     table = Table(*head, title=f"{title} with collecting, not without")
     for name, between in WHEN.items():
         pauses = Pauses()

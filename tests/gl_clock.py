@@ -1,4 +1,7 @@
-"""How long a frame spends inside OpenGL, and what it makes there: moderngl's own methods, watched."""
+"""How long a frame spends inside OpenGL, and what it makes there.
+
+Moderngl's own methods, watched.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,8 @@ from typing import Any
 import _moderngl
 import moderngl
 
-# Every method and property of moderngl that reaches the driver, of the classes that are used here. What only looks at Python is left out.
+# Every method and property of moderngl that reaches the driver, of the classes that are used here.
+# What only looks at Python is left out.
 CALLS: dict[type, tuple[str, ...]] = {
     moderngl.Buffer: (
         "write",
@@ -80,7 +84,8 @@ CALLS: dict[type, tuple[str, ...]] = {
     ),
     _moderngl.Uniform: ("write", "read"),
 }
-# What makes something that lives on the GPU. A scope is none, but moderngl keeps each one until the context goes.
+# What makes something that lives on the GPU. A scope is none, but moderngl keeps each one until the
+# context goes.
 MAKERS = (
     *(
         "buffer",
@@ -109,7 +114,8 @@ MAKERS = (
 class GlClock:
     """`inside`: ns by `clock` in GL calls since reset(), of which there were `calls`.
 
-    Each watched call costs `beside_ns` that is not inside, and `within_ns` that is: what an empty one costs.
+    Each watched call costs `beside_ns` that is not inside, and `within_ns` that is: what an empty
+    one costs.
     """
 
     def __init__(self, clock: Callable[[], int] = time.perf_counter_ns) -> None:
@@ -121,7 +127,10 @@ class GlClock:
         self.inside, self.calls, self.busy = 0, 0, False
 
     def watched(self, call: Callable[..., Any]) -> Callable[..., Any]:
-        """The same call, its time added to `inside`; one that is made within another belongs to that."""
+        """The same call, its time added to `inside`.
+
+        One that is made within another belongs to that.
+        """
         clock = self.clock
 
         def timed(*given: Any, **named: Any) -> Any:
@@ -181,7 +190,10 @@ DRAWS = {
 
 @contextmanager
 def nothing_drawn() -> Iterator[None]:
-    """Calls that set the driver to work return at once inside the block: Python has the processor for itself, as beside a GPU."""
+    """Calls that set the driver to work return at once inside the block.
+
+    Python has the processor for itself, as beside a GPU.
+    """
     with _replaced({(kind, name): lambda *_, **__: None for kind, names in DRAWS.items() for name in names}):
         yield
 

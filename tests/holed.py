@@ -1,4 +1,7 @@
-"""A random shown picture with holes, for every test of a fill: colour, inverse depth, and what a fill is given beside them."""
+"""A random shown picture with holes, for every test of a fill.
+
+Colour, inverse depth, and what a fill is given beside them.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,17 @@ from client_scene import ClientScene
 from reference.picture import RenderedPicture
 from worlds import World, read
 
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.plan import CLIENT_MODEL
-from hmdwarp.client.variants import parse_fills
+from hmdwarp.client import CLIENT_MODEL, ShownPicture, parse_fills
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry.wide import wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 
 
 class Holed:
-    """colour (h, w, 4), a share `empty` of it holes, and inverse_depth (h, w), -1 in holes; bottom row first. given: of a random world."""
+    """colour (h, w, 4), a share `empty` of it holes, and inverse_depth (h, w), -1 in holes.
+
+    Bottom row first. given: of a random world.
+    """
 
     def __init__(self, gpu, seed: int, size: tuple[int, int], empty: float = 0.3) -> None:
         world = World(gpu, seed, size)
@@ -52,7 +56,10 @@ class Holed:
         return picture
 
     def fill(self, gpu, name: str, geometry=None) -> tuple[np.ndarray, np.ndarray]:
-        """Colour and inverse depth after one fill, the latter unchanged if it writes none. Run twice: the second must not differ."""
+        """Colour and inverse depth after one fill, the latter unchanged if it writes none.
+
+        Run twice: the second must not differ.
+        """
         (choice,) = parse_fills(name)
         if geometry is None and CLIENT_MODEL in choice.entry.reads:
             geometry = ClientScene(gpu)

@@ -1,4 +1,7 @@
-"""A small scene with every kind of mirror, for tests: an uneven floor, a wall mirror, a chrome ball, and plain things before them."""
+"""A small scene with every kind of mirror, for tests.
+
+An uneven floor, a wall mirror, a chrome ball, and plain things before them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What a headset's panel shows of a random world: by a warp that looks through the lens itself, and by warp and lens in two passes."""
+"""What a headset's panel shows of a random world.
+
+By a warp that looks through the lens itself, and by warp and lens in two passes.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Small replays for tests: one call, sensible small defaults, and the pixels of a run's pictures where figures are not enough."""
+"""Small replays for tests.
+
+One call, sensible small defaults, and the pixels of a run's pictures where figures are not enough.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,10 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def each_refresh(options: RunOptions, look: Callable[[Rig, int, Refresh], None]) -> None:
-    """The loop alone, without measuring and files: look(rig, number, refresh) at every shown refresh."""
+    """The loop alone, without measuring and files.
+
+    look(rig, number, refresh) at every shown refresh.
+    """
     with build_rig(options) as rig:
         number = 0
         for instant_ns, shown in rig.timetable.instants():
@@ -68,7 +74,10 @@ def each_refresh(options: RunOptions, look: Callable[[Rig, int, Refresh], None])
 
 @attrs.frozen(eq=False)
 class Seen:
-    """One eye at one refresh, top row first: what was shown (h, w, 4), what should have been, coverage before the fill."""
+    """One eye at one refresh, top row first.
+
+    What was shown (h, w, 4), what should have been, coverage before the fill.
+    """
 
     shown: NDArray[np.float32]
     truth: NDArray[np.float32]

@@ -1,4 +1,7 @@
-"""Hypothesis strategies that several folders share: poses, fields of view, sizes; everyday values and the bad ones nearby."""
+"""Hypothesis strategies that several folders share: poses, fields of view, sizes.
+
+Everyday values and the bad ones nearby.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,8 @@ def _turned(axis: tuple[float, float, float], angle: float) -> np.ndarray:
     return np.append(axis / np.linalg.norm(axis) * math.sin(angle / 2), math.cos(angle / 2))
 
 
-# Uniform on the sphere of quaternions, and near the bad places: no turn, half turns (w = 0), both signs of q.
+# Uniform on the sphere of quaternions, and near the bad places: no turn, half turns (w = 0), both
+# signs of q.
 UNIFORM_QUATERNIONS = st.integers(0, 2**32 - 1).map(lambda seed: np.random.default_rng(seed).normal(size=4))
 SMALL_TURNS = st.builds(_turned, vectors(), st.sampled_from([0.0, 1e-300, 1e-12, 1e-8, 1e-4]))
 HALF_TURNS = st.builds(_turned, vectors(), st.sampled_from([math.pi, math.pi - 1e-8, math.pi + 1e-8, 2 * math.pi]))
@@ -41,7 +45,8 @@ def _fov(left: float, right: float, down: float, up: float) -> Fov:
     return Fov(-left, right, -down, up)
 
 
-# Each side 10 to 65 degrees from the axis: what headsets have; and views that do not hold their own axis, as in tiled displays.
+# Each side 10 to 65 degrees from the axis: what headsets have; and views that do not hold their own
+# axis, as in tiled displays.
 FOVS = st.one_of(
     st.builds(_fov, *[st.floats(math.radians(10), math.radians(65))] * 4),
     st.builds(
@@ -60,7 +65,9 @@ def views(metres: st.SearchStrategy[float] = METRES) -> st.SearchStrategy[View]:
 
 @st.composite
 def neighbouring_views(draw: st.DrawFn, origins: st.SearchStrategy[float] = FAR_ORIGIN) -> tuple[View, View]:
-    """Two eyes a plausible head motion apart, near the world's origin or 1e6 m from it, with fields of view of their own."""
+    """Two eyes a plausible head motion apart, near the world's origin or 1e6 m from it, with fields
+    of view of their own.
+    """
     origin = np.array(draw(vectors(origins)))
     step = np.array(draw(vectors(st.one_of(st.just(0.0), st.floats(-0.3, 0.3)))))
     base = Pose(origin, draw(QUATERNIONS))

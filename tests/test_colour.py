@@ -12,7 +12,8 @@ unit = st.floats(0, 1)
 
 @given(unit)
 def test_round_trip(value):
-    # The standard's two branches miss each other by 4e-8 at the joint; elsewhere only float64 rounding is left.
+    # The standard's two branches miss each other by 4e-8 at the joint; elsewhere only float64
+    # rounding is left.
     assert linear_from_srgb(srgb_from_linear(value)) == pytest.approx(value, abs=1e-7)
 
 
@@ -29,7 +30,8 @@ def test_every_byte_survives():
 
 
 def test_known_values():
-    # IEC 61966-2-1: 18 % grey encodes to 0.4613561, mid grey 0.5 decodes to 0.2140411 (both from the formula, by hand).
+    # IEC 61966-2-1: 18 % grey encodes to 0.4613561, mid grey 0.5 decodes to 0.2140411 (both from
+    # the formula, by hand).
     assert srgb_from_linear(0.18) == pytest.approx(0.4613561, abs=1e-7)
     assert linear_from_srgb(0.5) == pytest.approx(0.2140411, abs=1e-7)
     assert srgb_from_linear([0.0, 1.0]).tolist() == [0.0, 1.0]

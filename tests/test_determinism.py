@@ -1,4 +1,7 @@
-"""The same command twice gives the same bits: pictures, rows, quality; with any number of measuring processes."""
+"""The same command twice gives the same bits: pictures, rows, quality.
+
+With any number of measuring processes.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,9 @@ def test_the_same_bits_again(workers, first, tmp_path):
 @pytest.mark.parametrize("warp", ["forward", "backward", "planar"])
 @pytest.mark.parametrize("scene", ["spheres", "room"])
 def test_every_kind_of_pass_gives_the_same_bits(warp, scene, tmp_path):
-    """forward's ties, planar's median and backward's second drawing could each depend on the order in which threads run."""
+    """forward's ties, planar's median and backward's second drawing could each depend on the order
+    in which threads run.
+    """
     wanted = {
         **RUN,
         "seconds": 0.1,
@@ -55,7 +60,9 @@ def test_every_kind_of_pass_gives_the_same_bits(warp, scene, tmp_path):
 
 
 def test_what_is_measured_does_not_change_what_is_shown(first, tmp_path):
-    """Reading pictures back, drawing the truth and running a second warp must leave no trace in the first one's pictures."""
+    """Reading pictures back, drawing the truth and running a second warp must leave no trace in the
+    first one's pictures.
+    """
     from replays import seen, small
 
     plain = seen(small(trace="walk", fill="interpolate", seconds=0.2), every=4)

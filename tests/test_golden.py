@@ -1,11 +1,14 @@
-"""Golden pictures of whole loops, small, on llvmpipe only: they notice what no figure was asked about.
+"""Golden pictures of whole loops, small, on llvmpipe only.
 
-What must be right is tested elsewhere; these only say that something changed. After a change that is meant, look at the new
-pictures and keep them:
+They notice what no figure was asked about.
+
+What must be right is tested elsewhere; these only say that something changed. After a change that
+is meant, look at the new pictures and keep them:
 
     HMDWARP_GOLDEN=write python -m pytest tests/test_golden.py
 
-A failure writes the picture, the golden one and their difference, ten times as strong, to the folder that the message names.
+A failure writes the picture, the golden one and their difference, ten times as strong, to the
+folder that the message names.
 """
 
 from __future__ import annotations
@@ -46,8 +49,9 @@ LOOPS = {
 }
 SIZE = (80, 100)
 
-# llvmpipe of one Mesa and LLVM gives the same bits every time. Another one may round a colour the other way (one grey level), and a
-# place the other way, which moves an edge or a scattered point by a pixel: at most one pixel in 500, or it is a change.
+# llvmpipe of one Mesa and LLVM gives the same bits every time. Another one may round a colour the
+# other way (one grey level), and a place the other way, which moves an edge or a scattered point by
+# a pixel: at most one pixel in 500, or it is a change.
 GREY_LEVELS, MOVED_SHARE = 1, 1 / 500
 
 
@@ -75,7 +79,8 @@ def difference(found: NDArray[np.uint8], wanted: NDArray[np.uint8]) -> NDArray[n
 def on_llvmpipe(gpu):
     if "llvmpipe" not in gpu.renderer:
         pytest.skip(
-            f"golden pictures are llvmpipe's; this is {gpu.renderer}, which may draw edges and filter textures otherwise"
+            f"golden pictures are llvmpipe's; this is {gpu.renderer}, which may draw edges and filter textures "
+            "otherwise"
         )
 
 

@@ -1,4 +1,6 @@
-"""The rules of the house that a machine can check: who may import whom, where shader text, clocks and row flips live.
+"""The rules of the house that a machine can check.
+
+Who may import whom, where shader text, clocks and row flips live.
 
 A new module at the top of hmdwarp/ gets its place in FLOORS; a test here says so if it has none.
 """
@@ -90,16 +92,20 @@ def tree_of(path: Path) -> ast.Module:
 
 
 def unit_of(path: Path) -> str:
-    """The part of the house a file belongs to: its top folder, or its own stem at the top; "" for hmdwarp/__init__.py."""
+    """The part of the house a file belongs to: its top folder, or its own stem at the top.
+
+    "" for hmdwarp/__init__.py.
+    """
     parts = path.relative_to(PACKAGE).with_suffix("").parts
     return "" if parts == ("__init__",) else parts[0]
 
 
 def units_in(source: str, package: tuple[str, ...]) -> set[str]:
-    """The parts of hmdwarp that `source`, lying in `package` (e.g. ("hmdwarp", "gpu")), imports anywhere, functions included.
+    """The parts of hmdwarp that `source`, lying in `package` (e.g. ("hmdwarp", "gpu")), imports
+    anywhere, functions included.
 
-    "" is the top package itself, unless what is taken from it is a part of the house. What only annotations need (imported
-    under TYPE_CHECKING) is not counted: it is never loaded.
+    "" is the top package itself, unless what is taken from it is a part of the house. What only
+    annotations need (imported under TYPE_CHECKING) is not counted: it is never loaded.
     """
     tree = ast.parse(source)
     blocks = [node for node in ast.walk(tree) if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
@@ -178,7 +184,10 @@ def strings_of(path: Path) -> list[tuple[int, str]]:
 
 @pytest.mark.parametrize("path", modules(), ids=name_of)
 def test_no_shader_text_in_python(path):
-    """Shaders lie in shaders/, where tools find them and compiler messages point; only the loader writes a version line."""
+    """Shaders lie in shaders/, where tools find them and compiler messages point.
+
+    Only the loader writes a version line.
+    """
     marks = ("void main", "gl_Position", "layout(local_size", "imageStore(") + (
         () if name_of(path) == "gpu/shaders.py" else ("#version ",)
     )
@@ -192,7 +201,10 @@ PICTURES = re.compile(
 
 
 def row_flips(tree: ast.AST) -> list[int]:
-    """Lines that turn a picture upside down: flipud, np.flip, FLIP_TOP_BOTTOM, or [::-1] first in what is named like a picture."""
+    """Lines that turn a picture upside down.
+
+    Flipud, np.flip, FLIP_TOP_BOTTOM, or [::-1] first in what is named like a picture.
+    """
     lines = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
@@ -292,7 +304,9 @@ SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".comp
 
 @pytest.mark.parametrize("path", SHADERS, ids=lambda p: p.relative_to(ROOT / "shaders").as_posix())
 def test_every_shader_says_what_it_computes(path):
-    """At the top a comment of two lines or more, and for a whole stage what goes in and what comes out."""
+    """At the top a comment of two lines or more, and for a whole stage what goes in and what comes
+    out.
+    """
     header = "\n".join(
         line for line in path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if line.startswith("//")
     )
@@ -301,7 +315,7 @@ def test_every_shader_says_what_it_computes(path):
         assert "In:" in header and "Out:" in header
 
 
-# --- what must not be in any file ----------------------------------------------------------------------------------------
+# --- what must not be in any file ---------------------------------------------------------------
 
 
 def tracked_texts() -> list[tuple[str, str]]:
@@ -339,7 +353,10 @@ def test_no_file_holds(what):
 
 
 def test_the_pins_name_every_dependency():
-    """Set-up installs from .ci/constraints.txt; a dependency without a line there would not be reproducible."""
+    """Set-up installs from .ci/constraints.txt.
+
+    A dependency without a line there would not be reproducible.
+    """
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [
         *project["dependencies"],

@@ -1,4 +1,7 @@
-"""A scene pays for what it calls for, and for nothing else: shaders, textures, bytes and dispatches are counted."""
+"""A scene pays for what it calls for, and for nothing else.
+
+Shaders, textures, bytes and dispatches are counted.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +34,9 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkey
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
     assert costs.layers == {"rendered.colour": 2 * 96 * 80 * 8, "rendered.inverse_depth": 2 * 96 * 80 * 4}
     assert costs.sent == 2 * 96 * 80 * 12
-    # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each has colour and depth for two eyes.
-    # The client has a canvas for the warp and one for the fill, for each eye.
+    # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each
+    # has colour and depth for two eyes. The client has a canvas for the warp and one for the fill,
+    # for each eye.
     colour, depth = ((96, 80), 4, "f2"), ((96, 80), 1, "f4")
     assert {kind: count for kind, count in costs.textures.items() if kind[0] == (96, 80)} == {
         colour: 2 * 5 + 2 * 2,
@@ -58,7 +62,10 @@ def test_what_is_forbidden_costs_the_client_and_the_link_nothing(monkeypatch, sc
 
 @pytest.mark.parametrize("scene", CALLING)
 def test_each_effect_is_paid_by_those_who_call_for_it(monkeypatch, scene):
-    """Forbidding one takes its bytes off the link, unless another needs the same; forcing what is there already changes nothing."""
+    """Forbidding one takes its bytes off the link, unless another needs the same.
+
+    Forcing what is there already changes nothing.
+    """
     everything = costs_of(monkeypatch, scene=scene)
     declared = scenes.get(scene).effects
     assert costs_of(monkeypatch, scene=scene, effects=",".join(declared)) == everything

@@ -11,9 +11,23 @@ import pytest
 import hmdwarp
 
 PUBLIC = {
-    "DepthLayer", "Fov", "HmdwarpError", "InputError", "MachineError", "Pose", "PoseTrack", "RunOptions", "View", "WarpMap", "WarpedImage",
-    "inverse_depth_from_clip", "load_trace", "replay", "warp_image", "__version__",
-}  # fmt: skip
+    "DepthLayer",
+    "Fov",
+    "HmdwarpError",
+    "InputError",
+    "MachineError",
+    "Pose",
+    "PoseTrack",
+    "RunOptions",
+    "View",
+    "WarpMap",
+    "WarpedImage",
+    "inverse_depth_from_clip",
+    "load_trace",
+    "replay",
+    "warp_image",
+    "__version__",
+}
 FUNCTIONS = {"inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
 
 
@@ -31,12 +45,14 @@ def test_each_name_is_what_it_looks_like(name):
 
 
 def test_names_that_are_not_there_say_so():
-    with pytest.raises(AttributeError, match="no attribute 'warp_imagee'"):
+    with pytest.raises(AttributeError, match="No hmdwarp attribute warp_imagee"):
         hmdwarp.warp_imagee  # noqa: B018
 
 
 def test_every_module_can_be_imported_alone_after_another():
-    """No module relies on another having been imported first, and none leaves a public name changed."""
+    """No module relies on another having been imported first, and none leaves a public name
+    changed.
+    """
     for module in pkgutil.walk_packages(hmdwarp.__path__, "hmdwarp."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
@@ -52,7 +68,11 @@ def test_errors_are_one_family():
 
 
 def test_the_example_of_the_package_runs():
-    """design: out = warp_image(colour, depth_m, rendered=View, shown=View, ..), out.colour, out.coverage, out.time_ms."""
+    """design.
+
+    Out = warp_image(colour, depth_m, rendered=View, shown=View, ..), out.colour, out.coverage,
+    out.time_ms.
+    """
     import numpy as np
 
     from hmdwarp import Fov, Pose, View

@@ -1,4 +1,7 @@
-"""Replays tell the truth: what must be perfect is, what must be better is, and by how much where that can be said."""
+"""Replays tell the truth.
+
+What must be perfect is, what must be better is, and by how much where that can be said.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import srgb_from_linear
-from hmdwarp.metrics.image import PSNR_CAP_DB
+from hmdwarp.metrics import PSNR_CAP_DB
 
 WALK = {"trace": "walk", "start_s": 3.0, "seconds": 1.5, "metrics_every": 9}
 
@@ -25,7 +28,9 @@ EXACT = [warp.name for warp in warps if not warp.resamples]
 @pytest.mark.parametrize("warp", EXACT)
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
 def test_without_latency_every_warp_is_perfect(warp, scene, tmp_path):
-    """The frame is drawn for the very pose it is shown at, so the same triangles give the same bits and nothing is resampled."""
+    """The frame is drawn for the very pose it is shown at, so the same triangles give the same bits
+    and nothing is resampled.
+    """
     result = run(tmp_path, **{**WALK, "seconds": 0.5}, scene=scene, warp=warp, latency_ms=0.0)
     assert {row["age_ms"] for row in result.rows} == {0.0}
     assert set(values(result, "psnr_db")) == {PSNR_CAP_DB}
@@ -37,8 +42,11 @@ def test_without_latency_every_warp_is_perfect(warp, scene, tmp_path):
 
 @pytest.mark.parametrize("warp", EXACT)
 def test_without_latency_a_guard_changes_only_the_last_bits(warp):
-    """The guarded view's pixel centres are the unguarded one's; its projection differs in the last bits of float32, which moves
-    a textured triangle by millionths of a pixel and, now and then, an edge across a pixel centre."""
+    """The guarded view's pixel centres are the unguarded one's.
+
+    Its projection differs in the last bits of float32, which moves a textured triangle by
+    millionths of a pixel and, now and then, an edge across a pixel centre.
+    """
     for eye in seen(small(**{**WALK, "seconds": 0.2}, warp=warp, latency_ms=0.0, guard=1.3), every=4):
         difference = np.abs(srgb_from_linear(eye.shown[..., :3]) - srgb_from_linear(eye.truth[..., :3])).max(axis=-1)
         assert np.quantile(difference, 0.95) < 8 / 255
@@ -46,7 +54,10 @@ def test_without_latency_a_guard_changes_only_the_last_bits(warp):
 
 
 def test_a_still_head_needs_no_warp(tmp_path):
-    """Sway of 0.01 m/s and 1.3 deg/s over 200 ms is a quarter of a degree and 2 mm: nothing to tear open."""
+    """Sway of 0.01 m/s and 1.3 deg/s over 200 ms is a quarter of a degree and 2 mm.
+
+    Nothing to tear open.
+    """
     result = run(tmp_path, trace="still", latency_ms=200.0, warp="backward", scene="spheres", seconds=1.0)
     assert result.summary["quality"]["hole_share"]["mean"] < 0.02
     moving = run(tmp_path, **WALK, latency_ms=200.0, warp="none", scene="spheres")
@@ -73,7 +84,10 @@ def squared_errors(**options: object) -> float:
 
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
 def test_depth_beats_rotation_where_the_head_moves(scene):
-    """Outside holes. Rotation leaves parallax of up to 6 degrees here: 0.7 m/s over 200 ms past things 1.3 m away."""
+    """Outside holes.
+
+    Rotation leaves parallax of up to 6 degrees here: 0.7 m/s over 200 ms past things 1.3 m away.
+    """
     rotation, forward, backward = (
         squared_errors(scene=scene, warp=warp) for warp in ("rotation", "forward", "backward")
     )
@@ -82,7 +96,9 @@ def test_depth_beats_rotation_where_the_head_moves(scene):
 
 
 def near_truth(warp: str, radius: int = 2, grey_levels: int = 4) -> float:
-    """Share of covered pixels whose colour lies within what the truth has within `radius` pixels, give or take some grey levels."""
+    """Share of covered pixels whose colour lies within what the truth has within `radius` pixels,
+    give or take some grey levels.
+    """
     good = covered = 0
     for eye in seen(small(**WALK, warp=warp), every=9):
         shown, truth = (srgb_from_linear(picture[..., :3]) for picture in (eye.shown, eye.truth))
@@ -96,8 +112,9 @@ def near_truth(warp: str, radius: int = 2, grey_levels: int = 4) -> float:
 
 
 def test_backward_shows_the_truth_within_its_bilinear_footprint():
-    """Four neighbouring late texels around the exact place are mixed, each of them a truth of at most 1.5 pixels away, so two
-    pixels hold the colour; edges that another eye position uncovers by a fraction of a pixel are the rest, 0.1 % here.
+    """Four neighbouring late texels around the exact place are mixed, each of them a truth of at
+    most 1.5 pixels away, so two pixels hold the colour; edges that another eye position uncovers by
+    a fraction of a pixel are the rest, 0.1 % here.
 
     That the bound means something shows in the warps that do not know depth.
     """
@@ -114,7 +131,10 @@ def test_holes_grow_with_latency(tmp_path):
 
 
 def test_a_fill_makes_holes_no_worse_and_does_not_hide_them(tmp_path):
-    """Holes are counted before the fill; what is filled was black, which is as far from a bright scene as can be."""
+    """Holes are counted before the fill.
+
+    What is filled was black, which is as far from a bright scene as can be.
+    """
     bare = run(tmp_path, **WALK, warp="forward").summary["quality"]
     filled = run(tmp_path, **WALK, warp="forward", fill="interpolate").summary["quality"]
     assert filled["hole_share"] == bare["hole_share"] and filled["border_share"] == bare["border_share"]

@@ -9,12 +9,10 @@ import typing
 import attrs
 import numpy as np
 import reference
-from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs, RenderedPicture
+from reference.picture import GPU_SAMPLER_PIXELS, RenderedPicture, TwinInputs
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import CLIENT_DEPTH
-from hmdwarp.client.variants import every_warp, parse_warp
+from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_warp, parse_warp
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frames import EyeImage, Surface
 from hmdwarp.geometry import Fov, Pose, View
@@ -35,7 +33,9 @@ def twin_of(name: str):
 
 
 def every_choice() -> list[str]:
-    """Each warp with its defaults, with every other word that one of its settings may be, and its variants."""
+    """Each warp with its defaults, with every other word that one of its settings may be, and its
+    variants.
+    """
     specs = every_warp()
     for warp in warps:
         for field in attrs.fields(warp.Settings):
@@ -71,7 +71,8 @@ class World:
         self._draw()
         self.client = self._client_depth()
         self.upload(gpu)
-        # llvmpipe turns a place into 0..1 and back in float32: a division and a product, each half a unit of the place.
+        # llvmpipe turns a place into 0..1 and back in float32: a division and a product, each half
+        # a unit of the place.
         self.sampler_pixels = 4 * 2.0**-24 * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
 
     def _draw(self) -> None:
@@ -97,7 +98,10 @@ class World:
         )
 
     def _client_depth(self) -> np.ndarray:
-        """Any depth will do for the contract: the rendered depth itself, resized, so that many pixels agree and many do not."""
+        """Any depth will do for the contract.
+
+        The rendered depth itself, resized, so that many pixels agree and many do not.
+        """
         (wide, high), (w, h) = self.size, self.shown_size
         return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
 
@@ -125,7 +129,10 @@ class World:
         return drawn
 
     def bring(self, gpu, entry: type[Warp]) -> None:
-        """Everything else that a warp of this kind reads: layers behind the visible surfaces, a cube around the eye, further pictures."""
+        """Everything else that a warp of this kind reads.
+
+        Layers behind the visible surfaces, a cube around the eye, further pictures.
+        """
         settings = entry.Settings()
         if "rendered.cube" in entry.reads:
             self.bring_cube(gpu)
@@ -140,7 +147,9 @@ class World:
             )
 
     def bring_cube(self, gpu) -> None:
-        """Random colours all around the rendered eye, faces as wide inside as the rendered picture's longer side."""
+        """Random colours all around the rendered eye, faces as wide inside as the rendered picture's longer
+        side.
+        """
         if self.cube is None:
             side = max(self.size) + 2
             colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))
@@ -148,7 +157,10 @@ class World:
         self.rendered = self.rendered.having(cube=self._colour_texture(gpu, self.cube))
 
     def look_along_a_face(self, gpu, index: int, margin: int = 0) -> np.ndarray:
-        """Show what the cube holds in one face, less `margin` of its pixels on each side; returns that picture."""
+        """Show what the cube holds in one face, less `margin` of its pixels on each side.
+
+        Returns that picture.
+        """
         self.bring_cube(gpu)
         face, side = FACES[index], max(self.size) + 2
         edge, left = 1 + margin, (side - 2) / 2
@@ -160,7 +172,10 @@ class World:
         return self.cube[y + edge : y + side - edge, x + edge : x + side - edge]
 
     def _behind(self, number: int) -> RenderedPicture:
-        """A layer: farther than the visible surface by a factor, missing where a peel would find nothing more."""
+        """A layer.
+
+        Farther than the visible surface by a factor, missing where a peel would find nothing more.
+        """
         colour, _ = self._picture()
         missing = (self.inverse_depth <= 0) | (self.rng.uniform(size=self.inverse_depth.shape) < 0.3)
         depth = np.where(missing, -1, self.inverse_depth * 0.6**number).astype(np.float32).astype(np.float64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..report.bench_tables import choice_terms
+from ..report.bench import choice_terms
 
 
 def answer(choice: Mapping[str, Any]) -> list[str]:

@@ -16,9 +16,7 @@ from ..colour import picture_from_linear
 from ..frames import Needs
 from ..geometry import View
 from ..gpu.textures import download
-from ..metrics.job import Compared, QualityJob
-from ..metrics.mismatch import Mismatch, SharedSurface
-from ..metrics.pool import QualityPool
+from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface
 from ..pipeline.loop import Refresh
 from ..run.log import Row, stage_columns
 from ..run.rig import Rig

@@ -14,9 +14,7 @@ from ..client.inputs import PassInputs
 from ..client.plan import build_plan, needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
-from ..metrics.job import Compared, QualityJob
-from ..metrics.pool import QualityPool
-from ..metrics.sharpness import sharpness
+from ..metrics import Compared, QualityJob, QualityPool, sharpness
 from ..run.log import stage_columns
 from ..run.rig import Rig
 from ..server.targets import Target, TargetPool

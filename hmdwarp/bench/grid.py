@@ -17,8 +17,7 @@ from ..errors import HmdwarpError
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link import LinkOptions
-from ..metrics.job import Compared, QualityJob
-from ..metrics.pool import QualityPool
+from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample

@@ -7,10 +7,7 @@ from functools import reduce
 from operator import add
 from typing import Any
 
-from ..metrics import QUALITY, STAGES
-from ..metrics.mismatch import Mismatch
-from ..metrics.pool import QualityPool
-from ..metrics.regions import REGIONS, pooled
+from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, pooled
 from ..run.outcome import summary_of
 from ..run.rig import Rig
 from .casework import Measured

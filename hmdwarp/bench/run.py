@@ -18,14 +18,13 @@ from ..frames import Needs
 from ..gpu.context import Gpu
 from ..gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..headsets import Headset, load_headset
-from ..metrics.pool import QualityPool, worker_count
+from ..metrics import QualityPool, worker_count
 from ..pipeline.build import check_held
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
-from ..report.files import OutputFolder
-from ..report.schema import SCHEMA
+from ..report import SCHEMA, OutputFolder
 from ..run.rig import build_rig, timetable
 from ..scenes import load_scene
 from ..version import __version__
@@ -262,7 +261,7 @@ def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[s
 
 
 def _write(out: OutputFolder, data: dict[str, Any]) -> None:
-    from ..report.bench_page import render_bench_page
+    from ..report.bench import render_bench_page
 
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
     out.write_text("bench.html", render_bench_page(data))

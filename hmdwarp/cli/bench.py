@@ -164,7 +164,7 @@ def _run(options, quiet: bool) -> None:
 
 def _tell(result) -> None:
     from ..bench.answer import answer
-    from ..report.bench_tables import bench_table
+    from ..report.bench import bench_table
     from ._show import console, paragraph
 
     screen = console()

@@ -115,8 +115,7 @@ def replay(
 
 
 def _run(options, quiet: bool) -> None:
-    from ..report.tables import summary_table
-    from ..report.way import told_lines
+    from ..report import summary_table, transit_lines
     from ..run.replay import replay as run
     from ._show import console, steps
 
@@ -125,7 +124,7 @@ def _run(options, quiet: bool) -> None:
     if quiet:
         return
     console().print(summary_table(result.summary, result.against))
-    for line in told_lines(result.summary):
+    for line in transit_lines(result.summary):
         typer.echo(line)
     for note in result.summary["notes"]:
         typer.echo(f"note: {note}")

@@ -103,7 +103,7 @@ def convert(
 
     from ..errors import InputError
     from ..poses.load import load_trace
-    from ..report.files import write_stream
+    from ..report import write_stream
 
     target = formats.get(to)
     if not target.writes:
@@ -134,7 +134,7 @@ def synth(
 ) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
-    from ..report.files import write_stream
+    from ..report import write_stream
 
     track = synthesise(kind, seed, seconds, rate)
     write_stream(out, lambda stream: write_synthetic(track, stream))

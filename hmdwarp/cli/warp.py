@@ -26,7 +26,7 @@ def warp(
     from ..image.files import read_frame, read_view
     from ..image.warping import warp_image
     from ..pipeline.options import parse_size
-    from ..report.files import write_image_result
+    from ..report import write_image_result
 
     colour, depth_m, rendered = read_frame(frame)
     result = warp_image(

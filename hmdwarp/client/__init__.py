@@ -1,1 +1,9 @@
-"""The compensator: makes the picture the eye should see now out of the newest late frame. Knows no window and no study."""
+"""The client: makes the picture that the eye should see now from the newest rendered frame.
+
+Warps, fills, effects and lenses are registries in packages of their own. Names are in __init__.pyi;
+each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

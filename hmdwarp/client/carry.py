@@ -1,7 +1,7 @@
-"""Takes other pictures of the late frame where its colour goes: the same warp once more, on them.
+"""Takes other rendered pictures where the colour goes: the same warp once more, on them.
 
-So any warp carries anything: the inverse depth that fills ask for, how much each surface mirrors. What a shown pixel gets comes from the
-same late pixels as its colour, with the same coverage.
+So any warp carries anything: the inverse depth that fills read, the reflectivity of each surface. A
+shown pixel gets it from the same rendered pixels as its colour, with the same coverage.
 """
 
 from __future__ import annotations
@@ -25,16 +25,18 @@ PictureOf = Callable[[EyeImage], moderngl.Texture]
 
 
 class Carry:
-    """The planned warp, for other pictures than the colour. `works`: whether the warp can; one that looks into a cube cannot."""
+    """The planned warp, for other pictures than the colour."""
 
     def __init__(self, warp: Warp) -> None:
         self._warp = warp
+        # Whether the warp can; one that looks into a cube cannot.
         self.works = warp.carries
 
     def along(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
-        """Write into `into` what `picture_of` the late image (and of every layer and other picture the warp reads) shows.
+        """Warp `picture_of` each image and surface that the warp reads into `into`.
 
-        picture_of: rgba16f with coverage in alpha, of the image's size; a layer comes to it as an image of its own.
+        picture_of: returns rgba16f with coverage in alpha, of the image's size; a peeled surface
+        comes as an image of its own.
         """
         self._warp.run(
             attrs.evolve(
@@ -58,21 +60,21 @@ def as_image(image: EyeImage, surface: Surface) -> EyeImage:
     return EyeImage(image.view, surface.colour, surface.inverse_depth, drawn_ns=image.drawn_ns)
 
 
-def images_given(needs: Needs) -> int:
-    """How many late images of one eye there are with these needs at most: the newest one and all others."""
+def images_read(needs: Needs) -> int:
+    """Return the most rendered images that passes with these needs read, the newest included."""
     return 1 + needs.others.count
 
 
 def pictures_read(needs: Needs) -> int:
-    """How many pictures with depth of one eye a warp with these needs reads at most."""
-    return (1 + needs.get("peeled", 0)) * images_given(needs)
+    """Return how many pictures with depth a warp with these needs reads at most for one eye."""
+    return (1 + needs.get("peeled", 0)) * images_read(needs)
 
 
 class ShownDepth:
-    """The shown picture's inverse depth: that of each late pixel in the shown view, carried along with its colour.
+    """The shown picture's inverse depth: that of each rendered pixel in the shown view.
 
-    It passes through a half float: 2^-11 of the depth, which at 1000 pixels a radian moves what is 1 m away by 0.05 pixels when the head
-    moves 10 cm more.
+    It is carried along with the colour, so it passes through a half float: 2^-11 of the depth. At
+    1000 pixels a radian that moves what is 1 m away by 0.05 pixels when the head moves 10 cm more.
     """
 
     def __init__(
@@ -84,7 +86,7 @@ class ShownDepth:
         self._carried = Canvas(gpu.gl, shown_size)
 
     def run(self, inputs: PassInputs, into: moderngl.Texture) -> None:
-        """Into r32f; -1 where the warp left a hole, and everywhere if it cannot carry."""
+        """Write r32f: -1 where the warp left a hole, and everywhere if it cannot carry."""
         if self._carry.works:
             free = iter(self._rendered)
             self._carry.along(inputs, lambda image: self._seen_from_here(image, inputs, next(free)), self._carried)

@@ -1,4 +1,4 @@
-"""Runs a plan on the GPU: one eye's late picture in, what the eye should see now out."""
+"""Runs a plan on the GPU: one eye's rendered picture in, what the eye should see now out."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
-from .carry import Carry, ShownDepth, images_given, pictures_read
+from .carry import Carry, ShownDepth, images_read, pictures_read
 from .effects import RenderedPass, ShownPass, Tools
-from .fills import Fill
 from .geometry import ClientGeometry
 from .inputs import PassInputs
 from .picture import ShownPicture
@@ -25,23 +24,29 @@ Stages = Sequence[tuple[str, float]]
 
 @attrs.frozen(eq=False)
 class EyeResult:
-    """One eye after the plan. view: what is shown, half way through the scan-out if the display has one. `warped` holds the coverage
-    before the fill, `shown` what the eye sees before the lens, `panel` what goes to the display; a warp that is fused with the lens
-    makes the panel alone, the others are None then. filled: after each fill of the chain, by its name. inverse_depth: r32f, of `shown`, -1
-    where it is not known; None unless the plan makes it. The textures belong to the compensator and are written again at the next frame
-    of that eye."""
+    """One eye after the plan.
 
+    A warp that is fused with the lens makes the panel alone; the others are None then. The textures
+    belong to the compensator, which writes them again at the next frame of that eye.
+    """
+
+    # The shown view, half way through the scan-out if the display has one.
     view: View
+    # After the warp, with the coverage before the fill.
     warped: Canvas | None
+    # Before the lens.
     shown: Canvas | None
+    # What goes to the display.
     panel: Canvas
+    # After each fill of the chain, by its name.
     filled: tuple[tuple[str, Canvas], ...] = ()
+    # r32f, of `shown`, -1 where it is unknown; None unless the plan makes it.
     inverse_depth: moderngl.Texture | None = None
 
 
 @attrs.frozen(eq=False)
 class _Canvases:
-    """One eye's pictures: after the warp, after each fill, after each effect, on the panel; the depths of the first two."""
+    """One eye's pictures after the warp, each fill, each effect and on the panel."""
 
     warped: ShownPicture | None
     filled: tuple[ShownPicture, ...]
@@ -58,7 +63,7 @@ class _Canvases:
 
 
 class _Stage:
-    """Times what is inside, and makes what compute passes stored visible to the next pass, to copies and to read-backs."""
+    """Times a pass, and makes its writes visible to the next pass, to copies and to read-backs."""
 
     __slots__ = ("_gl", "_timed")
 
@@ -75,10 +80,11 @@ class _Stage:
 
 
 class Compensator:
-    """The passes of one plan for one pair of sizes, compiled and allocated at the start; run() only sets and dispatches.
+    """The passes of one plan for one pair of sizes.
 
-    headset: whose lens is applied; None if the plan has no lens. geometry: what the client can draw by itself; wanted only if the plan
-    has a pass that does.
+    All is compiled and allocated at the start; run() only sets and dispatches. headset: whose lens
+    is applied; None if the plan has no lens. geometry: what the client can draw by itself; required
+    only if a pass of the plan does.
     """
 
     def __init__(
@@ -93,7 +99,10 @@ class Compensator:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._geometry = geometry
         self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
-        lens = plan.lens(gpu, headset, shown_size) if plan.lens.is_pass else None
+        lens = None
+        if plan.lens.is_pass:
+            assert headset is not None, "a plan with a lens is for a headset"
+            lens = plan.lens(gpu, headset, shown_size)
         self._lens = None if plan.fused else lens
         output = Output(lens if plan.fused else None, plan.scanout)
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output)
@@ -101,10 +110,8 @@ class Compensator:
         carry = Carry(self._warp)
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.makes_shown_depth else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-        self._fills: list[Fill] = [
-            one.entry(gpu, rendered_size, shown_size, one.settings, geometry) for one in plan.fills
-        ]
-        tools = Tools(carry, pictures, images_given(plan.needs))
+        self._fills = [one.entry(gpu, rendered_size, shown_size, one.settings, geometry) for one in plan.fills]
+        tools = Tools(carry, pictures, images_read(plan.needs))
         made = [
             one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
             for one in plan.effect_passes
@@ -128,7 +135,7 @@ class Compensator:
         return _Canvases(warped, tuple(filled), effects, Canvas(gl, size) if self._lens else shown)
 
     def run(self, inputs: PassInputs) -> EyeResult:
-        """Every pass of the plan for eye 0 or 1, each timed as a stage of gpu.timer."""
+        """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made = self._eyes[inputs.eye]
         inputs = inputs if self.plan.scanout else inputs.at_once()
         if self._rendered:
@@ -137,6 +144,7 @@ class Compensator:
             with self._stage("effects"):
                 inputs = one.run(inputs)
         if self._client_depth is not None:
+            assert self._geometry is not None, "a plan that draws the client's depth is for a client with geometry"
             with self._stage("client_depth"):
                 self._geometry.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
@@ -144,32 +152,32 @@ class Compensator:
             self._warp.run(inputs, made.warped.colour if made.warped is not None else made.panel)
         if made.warped is None:
             return EyeResult(inputs.middle, None, None, made.panel)
-        return self._finish(inputs, made)
+        return self._finish(inputs, made, made.warped)
 
-    def _finish(self, inputs: PassInputs, made: _Canvases) -> EyeResult:
-        """Everything after the warp."""
-        if self._depth is not None:
+    def _finish(self, inputs: PassInputs, made: _Canvases, warped: ShownPicture) -> EyeResult:
+        """Run everything after the warp."""
+        if self._depth is not None and warped.inverse_depth is not None:
             with self._stage(self._depth_stage):
-                self._depth.run(inputs, made.warped.inverse_depth)
-        picture = made.warped
+                self._depth.run(inputs, warped.inverse_depth)
+        picture = warped
         for fill, into in zip(self._fills, made.filled, strict=True):
             with self._stage("fill"):
                 fill.run(inputs, picture, into)
             picture = into
         shown = picture.colour
-        for one, into in zip(self._shown, made.effects, strict=True):
+        for one, onto in zip(self._shown, made.effects, strict=True):
             with self._stage("effects"):
-                one.run(inputs, ShownPicture(shown, picture.inverse_depth), into)
-            shown = into
+                one.run(inputs, ShownPicture(shown, picture.inverse_depth), onto)
+            shown = onto
         if self._lens is not None:
             with self._stage("lens"):
                 self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
         names = (one.entry.name for one in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
-        return EyeResult(inputs.middle, made.warped.colour, shown, made.panel, filled, picture.inverse_depth)
+        return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
-        """What the passes of each eye took at a refresh: a single plan has nothing to decide by it."""
+        """Ignore what the passes of each eye took: a single plan has nothing to decide."""
 
     def _stage(self, name: str) -> _Stage:
         return _Stage(self.gpu, name)
@@ -180,7 +188,9 @@ class Compensator:
             if owner is not None:
                 owner.close()
         for made in self._eyes:
-            for thing in (*made.canvases(), *made.depths()):
-                thing.release()
+            for canvas in made.canvases():
+                canvas.release()
+            for depth in made.depths():
+                depth.release()
         if self._client_depth is not None:
             self._client_depth.release()

@@ -1,4 +1,4 @@
-"""The few older frames that some warps look into."""
+"""The few older frames that some warps read."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 class History:
-    """Keeps up to `keep` frames that are no longer the newest, at least `spacing_ns` apart; all others go to `discard` at once.
+    """Keeps up to `keep` frames that are no longer the newest, at least `spacing_ns` apart.
 
-    Never more than `keep` are held. frames: newest first.
+    All others go to `discard` at once; more than `keep` are never held.
     """
 
     def __init__(self, keep: int, spacing_ns: int, discard: Callable[[Frame], None]) -> None:
@@ -22,10 +22,11 @@ class History:
 
     @property
     def frames(self) -> tuple[Frame, ...]:
+        """The frames held, newest first."""
         return tuple(self._held)
 
     def offer(self, frame: Frame) -> None:
-        """A frame that a newer one has replaced."""
+        """Take a frame that a newer one has replaced."""
         if self._keep == 0 or (self._held and frame.drawn_ns - self._held[0].drawn_ns < self._spacing_ns):
             self._discard(frame)
             return
@@ -34,6 +35,6 @@ class History:
             self._discard(self._held.pop())
 
     def close(self) -> None:
-        """Give all that are held to `discard`."""
+        """Hand all that are held to `discard`."""
         while self._held:
             self._discard(self._held.pop())

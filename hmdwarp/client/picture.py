@@ -14,10 +14,12 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class ShownPicture:
-    """colour: rgba16f, linear, coverage in alpha. inverse_depth: r32f of the same size, 1/m in the shown view, -1 where it is not known
-    (a hole, or a guess without depth); None where no pass of the plan reads it."""
+    """The shown picture."""
 
+    # rgba16f, linear, coverage in alpha.
     colour: Canvas
+    # r32f of the same size, 1/m in the shown view, -1 where it is unknown (a hole, or a guess
+    # without depth); None where no pass of the plan reads it.
     inverse_depth: moderngl.Texture | None = None
 
     @property

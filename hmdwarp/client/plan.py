@@ -1,6 +1,6 @@
-"""Which passes run, in which order and why: decided once, from what the scene calls for and what was asked for.
+"""The plan: which passes run, in which order and why, decided once from scene and options.
 
-What is not in the plan compiles nothing, allocates nothing and costs nothing.
+Passes that are not in the plan compile nothing, allocate nothing and cost nothing.
 """
 
 from __future__ import annotations
@@ -30,10 +30,12 @@ STEP_SHOWN_DEPTH = "shown depth"
 
 @attrs.frozen
 class Step:
-    """One pass of the plan: when it runs, what it reads and writes, and the reason it is there."""
+    """One pass of the plan."""
 
+    # The stage of gpu.timer that it counts to.
     stage: str
     name: str
+    # Why it is there.
     reason: str
     reads: tuple[str, ...]
     writes: tuple[str, ...]
@@ -41,39 +43,42 @@ class Step:
 
 @attrs.frozen
 class PlannedEffect:
-    """One pass that compensates effects, and which."""
+    """One pass that compensates effects."""
 
     made_by: type[EffectPass]
     effects: tuple[Effect, ...]
 
     @property
     def needs(self) -> Needs:
-        """What frames carry for them."""
+        """What frames carry for the effects."""
         return reduce(or_, (effect.needs for effect in self.effects))
 
     @property
     def reads(self) -> tuple[str, ...]:
-        """What the pass reads for them."""
+        """What the pass reads for the effects."""
         return self.made_by.reads_for(frozenset(effect.name for effect in self.effects))
 
 
 @attrs.frozen
 class Plan:
-    """The ordered passes, and those left out with their reasons. choice: the warp with its settings; fills: the chain with theirs.
+    """The ordered passes, and those left out with their reasons."""
 
-    effects: what is compensated, by effect_passes in their order. fused: the warp looks through the lens itself. scanout: the warp gives
-    every row a view of its own: of the panel if it is fused, else of the shown view, as if the lens kept rows where they are (on the DK1
-    that is off by 2 % of the scan-out in the mean, 15 % in a corner).
-    """
-
+    # What is compensated, by effect_passes.
     effects: tuple[str, ...]
-    choice: Choice
-    fills: tuple[Choice, ...]
+    # The warp with its settings, and the chain of fills with theirs.
+    choice: Choice[Warp]
+    fills: tuple[Choice[Fill], ...]
     lens: type[LensPass]
+    # Whether the warp looks through the lens itself.
     fused: bool
+    # Whether the warp gives every row a view of its own: of the panel if it is fused, else of the
+    # shown view, as if the lens kept rows where they are (on the DK1 that is off by 2 % of the
+    # scan-out on average, 15 % in a corner).
     scanout: bool
+    # In the order they run.
     effect_passes: tuple[PlannedEffect, ...]
     steps: tuple[Step, ...]
+    # Names and reasons.
     left_out: tuple[tuple[str, str], ...]
 
     @property
@@ -83,12 +88,12 @@ class Plan:
 
     @property
     def fill(self) -> str:
-        """The chain of fills as it is asked for, "none" if there is none."""
+        """The chain of fills as text, "none" if there is none."""
         return fill_text(self.fills)
 
     @property
     def warp_needs(self) -> Needs:
-        """What the warp alone asks of a frame."""
+        """What the warp alone needs of a frame."""
         return self.warp.needs(self.choice.settings)
 
     @property
@@ -104,35 +109,37 @@ class Plan:
 
     @property
     def makes_shown_depth(self) -> bool:
-        """Whether the late depth is warped as the colour is."""
+        """Whether the rendered depth is warped as the colour is."""
         return any(step.name == STEP_SHOWN_DEPTH for step in self.steps)
 
     def writes(self, name: str) -> bool:
-        """Whether a pass of the plan makes that."""
+        """Return whether a pass of the plan makes that."""
         return any(name in step.writes for step in self.steps)
 
     def reads(self, name: str) -> bool:
-        """Whether a pass of the plan asks for that."""
+        """Return whether a pass of the plan reads that."""
         return any(name in step.reads for step in self.steps)
 
     @property
     def layers(self) -> tuple[str, ...]:
-        """What a frame must carry for this plan, in the order it is first read."""
+        """The layers that the passes read, by readable name, in the order they are first read."""
         known = readable_names()
         return tuple(dict.fromkeys(name for step in self.steps for name in step.reads if name in known))
 
 
 def needs_of(plans: Iterable[Plan]) -> Needs:
-    """What frames must carry so that each of the plans can run.
+    """Return what frames must carry so that each of the plans can run.
 
-    Errors: InputError for plans that want their older frames unequally far apart: one run keeps one kind.
+    Errors: InputError for plans whose older frames are unequally far apart: one run keeps one kind.
     """
-    wanted = [plan.needs for plan in plans]
-    spacings = {needs.others.spacing_ns for needs in wanted if needs.others.past}
+    every = [plan.needs for plan in plans]
+    spacings = {needs.others.spacing_ns for needs in every if needs.others.past}
     if len(spacings) > 1:
-        told = " and ".join(f"{ns / 1e6:g} ms" for ns in sorted(spacings))
-        raise InputError(f"older frames {told} apart in one run: give all warps that use older frames the same spacing")
-    return reduce(or_, wanted, Needs())
+        apart = " and ".join(f"{ns / 1e6:g} ms" for ns in sorted(spacings))
+        raise InputError(
+            f"older frames {apart} apart in one run: give all warps that use older frames the same spacing"
+        )
+    return reduce(or_, every, Needs())
 
 
 def build_plan(
@@ -150,15 +157,21 @@ def build_plan(
     distorts: str = "",
     takes_depth: str = "",
 ) -> Plan:
-    """The plan for the named passes; warp and fill may carry settings (`mesh:cut=slope`), fills may be a chain (`memory+pyramid`).
+    """Return the plan for the named passes.
 
-    declared: what is to be compensated. client_geometry: whether the client has the scene's triangles to draw from. brings: what rendered
-    pictures come with, None for every layer. fused: warp and lens in one resample; what is composited after the warp stays in the late picture then. scanout:
-    the display shows its rows one after the other; a warp that cannot follow shows them as in the middle of it. forced, forbidden: names
-    of effects that are declared though the scene has none, and not declared though it has: only for the reasons told. distorts,
-    takes_depth: who, after this plan, corrects the lens, and who asks for the shown picture's depth; "" for nobody.
-    Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none before it writes, and for what
-    cannot be fused; InputError for a setting the warp or fill has not.
+    warp and fill may carry settings (`mesh:cut=slope`), fill may be a chain (`memory+pyramid`).
+    declared: the effects to compensate. client_geometry: whether the client has the scene's
+    triangles to draw from. brings: the layers that frames have, by readable name; None for every
+    layer. fused: warp and lens in one resample; then nothing can be composited between them.
+    scanout: the display shows its rows one after the other; a warp that cannot follow shows all as
+    in the middle of it. forced, forbidden: names of effects that are declared though the scene
+    lacks them, and not declared though it has them; they serve the reasons alone. distorts,
+    takes_depth: who corrects the lens after this plan, and who reads the shown picture's depth; ""
+    for none.
+
+    Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none
+    before it writes, and for what cannot be fused; InputError for a setting that the warp or fill
+    lacks.
     """
     choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
     if distorts and chosen_lens.is_pass:
@@ -178,8 +191,9 @@ def build_plan(
     if scanout and not follows:
         draft.leave_out("scan-out", f"warp '{choice.entry.name}' cannot follow it: all rows are shown as in its middle")
     _plan_shown_depth([fill.entry for fill in chain], [one.made_by for one in shown], takes_depth, draft)
-    for one in chain:
-        draft.add("fill", f"fill {one}", f"asked for: {one.entry.summary}", one.entry.reads, one.entry.writes)
+    for fill_choice in chain:
+        entry = fill_choice.entry
+        draft.add("fill", f"fill {fill_choice}", f"asked for: {entry.summary}", entry.reads, entry.writes)
     if not chain:
         draft.leave_out("fill", f"fill 'none' was asked for: {fills.get('none').summary}")
     for one in shown:
@@ -209,7 +223,7 @@ def build_plan(
 
 @attrs.define
 class _Draft:
-    """A plan on its way."""
+    """A plan in the making."""
 
     steps: list[Step] = attrs.field(factory=list)
     left_out: list[tuple[str, str]] = attrs.field(factory=list)
@@ -224,7 +238,7 @@ class _Draft:
 def _effect_passes(
     declared: Collection[str], warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft
 ) -> list[PlannedEffect]:
-    """The passes for what is declared, in their order; what cannot be done with this warp is left out with its reason."""
+    """Return the passes for the declared effects; leave out what this warp cannot do."""
     chosen: list[Effect] = []
     for effect in effects:
         why_not = _why_not(effect, declared, warp, fused, forbidden)
@@ -253,12 +267,12 @@ def _why_not(
 
 
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
-    told = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
-    asked = [effect.name for effect in planned.effects if effect.name in forced]
+    what = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
+    names = [effect.name for effect in planned.effects if effect.name in forced]
     return (
-        f"the scene calls for it: {told}"
-        if not asked
-        else f"forced, though the scene has nothing of {' and '.join(asked)}: {told}"
+        f"the scene calls for it: {what}"
+        if not names
+        else f"forced, though the scene has nothing of {' and '.join(names)}: {what}"
     )
 
 
@@ -271,7 +285,7 @@ def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -
         draft.leave_out("client_depth", _why_no_client_depth(warp, client_geometry))
 
 
-def _plan_warp(choice: Choice, lens: type[LensPass] | None, follows: bool, draft: _Draft) -> None:
+def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, draft: _Draft) -> None:
     warp = choice.entry
     reason = f"asked for: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
     if lens is None:
@@ -284,19 +298,19 @@ def _plan_warp(choice: Choice, lens: type[LensPass] | None, follows: bool, draft
 def _plan_shown_depth(
     chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str, draft: _Draft
 ) -> None:
-    """The warped depth, where a pass or the display asks for it."""
-    readers = [reader.name for reader in (*chain, *shown) if SHOWN_DEPTH in reader.reads] + [takes_depth] * bool(
-        takes_depth
-    )
+    """Add the warped depth, where a pass or the display reads it."""
+    readers = [fill.name for fill in chain if SHOWN_DEPTH in fill.reads]
+    readers += [one.name for one in shown if SHOWN_DEPTH in one.reads]
+    readers += [takes_depth] if takes_depth else []
     if not readers:
         return
     stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
-    what = " and ".join(dict.fromkeys(readers))
-    reason = f"{what} asks how far things are: the late depth, warped as the colour"
+    who = " and ".join(dict.fromkeys(readers))
+    reason = f"{who} asks how far things are: the late depth, warped as the colour"
     draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
 
 
-def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice, ...], lens: type[LensPass]) -> None:
+def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
         raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
@@ -305,9 +319,9 @@ def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice, ...], lens: type[Lens
             f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
         )
     if chain:
-        told = fill_text(chain)
         raise PlanError(
-            f"fused with fill '{told}': a fill needs the picture between warp and lens; use fill none, or leave fused out"
+            f"fused with fill '{fill_text(chain)}': a fill needs the picture between warp and lens; "
+            "use fill none, or leave fused out"
         )
 
 

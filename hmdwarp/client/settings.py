@@ -1,4 +1,4 @@
-"""What a warp or fill has that can be set, where there is nothing."""
+"""Settings of warps and fills that have none."""
 
 from __future__ import annotations
 
@@ -7,4 +7,4 @@ import attrs
 
 @attrs.frozen
 class NoSettings:
-    """For warps and fills that have nothing to set."""
+    """Nothing to set."""

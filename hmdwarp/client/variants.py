@@ -1,10 +1,10 @@
-"""`mesh` or `mesh:cut=slope`, `memory+model:share=0.1`: which warp and which fills are asked for, and with which settings."""
+"""Warps and fills with settings as text: `mesh:cut=slope`, `memory+model:share=0.1`."""
 
 from __future__ import annotations
 
 import math
 import typing
-from typing import Any, get_type_hints
+from typing import Any, Generic, TypeVar, get_type_hints
 
 import attrs
 
@@ -16,30 +16,39 @@ from .warps import Warp, warps
 _WANTED = {int: "a whole number", float: "a number"}
 
 
-@attrs.frozen
-class Choice:
-    """A warp or fill and its settings. str() is the shortest text that means it: settings at their defaults are left out."""
+Entry = TypeVar("Entry", bound=Warp | Fill)
 
-    entry: type[Warp] | type[Fill]
+
+@attrs.frozen
+class Choice(Generic[Entry]):
+    """A warp or fill and its settings.
+
+    str() is the shortest text that means it: settings at their defaults are left out.
+    """
+
+    entry: type[Entry]
     settings: Any
 
     def __str__(self) -> str:
         default = self.entry.Settings()
-        told = [
+        changed = [
             f"{field.name}={getattr(self.settings, field.name)}"
             for field in attrs.fields(self.entry.Settings)
             if getattr(self.settings, field.name) != getattr(default, field.name)
         ]
-        return f"{self.entry.name}:{','.join(told)}" if told else self.entry.name
+        return f"{self.entry.name}:{','.join(changed)}" if changed else self.entry.name
 
 
-def parse_warp(text: str) -> Choice:
-    """'name' or 'name:key=value,key=value'. Errors: UnknownNameError for the name; InputError for a setting it has not, or a bad value."""
+def parse_warp(text: str) -> Choice[Warp]:
+    """Parse 'name' or 'name:key=value,key=value'.
+
+    Errors: UnknownNameError for the name; InputError for a setting that it lacks, or a bad value.
+    """
     return _parsed(warps, text)
 
 
-def parse_fills(text: str) -> tuple[Choice, ...]:
-    """'memory+pyramid': the fills one after the other, each like a warp; none for 'none'.
+def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
+    """Parse 'memory+pyramid': the fills one after the other, each like a warp; () for 'none'.
 
     Errors: as parse_warp; InputError for 'none' in a chain, and for the same fill twice.
     """
@@ -52,30 +61,31 @@ def parse_fills(text: str) -> tuple[Choice, ...]:
     return tuple(choice for choice in chain if choice.entry.is_pass)
 
 
-def fill_text(chain: tuple[Choice, ...]) -> str:
-    """The shortest text that means the chain."""
+def fill_text(chain: tuple[Choice[Fill], ...]) -> str:
+    """Return the shortest text that means the chain."""
     return "+".join(map(str, chain)) or "none"
 
 
 def every_warp() -> list[str]:
-    """All registered warps, each followed by the variants that are worth a comparison."""
+    """Return all registered warps, each followed by its variants for comparison."""
     return _every(warps)
 
 
 def every_fill() -> list[str]:
-    """All registered fills, each followed by the variants that are worth a comparison."""
+    """Return all registered fills, each followed by its variants for comparison."""
     return _every(fills)
 
 
-def _every(registry: Registry) -> list[str]:
-    return [
-        text for entry in registry for text in (entry.name, *(f"{entry.name}:{variant}" for variant in entry.variants))
-    ]
+def _every(registry: Registry[type[Entry]]) -> list[str]:
+    texts = []
+    for entry in registry:
+        texts += [entry.name, *(f"{entry.name}:{variant}" for variant in entry.variants)]
+    return texts
 
 
-def _parsed(registry: Registry, text: str) -> Choice:
+def _parsed(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
     name, _, rest = text.partition(":")
-    entry, told = registry.get(name), f"{registry.kind} '{text}'"
+    entry, named = registry.get(name), f"{registry.kind} '{text}'"
     fields = {field.name: field for field in attrs.fields(entry.Settings)}
     kinds = get_type_hints(entry.Settings)
     values = {}
@@ -84,27 +94,27 @@ def _parsed(registry: Registry, text: str) -> Choice:
         if key not in fields or not equals:
             known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
             raise InputError(
-                f"{told}: '{part}' is no setting of '{entry.name}'; its settings and their defaults: {known}"
+                f"{named}: '{part}' is no setting of '{entry.name}'; its settings and their defaults: {known}"
             )
         if key in values:
-            raise InputError(f"{told}: {key} is given twice; give it once")
-        values[key] = _converted(told, key, value, kinds[key])
+            raise InputError(f"{named}: {key} is given twice; give it once")
+        values[key] = _converted(named, key, value, kinds[key])
     try:
         return Choice(entry, entry.Settings(**values))
     except (ValueError, TypeError) as error:
-        raise InputError(f"{told}: {error}") from error
+        raise InputError(f"{named}: {error}") from error
 
 
-def _converted(told: str, key: str, value: str, kind: Any) -> Any:
+def _converted(named: str, key: str, value: str, kind: Any) -> Any:
     if typing.get_origin(kind) is typing.Literal:
         words = typing.get_args(kind)
         if value not in words:
-            raise InputError(f"{told}: {key} is '{value}': wanted {' or '.join(map(str, words))}")
+            raise InputError(f"{named}: {key} is '{value}': wanted {' or '.join(map(str, words))}")
         return value
     try:
         number = kind(value)
     except ValueError as error:
-        raise InputError(f"{told}: {key} is '{value}': wanted {_WANTED.get(kind, kind.__name__)}") from error
+        raise InputError(f"{named}: {key} is '{value}': wanted {_WANTED.get(kind, kind.__name__)}") from error
     if kind is float and not math.isfinite(number):
-        raise InputError(f"{told}: {key} is '{value}': wanted a finite number")
+        raise InputError(f"{named}: {key} is '{value}': wanted a finite number")
     return number

@@ -237,7 +237,7 @@ def panel() -> Finding:
 STUDY_PACKAGES = {
     "statsmodels": "study analyse, study power",
     "pyarrow": "Parquet of study export",
-    "prompt-toolkit": "the experimenter's terminal",
+    "textual": "the experimenter's full-screen console",
 }
 
 

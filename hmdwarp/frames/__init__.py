@@ -4,8 +4,7 @@ The kinds of layers are registered in frames.layers.
 """
 
 from .frame import EyeImage, Frame
-from .layers import EyeSizes
-from .layers._surface import Surface
+from .layers import EyeSizes, Surface
 from .layers.ids import BodyIds
 from .layers.others import Others
 from .layers.reflection import Mirrored, Reflection

@@ -1,1 +1,8 @@
-"""OpenGL without any knowledge of headsets: context, shader loader, textures, timers."""
+"""OpenGL without any knowledge of headsets: context, shader loader, textures, timers.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""What lies between server and client: frames enter when they are drawn and come out when they have arrived."""
+"""The network between server and client: frames enter when drawn and come out on arrival."""
 
 from .bandwidth import Bandwidth
 from .delays import DelayModel, delay_models

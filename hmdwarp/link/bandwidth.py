@@ -1,4 +1,4 @@
-"""A bottleneck: frames go through it one after the other, each for as long as its size takes."""
+"""A bottleneck: frames pass one after the other, each for as long as its size takes."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ import attrs
 
 from ..errors import InputError
 
-QUEUE_MS = (
-    250.0  # what routers are commonly built to hold; a queue without an end would delay, and hold in memory, ever more
-)
+# What routers commonly hold; a queue without a limit would delay, and keep in memory, ever more.
+QUEUE_MS = 250.0
 
 
 @attrs.frozen
 class Bandwidth:
-    """mbit: rate in Mbit/s (1e6 bits). queue_ms: a frame that would wait longer than this before its first bit goes is dropped.
+    """The limits of the bottleneck. Errors: InputError for a number out of range.
 
-    A frame that finds the bottleneck free is never dropped, however large it is. Errors: InputError.
+    A frame that meets a free bottleneck is never dropped, however large it is.
     """
 
+    # Rate in Mbit/s (1e6 bits).
     mbit: float
+    # A frame that would wait longer than this before its first bit leaves is dropped.
     queue_ms: float = QUEUE_MS
 
     def __attrs_post_init__(self) -> None:
@@ -33,22 +34,26 @@ class Bandwidth:
 
     @property
     def queue_ns(self) -> int:
+        """The longest wait in ns."""
         return round(self.queue_ms * 1e6)
 
     def transfer_ns(self, size_bytes: int) -> int:
-        """From the first bit to the last."""
+        """Return the time from the first bit to the last."""
         return round(size_bytes * 8e3 / self.mbit)
 
 
 class Bottleneck:
-    """Where frames queue: `enter` says how long one waits and is transferred."""
+    """The queue before the limit."""
 
     def __init__(self, bandwidth: Bandwidth) -> None:
         self.bandwidth = bandwidth
         self._free_ns: int | None = None
 
     def enter(self, now_ns: int, size_bytes: int) -> tuple[int, int, bool]:
-        """(queue_ns, transfer_ns, taken) of a frame that comes now, not before the last one; a refused one changes nothing."""
+        """Return (queue_ns, transfer_ns, taken) of a frame that comes now.
+
+        Frames come in order of time; a refused one changes nothing.
+        """
         wait = 0 if self._free_ns is None else max(0, self._free_ns - now_ns)
         if wait > self.bandwidth.queue_ns:
             return wait, 0, False

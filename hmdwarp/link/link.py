@@ -15,18 +15,26 @@ Payload = TypeVar("Payload")
 
 
 class Link(Generic[Payload]):
-    """Hands out the newest frame, by the order of sending, that has arrived by now.
+    """Hands out the newest frame, in order of sending, that has arrived by now.
 
-    Never early, never passes over a due frame, never goes back, and holds no more than the frames under way and the one that is shown.
-    On the network a later frame may overtake; on the screen none does. When nothing arrives, the last one stays.
+    Never early, never passes over a due frame, never goes back, and holds no more than the frames
+    under way and the one that is shown. On the network a later frame may overtake; on the screen
+    none does. When nothing arrives, the last one stays.
 
-    delays: of each frame in ns, 0 or more. losses: whether each is lost; None for none. Both are asked once a frame, whatever becomes
-    of it, so that the same seed makes the same network for frames of any size. bandwidth: None for no limit.
-    receive: what decodes. It is given each frame that arrives, in the order of sending, since a decoder needs those before it: then a
-    frame waits for them, and a lost one counts as missing at the instant it would have come. False says that it is undecodable.
-    discard: gets each frame that the client had in hand and can no longer be shown. wasted: gets those it never had: dropped and lost
-    ones at once, undecodable ones, those under way at the end; None for the same as discard. A frame goes to one of them, once.
-    Errors: ValueError for times that run backwards, a negative delay or size: faults of the caller.
+    delays: of each frame in ns, 0 or more. losses: whether each is lost; None for none. Both
+    advance once a frame, whatever becomes of it, so that the same seed makes the same network for
+    frames of any size. bandwidth: None for no limit.
+
+    receive: the decoder, called with each frame that arrives, in order of sending, since a decoder
+    needs those before it. A frame then waits for them, and a lost one counts as missing at the
+    instant it would have come. False means undecodable.
+
+    discard: called with each frame that the client had and that can no longer be shown. wasted:
+    called with those it never had: dropped and lost ones at once, undecodable ones, those under way
+    at the end; None for `discard`. Each frame goes to one of them, once.
+
+    Errors: ValueError for times that run backwards and for a negative delay or size: mistakes of
+    the caller.
     """
 
     def __init__(
@@ -42,10 +50,10 @@ class Link(Generic[Payload]):
         self._delays, self._losses = delays, losses
         self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
-        self._heard_ns: int | None = None  # when the sender first hears of a loss that no key frame has made good
-        self._under_way: list[
-            tuple[int, int, TransitStats, Payload]
-        ] = []  # a heap: ready_ns, then number, which differs
+        # When the sender first hears of a loss that no key frame has repaired.
+        self._heard_ns: int | None = None
+        # A heap: ready_ns, then number, which differs.
+        self._under_way: list[tuple[int, int, TransitStats, Payload]] = []
         self._shown: tuple[TransitStats, Payload] | None = None
         self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
         self._drawn = 0
@@ -54,25 +62,28 @@ class Link(Generic[Payload]):
         self._last_asked_ns: int | None = None
 
     def __len__(self) -> int:
-        """Frames held, under way or shown."""
+        """Return how many frames are held, under way or shown."""
         return len(self._under_way) + (self._shown is not None)
 
     def delay_by(self, delays: Iterator[int]) -> None:
-        """Frames sent from now on are delayed by these."""
+        """Delay frames sent from now on by these."""
         self._delays = delays
 
     @property
     def tally(self) -> Tally:
-        """What became of the frames so far; it stays after `close`."""
+        """The fate of all frames so far; it stays after `close`."""
         return Tally(**self._counts)
 
     @property
     def transit(self) -> TransitStats | None:
-        """How the frame that is shown came through; None before the first."""
+        """The way of the shown frame; None before the first."""
         return self._shown[0] if self._shown is not None else None
 
     def send(self, frame: Payload, now_ns: int, size_bytes: int = 0, key: bool = True) -> None:
-        """A frame leaves the server. size_bytes: as coded. key: whether it can be decoded without those before it."""
+        """Send a frame from the server.
+
+        size_bytes: as coded. key: whether it can be decoded without those before it.
+        """
         if self._last_sent_ns is not None and now_ns < self._last_sent_ns:
             raise ValueError(f"sent at {now_ns} ns after one sent at {self._last_sent_ns} ns")
         delay_ns, is_lost = next(self._delays), self._losses is not None and next(self._losses)
@@ -96,7 +107,7 @@ class Link(Generic[Payload]):
         self._wasted(frame)
 
     def newest(self, now_ns: int) -> Payload | None:
-        """The newest frame that has arrived by now, the same one again until a newer has, None before the first."""
+        """Return the newest frame that has arrived by now, None before the first."""
         if self._last_asked_ns is not None and now_ns < self._last_asked_ns:
             raise ValueError(f"asked at {now_ns} ns after {self._last_asked_ns} ns")
         self._last_asked_ns = now_ns
@@ -105,14 +116,14 @@ class Link(Generic[Payload]):
         return self._shown[1] if self._shown is not None else None
 
     def needs_key(self, now_ns: int) -> bool:
-        """Whether the sender has heard by now of a frame that went missing, and has sent no key frame after that one.
+        """Return whether the sender knows of a missing frame and has sent no key frame since.
 
         It hears of it as long after the frame went missing as that frame would have travelled.
         """
         return self._heard_ns is not None and self._heard_ns <= now_ns
 
     def close(self) -> None:
-        """Give every frame still held to `wasted` or `discard`; the tally keeps those under way."""
+        """Hand every frame still held to `wasted` or `discard`; the tally keeps those under way."""
         under_way, self._under_way = [frame for *_, frame in sorted(self._under_way, key=lambda one: one[:2])], []
         shown, self._shown = self._shown, None
         for frame in under_way:
@@ -121,7 +132,7 @@ class Link(Generic[Payload]):
             self._discard(shown[1])
 
     def _in_order(self, transit: TransitStats) -> TransitStats:
-        """With the wait for those before it, where a decoder needs them."""
+        """Add the wait for the frames before it, where a decoder needs them."""
         if self._receive is None:
             return transit
         hold_ns = max(0, self._last_ready_ns - transit.ready_ns) if transit.number else 0
@@ -130,7 +141,7 @@ class Link(Generic[Payload]):
         return transit
 
     def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
-        """What has come since the last time and can be decoded, in the order of sending."""
+        """Return what has come since the last call and can be decoded, in order of sending."""
         arrived = []
         while self._under_way and self._under_way[0][0] <= now_ns:
             _, _, transit, frame = heapq.heappop(self._under_way)
@@ -142,7 +153,7 @@ class Link(Generic[Payload]):
         return sorted(arrived, key=lambda one: one[0].number)
 
     def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
-        """Show the newest, be it the one that is shown; the others go, oldest first."""
+        """Show the newest, which may be the one shown already; discard the others, oldest first."""
         shown = self._shown
         newer = shown is None or arrived[-1][0].number > shown[0].number
         if newer:

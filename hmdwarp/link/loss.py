@@ -12,16 +12,20 @@ from ..errors import InputError
 
 @attrs.frozen
 class GilbertElliott:
-    """A network that is in a good state or a bad one; each frame is lost with the probability of the state, then the state may change.
+    """A network in a good or a bad state.
 
-    p: probability of good to bad after a frame; r: of bad to good, so a bad state lasts 1/r frames in the mean. good, bad: share
-    lost in each state. It starts in the good one; in the long run (r good + p bad) / (p + r) of all frames are lost.
-    r = 1 - p with bad = 1 loses each frame with probability p, whatever became of the last. Errors: InputError.
-    Source: Gilbert 1960, Capacity of a burst-noise channel; Elliott 1963, Estimates of error rates for codes on burst-noise channels.
+    Each frame is lost with the probability of the state; then the state may change. It starts in
+    the good one. In the long run (r good + p bad) / (p + r) of all frames are lost. r = 1 - p with
+    bad = 1 loses each frame with probability p, whatever became of the last. Errors: InputError.
+    Source: Gilbert 1960, Capacity of a burst-noise channel; Elliott 1963, Estimates of error rates
+    for codes on burst-noise channels.
     """
 
+    # Probability of good to bad after a frame.
     p: float
+    # Probability of bad to good after a frame: a bad state lasts 1/r frames on average.
     r: float
+    # Share of frames lost in each state.
     good: float = 0.0
     bad: float = 1.0
 
@@ -32,11 +36,11 @@ class GilbertElliott:
 
     @property
     def mean(self) -> float:
-        """Share of frames lost in the long run."""
+        """The share of frames lost in the long run."""
         return (self.r * self.good + self.p * self.bad) / (self.p + self.r) if self.p else self.good
 
     def samples(self, rng: np.random.Generator) -> Iterator[bool]:
-        """Whether each frame is lost, without end."""
+        """Yield whether each frame is lost, without end."""
         is_bad = False
         while True:
             yield bool(rng.random() < (self.bad if is_bad else self.good))

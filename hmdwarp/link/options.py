@@ -1,4 +1,4 @@
-"""What a run is told about its network, from the texts of the command line to a link."""
+"""The network of a run, from the texts of the command line to a link."""
 
 from __future__ import annotations
 
@@ -22,14 +22,16 @@ _MOST_SEED = 2**63
 
 @attrs.frozen
 class LinkOptions:
-    """A network: how long frames take, which are lost, how much fits through. Without anything said, the latency alone.
+    """A network: how long frames take, which are lost, how much fits through.
 
-    seed: of jitter and loss; the same one gives the same network, whatever is sent through it.
+    By default the latency alone.
     """
 
     delay: DelayModel = attrs.field(factory=ConstantDelay)
     loss: GilbertElliott | None = None
     bandwidth: Bandwidth | None = None
+    # Random seed of jitter and loss; the same one makes the same network, whatever is sent through
+    # it.
     seed: int = 0
 
     def __attrs_post_init__(self) -> None:
@@ -40,12 +42,13 @@ class LinkOptions:
     def parse(
         cls, *, jitter: str = "", delay_trace: Path | None = None, loss: str = "", bandwidth: str = "", seed: int = 0
     ) -> Self:
-        """From the texts of the options, "" or None where not given.
+        """Return the network that the texts of the options describe, "" or None for the default.
 
-        jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace: a file of delays, see `delays.trace`.
-        loss: p=0.02,r=0.3 (and good=, bad=), see `GilbertElliott`; a number alone: that share of frames, each by itself; none.
-        bandwidth: Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
-        Errors: InputError.
+        jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace: a
+        file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
+        `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
+        Mbit/s, and the longest wait in the queue where it matters: 50,queue=100. Errors:
+        InputError.
         """
         if delay_trace is not None and jitter:
             raise InputError(
@@ -56,32 +59,32 @@ class LinkOptions:
 
     @property
     def is_plain(self) -> bool:
-        """Whether every frame takes the latency, and all arrive."""
+        """Whether every frame takes exactly the latency and arrives."""
         return attrs.evolve(self, seed=0) == LinkOptions()
 
     def longest_ns(self, latency_ns: int) -> int:
-        """From sending to arrival no frame takes longer, but for the transfer of its own bytes and of those it waits for."""
+        """Return a bound on the time from sending to arrival, without the transfer of bytes."""
         return self.delay.longest_ns(latency_ns) + (self.bandwidth.queue_ns if self.bandwidth is not None else 0)
 
     def typical_ns(self, latency_ns: int) -> int:
-        """The mean delay, without queue and transfer."""
+        """Return the mean delay, without queue and transfer."""
         return self.delay.typical_ns(latency_ns)
 
     def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
-        """A bound on the frames under way, whatever their size, where one is sent each refresh.
+        """Return a bound on the frames under way, of any size, if one is sent each refresh.
 
-        Those that wait came within the last queue_ms, one more is being transferred, and the delay of the others began within the
-        longest delay; one is about to enter.
+        Those that wait came within the last queue_ms, one more is being transferred, and the delay
+        of the others began within the longest delay; one is about to enter.
         """
         waiting = math.ceil(self.bandwidth.queue_ns * 1e-9 * rate_hz) + 2 if self.bandwidth is not None else 0
         return waiting + math.ceil(self.delay.longest_ns(latency_ns) * 1e-9 * rate_hz) + 2
 
     def check(self, latency_ns: int) -> None:
-        """Errors: InputError for a network that cannot be with this latency."""
+        """Check the delays against the latency. Errors: InputError for an impossible network."""
         self.delay.check(latency_ns)
 
     def delays(self, latency_ns: int) -> Iterator[int]:
-        """How long each frame takes, in ns. Errors: as `check`."""
+        """Yield the delay of each frame in ns. Errors: as `check`."""
         self.check(latency_ns)
         return self.delay.samples(latency_ns, np.random.default_rng([self.seed, 0]))
 
@@ -92,19 +95,22 @@ class LinkOptions:
         wasted: Callable[[Any], None] | None = None,
         receive: Callable[[Any], bool] | None = None,
     ) -> Link:
-        """A new link through this network; see `Link` for the callbacks. Errors: as `check`."""
+        """Return a new link through this network; see `Link` for the callbacks.
+
+        Errors: as `check`.
+        """
         losses = self.loss.samples(np.random.default_rng([self.seed, 1])) if self.loss is not None else None
         return Link(self.delays(latency_ns), losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)
 
 
 def parse_jitter(text: str) -> DelayModel:
-    """'uniform:20' to its model; '' to a constant delay. Errors: InputError."""
+    """Parse 'uniform:20'; '' is a constant delay. Errors: InputError."""
     name, _, argument = text.strip().partition(":")
     return delay_models.get(name.strip() or "constant").parse(argument.strip())
 
 
 def parse_loss(text: str) -> GilbertElliott | None:
-    """'p=0.02,r=0.3,good=0,bad=1', '0.02', 'none' or ''. Errors: InputError."""
+    """Parse 'p=0.02,r=0.3,good=0,bad=1', '0.02', 'none' or ''. Errors: InputError."""
     text = text.strip()
     if text in ("", "none"):
         return None
@@ -114,20 +120,20 @@ def parse_loss(text: str) -> GilbertElliott | None:
         if not 0 <= share <= 1:
             raise InputError(f"loss '{text}': wanted a share of the frames, from 0 to 1")
         return GilbertElliott(share, 1 - share)
-    given = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
-    if not {"p", "r"} <= given.keys():
+    values = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
+    if not {"p", "r"} <= values.keys():
         raise InputError(f"loss '{text}': {wanted}")
-    return GilbertElliott(**given)
+    return GilbertElliott(**values)
 
 
 def parse_bandwidth(text: str) -> Bandwidth | None:
-    """'50', '50,queue=100' or '' for no limit. Errors: InputError."""
+    """Parse '50', '50,queue=100' or '' for no limit. Errors: InputError."""
     if not text.strip():
         return None
     rate, *more = text.split(",")
     wanted = "wanted Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
-    given = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
-    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), given.get("queue", QUEUE_MS))
+    values = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
+    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
 
 
 def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""The time from a head's motion to the picture that answers it, by its parts."""
+"""The time from a head's motion to the picture that responds to it, by parts."""
 
 from __future__ import annotations
 
@@ -13,17 +13,19 @@ from .tally import TransitStats
 
 @attrs.frozen
 class ResponseTime:
-    """What a shown frame took, in ms; the response time is the sum of the parts.
+    """The time that a shown frame took, in ms; the response time is the sum of the parts.
 
-    render, encode, decode, warp: measured work, of both eyes. round_trip: the network's delay, from asking for a frame to its
-    arrival, without what its size adds. transfer: size over bandwidth. queue: waiting for frames before it, at the bottleneck or for
-    the decoder. What the display adds (waiting for its refresh) is none of these.
+    What the display adds (waiting for its refresh) is none of these.
     """
 
+    # Measured work for both eyes, as encode, decode and warp.
     render_ms: float = 0.0
     encode_ms: float = 0.0
+    # Waiting for frames before it, at the bottleneck or for the decoder.
     queue_ms: float = 0.0
+    # Size over bandwidth.
     transfer_ms: float = 0.0
+    # The network's delay from the request for a frame to its arrival, without what its size adds.
     round_trip_ms: float = 0.0
     decode_ms: float = 0.0
     warp_ms: float = 0.0
@@ -38,7 +40,7 @@ class ResponseTime:
         decode_ms: float = 0.0,
         warp_ms: float = 0.0,
     ) -> Self:
-        """From how the frame came through the link and what was measured at both ends."""
+        """Return the parts from the frame's transit and what was measured at both ends."""
         queue_ms = (transit.queue_ns + transit.hold_ns) / 1e6
         return cls(
             render_ms, encode_ms, queue_ms, transit.transfer_ns / 1e6, transit.delay_ns / 1e6, decode_ms, warp_ms
@@ -46,15 +48,19 @@ class ResponseTime:
 
     @property
     def total_ms(self) -> float:
+        """The response time."""
         return sum(self.parts().values())
 
     def parts(self) -> dict[str, float]:
-        """Each part by its name, in the order in which they happen."""
+        """Return each part by its name, in the order in which they happen."""
         return attrs.asdict(self)
 
 
 def medians(times: Sequence[ResponseTime]) -> dict[str, float] | None:
-    """The median of each part and of the totals (which is not the sum of the parts' medians); None where no frame was shown."""
+    """Return the median of each part and of the totals, None where no frame was shown.
+
+    The median total is not the sum of the parts' medians.
+    """
     if not times:
         return None
     out = {name: median(getattr(one, name) for one in times) for name in ResponseTime().parts()}

@@ -1,4 +1,4 @@
-"""What became of each frame, so that none is lost without a word."""
+"""The fate of each frame, so that none is lost unnoticed."""
 
 from __future__ import annotations
 
@@ -7,26 +7,29 @@ import attrs
 
 @attrs.frozen
 class Tally:
-    """Counts of frames; every frame drawn is in exactly one of those that have no sum.
+    """Counts of frames; every frame drawn is in exactly one field.
 
     drawn = dropped + sent, sent = lost + undecodable + late + superseded + shown + under_way.
-
-    dropped: the queue at the bottleneck was full. lost: on the network. undecodable: arrived, but what its coding builds on did not.
-    late: a newer one had been on the screen before it came. superseded: by the first refresh that could have shown it a newer one was
-    there too. shown: each once, however many refreshes it stayed. under_way: not there yet at the last refresh.
     """
 
+    # The queue at the bottleneck was full.
     dropped: int = 0
+    # On the network.
     lost: int = 0
+    # Arrived, but a frame that its coding builds on did not.
     undecodable: int = 0
+    # A newer one had been on the screen before it came.
     late: int = 0
+    # A newer one had arrived too by the first refresh that could have shown it.
     superseded: int = 0
+    # Each once, however many refreshes it stayed.
     shown: int = 0
+    # Not arrived at the last refresh.
     under_way: int = 0
 
     @property
     def sent(self) -> int:
-        """Frames that the network took."""
+        """Frames that entered the network."""
         return self.lost + self.undecodable + self.late + self.superseded + self.shown + self.under_way
 
     @property
@@ -35,27 +38,29 @@ class Tally:
         return self.dropped + self.sent
 
     def as_dict(self) -> dict[str, int]:
-        """For summary.json: drawn, sent, then what became of them."""
+        """Return the counts for summary.json: drawn, sent, then the fields."""
         return {"drawn": self.drawn, "sent": self.sent, **attrs.asdict(self)}
 
 
 @attrs.frozen
 class TransitStats:
-    """How one frame came through, all in ns: queue_ns before its first bit went, transfer_ns from the first to the last (its size over
-    the rate), delay_ns on the network, hold_ns until the frames before it had come too, where those are needed.
+    """The way of one frame through the link."""
 
-    number: 0 for the first frame handed to the link. size_bytes: as the sender said.
-    """
-
+    # 0 for the first frame handed to the link.
     number: int
     sent_ns: int
+    # As the sender declared it.
     size_bytes: int = 0
+    # Before its first bit left.
     queue_ns: int = 0
+    # From the first bit to the last: its size over the rate.
     transfer_ns: int = 0
+    # On the network.
     delay_ns: int = 0
+    # Until the frames before it had come too, where a decoder needs them.
     hold_ns: int = 0
 
     @property
     def ready_ns(self) -> int:
-        """When it can be shown."""
+        """The instant from which it can be shown."""
         return self.sent_ns + self.queue_ns + self.transfer_ns + self.delay_ns + self.hold_ns

@@ -1,23 +1,29 @@
-"""One picture to measure, with everything its figures need, and the measuring itself."""
+"""One picture to measure, with everything its metrics need, and the measuring itself."""
 
 from __future__ import annotations
+
+import functools
+from typing import TypeVar
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import HmdwarpError, InputError
 from ..geometry import View
-from .flicker import error_image, flicker
-from .holes import border_share, hole_share
-from .image import check_pair, flip, psnr_db, ssim
+from .library.flip import flip
+from .metric import Input, metrics_in_order
+from .pictures import check_pair, error_image
 from .regions import region_sums
+
+T = TypeVar("T")
 
 
 @attrs.frozen(eq=False)
 class Compared:
-    """What the eye was shown and what it should have seen: two sRGB pictures (h, w, 3), top row first, and their view."""
+    """What the eye was shown and what it should have seen."""
 
+    # sRGB pictures, (h, w, 3), top row first.
     shown: NDArray
     truth: NDArray
     view: View
@@ -37,68 +43,120 @@ def _covered(coverage: NDArray | None) -> NDArray[np.bool_] | None:
 
 @attrs.frozen(eq=False)
 class QualityJob:
-    """One eye of one frame, to be measured.
+    """One eye of one frame to measure. What is None leaves out the metrics that need it.
 
-    now: what is measured (after the fill, before the lens). previous: the neighbouring frame of the same eye, for
-    flicker; None if there is none. covered: (h, w), coverage after the warp and before the fill, anything but 0 is covered;
-    truth_inverse_depth: (h, w) in 1/m in the shown view; rendered, rendered_size: the view and (w, h) of the late frame.
-    Without coverage there are no hole figures, without the truth's depth or the rendered view no border figure.
-    late: the late frame's picture, only carried along for reports. error_map: whether the FLIP map is wanted too; regions: whether
-    it is wanted where the error is (that needs coverage and the truth's depth).
     Errors: InputError for sizes that do not belong together.
     """
 
+    # After the fill, before the lens.
     now: Compared
+    # The neighbouring frame of the same eye.
     previous: Compared | None = None
+    # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
     covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
+    # (h, w), 1/m in the shown view, top row first.
     truth_inverse_depth: NDArray | None = None
+    # View and (w, h) of the late frame.
     rendered: View | None = None
     rendered_size: tuple[int, int] | None = None
+    # The late frame's picture, only carried along for reports.
     rendered_picture: NDArray | None = None
+    # Whether the result has the FLIP map.
     error_map: bool = False
+    # Whether the result says where the error is; this needs coverage and depth.
     regions: bool = False
 
     def __attrs_post_init__(self) -> None:
         size = self.now.shown.shape[:2]
         for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
             if array is not None and array.shape != size:
-                raise InputError(f"{name} is {array.shape}, the picture {size}: wanted the same (h, w)")
-        if self.regions and (self.covered is None or self.truth_inverse_depth is None):
-            raise InputError(
-                "where the error is can be told only with the coverage and the truth's inverse depth: give both"
-            )
+                raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
+        if self.regions and not Input.COVERAGE | Input.DEPTH in self.inputs:
+            raise InputError("regions of the error need the coverage and the truth's inverse depth: pass both")
+
+    @property
+    def inputs(self) -> Input:
+        """What metrics can be computed from."""
+        there = Input.TRUTH
+        for flag, value in (
+            (Input.COVERAGE, self.covered),
+            (Input.DEPTH, self.truth_inverse_depth),
+            (Input.RENDERED, self.rendered and self.rendered_size),
+            (Input.PREVIOUS, self.previous),
+        ):
+            if value is not None:
+                there |= flag
+        return there
 
 
 @attrs.frozen(eq=False)
 class QualityResult:
-    """`values`: QUALITY names to figures, None where there was nothing to measure; `error_map`: (h, w) bytes, FLIP 0..1 as 0..255;
-    `regions`: as metrics.regions.region_sums. The last two only where they were asked for."""
+    """The figures of one job."""
 
+    # By metric; None where there was nothing to measure.
     values: dict[str, float | None]
+    # (h, w) bytes, FLIP 0..1 as 0..255, where the job asks for it.
     error_map: NDArray[np.uint8] | None = None
+    # As metrics.regions.region_sums, where the job asks for it.
     regions: dict[str, dict[str, float]] | None = None
 
 
+class Measurement:
+    """A job under measurement: what metrics compute from, and what several of them share.
+
+    Errors: HmdwarpError for an input that the job lacks, because the metric does not declare it.
+    """
+
+    def __init__(self, job: QualityJob, pixels_per_degree: float) -> None:
+        self._job, self._pixels_per_degree = job, pixels_per_degree
+        self.now = job.now
+
+    @functools.cached_property
+    def flip(self) -> tuple[float, NDArray[np.float32]]:
+        """Mean FLIP error and its (h, w) map."""
+        return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
+
+    @property
+    def previous(self) -> Compared:
+        """The neighbouring frame."""
+        return _declared(self._job.previous, Input.PREVIOUS)
+
+    @property
+    def covered(self) -> NDArray[np.bool_]:
+        """(h, w): where the warp left no hole."""
+        return _declared(self._job.covered, Input.COVERAGE)
+
+    @property
+    def truth_inverse_depth(self) -> NDArray:
+        """(h, w), 1/m."""
+        return _declared(self._job.truth_inverse_depth, Input.DEPTH)
+
+    @property
+    def rendered(self) -> View:
+        """View of the late frame."""
+        return _declared(self._job.rendered, Input.RENDERED)
+
+    @property
+    def rendered_size(self) -> tuple[int, int]:
+        """Size (w, h) of the late frame."""
+        return _declared(self._job.rendered_size, Input.RENDERED)
+
+
+def _declared(value: T | None, flag: Input) -> T:
+    if value is None:
+        raise HmdwarpError(f"a metric reads {flag.name} without declaring it in `needs`")
+    return value
+
+
 def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
-    """All figures of one job; the same job gives the same bits wherever it runs."""
-    now = job.now
-    flip_mean, flip_map = flip(now.shown, now.truth, pixels_per_degree)
-    values: dict[str, float | None] = {
-        "psnr_db": psnr_db(now.shown, now.truth),
-        "ssim": ssim(now.shown, now.truth),
-        "flip": flip_mean,
-        "hole_share": None if job.covered is None else hole_share(job.covered),
-        "border_share": _border(job),
-        "flicker": None
-        if job.previous is None
-        else flicker(now.error, now.view, job.previous.error, job.previous.view),
+    """Return all figures of one job; the same job gives the same bits wherever it runs."""
+    now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
+    values = {
+        metric.name: metric.compute(measurement) if metric.needs in there else None for metric in metrics_in_order()
     }
+    flip_map = measurement.flip[1]
     error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
-    regions = region_sums(now.shown, now.truth, job.covered, job.truth_inverse_depth, flip_map) if job.regions else None
+    regions = None
+    if job.regions:
+        regions = region_sums(now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map)
     return QualityResult(values, error_map, regions)
-
-
-def _border(job: QualityJob) -> float | None:
-    if job.covered is None or job.truth_inverse_depth is None or job.rendered is None or job.rendered_size is None:
-        return None
-    return border_share(job.covered, job.truth_inverse_depth, job.now.view, job.rendered, job.rendered_size)

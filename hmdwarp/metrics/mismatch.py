@@ -1,4 +1,4 @@
-"""Holes that one eye sees and the other does not: the two eyes' pictures then rival, which is worse than a hole in both."""
+"""Mismatch: holes that only one eye sees. The two pictures then rival, worse than a hole in both."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import View, WarpMap
+from ..gpu.textures import flip_rows
 from .grid import pixel_centres, row_blocks
 
-# The nearest pixel of the other eye may lie half a pixel beside the point on each axis; what a surface slanted by up to 80 degrees makes of
-# that at 10 pixels a degree is 1 % of its inverse depth. Things that hide each other differ by more.
+# The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a surface
+# slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth. Things that
+# hide each other differ by more.
 DEPTH_TOLERANCE = 0.02
 DEPTH_FLOOR = 0.002  # 1/m: nearer to each other than that, things are equally far
 
 
 @attrs.frozen
 class Mismatch:
-    """Counts of left-eye pixels: those whose surface both eyes see, and of these those that are a hole for exactly one."""
+    """Counts of left-eye pixels."""
 
+    # Pixels whose surface both eyes see.
     seen_by_both: int = 0
+    # Of these, the holes for exactly one eye.
     one_eyed: int = 0
 
     def __add__(self, other: Mismatch) -> Mismatch:
@@ -28,26 +32,27 @@ class Mismatch:
 
     @property
     def share(self) -> float | None:
-        """Of what both eyes see the part that is a hole for exactly one, 0..1; None where they see nothing in common."""
+        """Part of what both eyes see that is a hole for exactly one, 0..1; None if nothing is seen by both."""
         return self.one_eyed / self.seen_by_both if self.seen_by_both else None
 
 
 class SharedSurface:
-    """Which pixels of the two eyes show the same surface point, from the truth alone; then the holes of any warp are compared quickly.
+    """Pixels of the two eyes that show the same surface point, from the truth alone.
 
-    left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of one size, top row first, in 1/m,
-    0 or NaN = infinitely far. Each left pixel goes through the warp map to the right eye; it is seen there if the right eye's
-    own depth at the nearest pixel is the same. Errors: InputError unless the two have one size.
+    Made once per refresh; comparing the holes of each warp is then quick. Each left pixel goes
+    through the warp map to the right eye. It is seen there if the right eye's own depth at the
+    nearest pixel is the same.
+
+    left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of one
+    size, top row first, in 1/m, 0 or NaN = infinitely far.
+    Errors: InputError unless the two have one size.
     """
 
     def __init__(self, left: View, right: View, left_inverse_depth: NDArray, right_inverse_depth: NDArray) -> None:
-        from ..gpu.textures import flip_rows
-
         shape = left_inverse_depth.shape
         if shape != right_inverse_depth.shape or len(shape) != 2:
-            raise InputError(
-                f"the eyes' inverse depths have shapes {shape} and {right_inverse_depth.shape}: wanted two of the same (h, w)"
-            )
+            shapes = f"{shape} and {right_inverse_depth.shape}"
+            raise InputError(f"the eyes' inverse depths have shapes {shapes}: expected two of the same (h, w)")
         height, width = self._shape = shape
         here, there = (
             np.nan_to_num(flip_rows(np.asarray(d, np.float64))) for d in (left_inverse_depth, right_inverse_depth)
@@ -67,15 +72,14 @@ class SharedSurface:
         self._left, self._right = np.concatenate(mine), np.concatenate(theirs)
 
     def compare(self, left_coverage: NDArray, right_coverage: NDArray) -> Mismatch:
-        """Of one warp's two pictures. Coverage: (h, w), after the warp and before the fill, top row first; 0 is a hole.
+        """Compare the holes of one warp's two pictures.
 
+        Coverages: (h, w), after the warp and before the fill, top row first; 0 is a hole.
         Errors: InputError for another size than the depths had.
         """
-        from ..gpu.textures import flip_rows
-
         if not left_coverage.shape == right_coverage.shape == self._shape:
             raise InputError(
-                f"coverages have shapes {left_coverage.shape} and {right_coverage.shape}: wanted {self._shape}"
+                f"coverages have shapes {left_coverage.shape} and {right_coverage.shape}: expected {self._shape}"
             )
         holes = [(flip_rows(np.asarray(c)) == 0).ravel() for c in (left_coverage, right_coverage)]
         return Mismatch(len(self._left), int(np.count_nonzero(holes[0][self._left] != holes[1][self._right])))

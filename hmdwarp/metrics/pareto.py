@@ -1,4 +1,4 @@
-"""Which of several methods are worth choosing from: those that no other beats in both error and time."""
+"""The Pareto front: the methods that no other beats in both error and time."""
 
 from __future__ import annotations
 
@@ -7,36 +7,37 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from ..errors import HmdwarpError
-from .summary import HIGHER_IS_BETTER
+from .metric import METRICS, PRIMARY
 
 Thing = TypeVar("Thing")
 Costs = tuple[float | None, float | None]
 
 
-def error_and_time(row: Mapping[str, Any], measure: str = "flip") -> Costs:
-    """What a row of the bench costs: its mean error and the median time of all its stages in ms per eye, both smaller is better.
+def error_and_time(row: Mapping[str, Any], measure: str = PRIMARY) -> Costs:
+    """Return the mean error of a row of the bench and the median time of all its stages in ms per eye.
 
-    measure: a figure of `quality`; one where larger is better (PSNR, SSIM) counts negative. None where nothing was measured.
+    Lower is better in both: a metric where higher is better (PSNR, SSIM) counts negative. None where
+    nothing was measured. measure: name of a metric.
     """
     error = row["quality"][measure]["mean"]
-    if error is not None and measure in HIGHER_IS_BETTER:
+    if error is not None and METRICS.get(measure).higher_is_better:
         error = -error
     return error, row["time_ms"]["total"]["median"]
 
 
 def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_time) -> list[Thing]:
-    """The rows that no other row beats, in the order given: the Pareto front of their two costs.
+    """Return the rows that no other row beats, in their order: the Pareto front of their two costs.
 
-    A row beats another if it is at most as large in both costs and smaller in one. Rows equal in both do not beat each other:
-    all of them stay, or none. A row with a cost of None was not measured; it neither stays nor beats. Each row that is
-    left out, but for those, is beaten by one that stays. O(n log n).
-    Errors: HmdwarpError for a cost that is NaN, which has no place in any order.
+    A row beats another if it is at most as large in both costs and smaller in one. Rows equal in both
+    do not beat each other: all of them stay, or none. A row with a cost of None was not measured; it
+    neither stays nor beats. Each other row that is left out is beaten by one that stays. O(n log n).
+    Errors: HmdwarpError for a cost of NaN, which cannot be ordered.
     """
     rows = list(rows)
     measured = [(index, *pair) for index, pair in enumerate(map(costs, rows)) if None not in pair]
     if any(math.isnan(error) or math.isnan(time) for _, error, time in measured):
         raise HmdwarpError(
-            "a cost is not a number: wanted an error and a time that were measured, or None for what was not"
+            "a cost is not a number: expected an error and a time that were measured, or None for what was not"
         )
     kept: set[int] = set()
     least: tuple[float, float] | None = None  # (error, time) of the last row kept; times only grow from here on

@@ -1,4 +1,9 @@
-"""Measuring pictures in other processes, so that SSIM and FLIP (a second a frame) do not hold up the loop."""
+"""Measurement of pictures in other processes: SSIM and FLIP take a second a frame.
+
+multiprocessing and loky were tried instead. Spawned children of multiprocessing import the user's main
+script again. Those of loky (3.7) stay for good, 200 MB each, when this process is killed. Neither is
+faster, and neither does the work of a killed child again.
+"""
 
 from __future__ import annotations
 
@@ -27,24 +32,25 @@ _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THR
 MOST_WORKERS = 8  # each takes 200 MB
 
 
-def worker_count(asked: int | None) -> int:
-    """How many measuring processes: as many as asked for, by default one per core."""
-    return min(os.cpu_count() or 1, MOST_WORKERS) if asked is None else asked
+def worker_count(workers: int | None) -> int:
+    """Return the number of measuring processes; by default one per core."""
+    return min(os.cpu_count() or 1, MOST_WORKERS) if workers is None else workers
 
 
 class QualityPool:
-    """Measures QualityJobs in `workers` processes; with 0 workers inside submit(). The figures are the same bits either way.
+    """A pool of `workers` processes that measure QualityJobs; 0 measures inside submit(), to the same bits.
 
         with QualityPool(2, pixels_per_degree, worst=6) as pool:
             pool.submit((frame, eye), job)            # waits while all workers are behind
         pool.results[frame, eye]["flip"]              # complete, in the order of the keys
 
-    Leaving the block normally waits for what was submitted; leaving it by an exception (Ctrl-C too) drops the rest at
-    once. No process outlives the block.
+    Leaving the block normally waits for all submitted jobs. Leaving it by an exception (Ctrl-C too)
+    drops the rest at once. No process outlives the block.
 
-    keep=True in submit keeps that job's pictures in `kept`; `worst` is how many of the worst pictures (by FLIP) are kept
-    in `worst`, at most one from each `bucket(key)`. Anything else is forgotten as soon as it is measured, so memory does not
-    grow with the length of the run. What is kept comes with its FLIP map, without previous frame, coverage and depth.
+    keep=True in submit keeps that job's pictures in `kept`. `worst` is how many of the worst pictures
+    (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. Anything else is dropped as soon
+    as it is measured, so memory does not grow with the length of the run. A kept picture comes with
+    its FLIP map, without previous frame, coverage and depth.
 
     Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a worker died.
     """
@@ -83,7 +89,7 @@ class QualityPool:
             self._threads.append(thread)
 
     def submit(self, key: Any, job: QualityJob, *, keep: bool = False) -> None:
-        """Hand in a job under a key that sorts among the others; blocks while every worker is busy and one job each waits."""
+        """Submit a job under a key that sorts among the others; block while each worker has a job waiting."""
         if keep or self._keeper.count:
             job = attrs.evolve(job, error_map=True)
         if not self._workers and not self._stopping.is_set():
@@ -96,7 +102,7 @@ class QualityPool:
             raise HmdwarpError("this pool of measuring processes is closed: submit inside its with block")
 
     def wait(self) -> None:
-        """Until everything submitted so far is measured and the workers are idle, so that what is timed next has the machine to itself.
+        """Wait until all submitted jobs are measured, so that the next timing has the machine to itself.
 
         Errors: as submit.
         """
@@ -106,7 +112,7 @@ class QualityPool:
         self._raise_failure()
 
     def finish(self) -> dict[Any, dict[str, float | None]]:
-        """Wait for everything submitted, end the workers, and give all results in the order of their keys."""
+        """Wait for all submitted jobs, end the workers, and return all results in the order of their keys."""
         try:
             for _ in self._threads:
                 self._put(None)
@@ -121,25 +127,25 @@ class QualityPool:
         return self.results
 
     def abort(self) -> None:
-        """Drop what is not measured yet and end the workers at once."""
+        """Drop the jobs not measured yet and end the workers at once."""
         self._stopping.set()
         self._stop_workers(kill=True)
 
     @property
     def results(self) -> dict[Any, dict[str, float | None]]:
-        """The figures measured so far, QUALITY names to numbers or None, in the order of the keys."""
+        """The figures measured so far, by metric, in the order of the keys."""
         with self._lock:
             return {key: self._results[key] for key in sorted(self._results)}
 
     @property
     def regions(self) -> dict[Any, dict[str, dict[str, float]]]:
-        """Where the error is, of the jobs submitted with regions=True that have been measured, in the order of the keys."""
+        """The region_sums of the measured jobs that have regions=True, in the order of the keys."""
         with self._lock:
             return {key: self._regions[key] for key in sorted(self._regions)}
 
     @property
     def kept(self) -> list[Kept]:
-        """The jobs submitted with keep=True that have been measured, with their results, in the order of the keys."""
+        """The measured jobs that were submitted with keep=True, in the order of the keys."""
         with self._lock:
             return [self._kept[key] for key in sorted(self._kept)]
 
@@ -159,7 +165,7 @@ class QualityPool:
             self.abort()
 
     def _put(self, item: tuple[Any, QualityJob, bool] | None) -> bool:
-        """Whether the item could be handed to a worker before the pool stopped."""
+        """Queue the item for a worker; return False if the pool stopped first."""
         while not self._stopping.is_set():
             try:
                 self._queue.put(item, timeout=0.1)
@@ -208,8 +214,8 @@ class QualityPool:
     def _fail(self, key: Any, error: Exception) -> None:
         with self._lock:
             if self._failure is None and not self._stopping.is_set():
-                told = error if isinstance(error, HmdwarpError) else HmdwarpError(f"{type(error).__name__}: {error}")
-                self._failure = type(told)(f"measuring picture {key} failed: {told}")
+                known = error if isinstance(error, HmdwarpError) else HmdwarpError(f"{type(error).__name__}: {error}")
+                self._failure = type(known)(f"measuring picture {key} failed: {known}")
         self._stopping.set()
 
     def _raise_failure(self) -> None:
@@ -249,13 +255,13 @@ class _Worker:
         self._first = pickle.dumps(pixels_per_degree)
 
     def measure(self, job: QualityJob) -> QualityResult:
-        """Have it measured there. Errors: what measuring raised, or HmdwarpError if the process is gone."""
+        """Measure a job there. Errors: the worker's own, or HmdwarpError if the process is gone."""
         assert self._process.stdin is not None and self._process.stdout is not None
         try:
             if self._first:
                 self._process.stdin.write(self._first)
                 self._first = b""
-            # The late picture is for reports alone and need not travel.
+            # The late picture is only for reports and stays here.
             pickle.dump(attrs.evolve(job, rendered_picture=None), self._process.stdin, protocol=5)
             self._process.stdin.flush()
             answer = pickle.load(self._process.stdout)
@@ -266,12 +272,13 @@ class _Worker:
         return answer
 
     def kill(self) -> None:
-        """End the process at once; whoever waits for its answer gets an error."""
+        """End the process at once; a thread that waits for its answer gets an error."""
         self._process.kill()
 
     def close(self) -> None:
         """Let the process end by itself and free its pipes; may be called again."""
-        with contextlib.suppress(OSError):  # what was still buffered has nowhere to go any more
+        assert self._process.stdin is not None and self._process.stdout is not None
+        with contextlib.suppress(OSError):  # buffered bytes have nowhere to go any more
             self._process.stdin.close()
         self._process.wait()
         self._process.stdout.close()

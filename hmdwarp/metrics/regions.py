@@ -1,46 +1,55 @@
-"""Where the error is: in the holes the warp left, at the edges of things, and elsewhere; summed over pictures without averaging dB."""
+"""Error by region: the holes that the warp left, the edges of things, and elsewhere.
+
+Errors are summed over pictures; dB are never averaged.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .image import PSNR_CAP_DB, check_pair
+from .library.psnr_db import db_of
+from .pictures import check_pair
 
 REGIONS = ("holes", "edges", "elsewhere")
 SUMS = ("pixels", "squared_error", "flip")
 
-# Across a plane inverse depth changes by the same step from pixel to pixel, however slanted the plane is; where two planes meet the step
-# changes by at most what each makes alone: tan(80 deg) x 0.1 deg = 1 % of the inverse depth a pixel at 10 pixels a degree.
+# Across a plane inverse depth changes by the same step from pixel to pixel, however slanted the
+# plane is. Where two planes meet the step changes by at most what each makes alone: tan(80 deg) x
+# 0.1 deg = 1 % of the inverse depth per pixel at 10 pixels per degree.
 RELATIVE_STEP = 0.02
-# 1/m. A head that moves 0.3 m shifts so small a difference by 0.6 mrad, less than a pixel of any headset: it is no edge to the eye.
+# 1/m. A head that moves 0.3 m shifts so small a difference by 0.6 mrad, less than a pixel of any
+# headset: the eye sees no edge.
 LEAST_STEP = 0.002
 EDGE_WIDTH_PX = 2
 
 
 def region_of(coverage: NDArray, truth_inverse_depth: NDArray) -> NDArray[np.uint8]:
-    """(h, w), index into REGIONS of each pixel.
+    """Return the region of each pixel, (h, w), as an index into REGIONS.
 
-    coverage: (h, w), after the warp and before the fill; 0 is a hole. truth_inverse_depth: (h, w) in 1/m, 0 or NaN = infinitely far.
+    coverage: (h, w), after the warp and before the fill; 0 is a hole. truth_inverse_depth: (h, w) in
+    1/m, 0 or NaN = infinitely far.
     Errors: InputError unless both have one size.
     """
     if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
         shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
-        raise InputError(f"coverage and the truth's inverse depth have shapes {shapes}: wanted two of the same (h, w)")
+        raise InputError(
+            f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
+        )
     region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(1), np.uint8(2))
     region[np.asarray(coverage) == 0] = 0
     return region
 
 
 def near_discontinuity(inverse_depth: NDArray) -> NDArray[np.bool_]:
-    """(h, w): pixels whose centre lies within 2 pixels, along a row or column or both, of a jump in depth.
+    """Return the pixels, (h, w), within 2 pixels of a jump in depth, along a row, a column or both.
 
-    A jump lies between two neighbours whose step continues neither the step before it nor the one after it, by more than two planes
-    that meet could make (RELATIVE_STEP of the nearer one, at least LEAST_STEP). A wall seen at a grazing angle has none.
+    A jump lies between two neighbours whose step continues neither the step before it nor the one
+    after it, by more than two planes that meet could make: RELATIVE_STEP of the nearer one, at least
+    LEAST_STEP. A wall seen at a grazing angle has none.
     """
     depth = np.nan_to_num(np.asarray(inverse_depth, dtype=np.float32), nan=0.0)
     near = np.zeros(depth.shape, bool)
@@ -53,19 +62,19 @@ def near_discontinuity(inverse_depth: NDArray) -> NDArray[np.bool_]:
 
 
 def _jumps(rows: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """(h, w - 1): whether there is a jump between each pixel of a row and the next."""
+    """Return the jumps between each pixel of a row and the next, (h, w - 1)."""
     step = np.diff(rows, axis=1)
     allowed = np.maximum(RELATIVE_STEP * np.maximum(np.abs(rows[:, :-1]), np.abs(rows[:, 1:])), LEAST_STEP)
     jump = np.abs(step) > allowed
     change = np.abs(np.diff(step, axis=1))
-    # At the ends of a row there is one neighbour to continue; where there is none (two pixels) a large step is a jump.
+    # An end of a row has one step to continue. Two pixels have none: there a large step is a jump.
     jump[:, 1:] &= change > allowed[:, 1:]
     jump[:, :-1] &= change > allowed[:, :-1]
     return jump
 
 
 def _grown(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
-    """The mask with every pixel within `by` pixels, diagonals included."""
+    """Return the mask grown by `by` pixels, diagonals included."""
     for axis in (0, 1):
         source = np.moveaxis(mask, axis, 1)
         grown = source.copy()
@@ -79,15 +88,18 @@ def _grown(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
 def region_sums(
     shown: NDArray, truth: NDArray, coverage: NDArray, truth_inverse_depth: NDArray, flip_map: NDArray
 ) -> dict[str, dict[str, float]]:
-    """Per region the SUMS of one picture: its pixels, the squared sRGB error summed over pixels and channels, the FLIP error summed.
+    """Return the SUMS of one picture by region.
+
+    They are its pixels, the squared sRGB error over pixels and channels, and the FLIP error.
+    Squared errors are summed in integers, so their order does not matter.
 
     shown, truth: (h, w, 3) uint8. The rest: (h, w), as region_of; flip_map 0..1.
-    Squared errors are summed in integers, so they depend on no order. Errors: InputError for sizes that do not belong together.
+    Errors: InputError for sizes that do not belong together.
     """
     check_pair(shown, truth)
     if shown.dtype != np.uint8 or not shown.shape[:2] == coverage.shape == flip_map.shape:
         found = f"{shown.dtype} pictures {shown.shape}, coverage {coverage.shape}, FLIP map {flip_map.shape}"
-        raise InputError(f"{found}: wanted uint8 (h, w, 3) and two (h, w)")
+        raise InputError(f"{found}: expected uint8 (h, w, 3) and two (h, w)")
     region = region_of(coverage, truth_inverse_depth).ravel()
     difference = shown.astype(np.int32) - truth
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
@@ -100,10 +112,10 @@ def region_sums(
 
 
 def pooled(pictures: Iterable[Mapping[str, Mapping[str, float]]]) -> dict[str, dict[str, float | None]]:
-    """The pictures' region_sums taken together: per region its share of all pixels, and over its own pixels PSNR and mean FLIP.
+    """Return, by region, its share of all pixels, and PSNR and mean FLIP over its own pixels.
 
-    Errors are pooled before the logarithm: a picture with a small region counts little. A region without pixels has None.
-    share is None too where there is no picture.
+    pictures: region_sums of each. Errors are pooled before the logarithm: a picture with a small
+    region counts little. A region without pixels has None; without any picture `share` is None too.
     """
     totals = {name: dict.fromkeys(SUMS, 0.0) for name in REGIONS}
     for picture in pictures:
@@ -119,5 +131,4 @@ def _figures(total: Mapping[str, float], everything: float) -> dict[str, float |
     if not pixels:
         return {"share": 0.0 if everything else None, "psnr_db": None, "flip": None}
     mean_square = total["squared_error"] / (3 * pixels) / 255**2
-    psnr_db = min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB
-    return {"share": pixels / everything, "psnr_db": psnr_db, "flip": total["flip"] / pixels}
+    return {"share": pixels / everything, "psnr_db": db_of(mean_square), "flip": total["flip"] / pixels}

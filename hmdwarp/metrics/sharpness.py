@@ -1,4 +1,4 @@
-"""How much of the truth's fine detail a picture still has: what resampling twice costs against resampling once."""
+"""Sharpness: how much of the truth's fine detail a picture still has after resampling."""
 
 from __future__ import annotations
 
@@ -6,28 +6,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .image import check_pair
+from .pictures import check_pair
 
 
 def sharpness(shown: NDArray, truth: NDArray, where: NDArray | None = None) -> float | None:
-    """1 where the picture is as sharp as the truth, below 1 where it is blurred, above where it is sharpened.
+    """Return 1 for a picture as sharp as the truth, less where it is blurred, more where sharpened.
 
-    The slope of the regression of the picture's fine detail on the truth's, over all pixels and channels. Detail is what a 3x3
-    binomial blur takes away. Noise, jagged edges and other detail that the truth does not have does not correlate with it and so adds
-    nothing (it would, to a ratio of energies); detail in the wrong place is lost detail.
+    It is the slope of the regression of the picture's fine detail on the truth's, over all pixels and
+    channels. Detail is what a 3x3 binomial blur takes away. Noise, jagged edges and other detail that
+    the truth lacks does not correlate with it and adds nothing (it would, to a ratio of energies).
+    Detail in the wrong place is lost detail.
 
-    shown, truth: (h, w, 3), as metrics.image. where: (h, w), pixels that count (others than 0); their neighbours must count too, so
-    that the rim of a hole is not taken for detail. None where the truth has no detail. Errors: InputError for sizes that differ.
+    shown, truth: (h, w, 3), as metrics.pictures. where: (h, w), pixels that count (other than 0);
+    their neighbours must count too, so that the rim of a hole is not taken for detail.
+    None where the truth has no detail. Errors: InputError for sizes that differ.
     """
     check_pair(shown, truth)
     if where is not None and where.shape != shown.shape[:2]:
-        raise InputError(f"the mask is {where.shape}, the picture {shown.shape[:2]}: wanted the same (h, w)")
-    found, wanted = _detail(shown), _detail(truth)
+        raise InputError(f"the mask is {where.shape}, the picture {shown.shape[:2]}: expected the same (h, w)")
+    detail, true_detail = _detail(shown), _detail(truth)
     if where is not None:
         inner = _inner(np.asarray(where) != 0)
-        found, wanted = found[inner], wanted[inner]
-    energy = float((wanted * wanted).sum())
-    return float((found * wanted).sum()) / energy if energy else None
+        detail, true_detail = detail[inner], true_detail[inner]
+    energy = float((true_detail * true_detail).sum())
+    return float((detail * true_detail).sum()) / energy if energy else None
 
 
 def _detail(picture: NDArray) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""From one row per frame and eye to the few figures of summary.json."""
+"""Aggregation of one row per frame and eye into the few figures of summary.json."""
 
 from __future__ import annotations
 
@@ -10,19 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError
-from . import QUALITY, STAGES
+from .metric import metrics_in_order
 
-HIGHER_IS_BETTER = frozenset({"psnr_db", "ssim"})
+STAGES = ("warp", "fill", "effects", "lens", "total")
+QUALITY = tuple(metric.name for metric in metrics_in_order())
 
 
 def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
-    """The `time_ms`, `quality` and `measured` entries of summary.json, from rows keyed by frames.csv's columns.
+    """Return the `time_ms`, `quality` and `measured` entries of summary.json.
 
+    rows: keyed by the columns of frames.csv.
     time_ms: per stage {median, p95} of the `<stage>_ms` columns, per eye.
-    quality: per figure {mean, p95}. p95 always tells of the bad tail: 95 % of the pictures are at least as good. It is the
-    95th percentile of flip, the shares and flicker, and the 5th of psnr_db and ssim, where larger is better.
-    measured: per figure, how many pictures had it. A picture without a figure (None, or no such key: not measured, first
-    frame of a flicker pair) is left out of that figure, never counted as 0; without any, mean, median and p95 are None.
+    quality: per metric {mean, p95}. p95 is always the bad tail: 95 % of the pictures are at least as
+    good. It is the 5th percentile where higher is better (psnr_db, ssim), else the 95th.
+    measured: per metric, how many pictures had it. A picture without a figure (None, or no such key)
+    is left out of that metric, never counted as 0; without any, mean, median and p95 are None.
     Errors: HmdwarpError for NaN or infinite values, which no measurement gives.
     """
     rows = list(rows)
@@ -31,19 +33,21 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
 
 
 def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> dict[str, dict]:
-    """`aggregate` for whole columns, without what was not measured; a column that is not there was never measured. Errors: as aggregate."""
+    """Aggregate whole columns that hold only measured values; a missing column was never measured.
+
+    Errors: as aggregate.
+    """
     for name, values in columns.items():
         if not np.isfinite(values).all():
-            raise HmdwarpError(
-                f"a {name} that is no finite number was measured; wanted a number, or None for not measured"
-            )
-    quality = {name: columns.get(name, ()) for name in QUALITY}
+            raise HmdwarpError(f"a {name} is not a finite number; expected a number, or None for not measured")
+    quality = {metric: columns.get(metric.name, ()) for metric in metrics_in_order()}
     return {
         "time_ms": {stage: middle_and_tail(columns.get(f"{stage}_ms", ())) for stage in STAGES},
         "quality": {
-            name: _mean_and_tail(values, 5 if name in HIGHER_IS_BETTER else 95) for name, values in quality.items()
+            metric.name: _mean_and_tail(values, 5 if metric.higher_is_better else 95)
+            for metric, values in quality.items()
         },
-        "measured": {name: len(values) for name, values in quality.items()},
+        "measured": {metric.name: len(values) for metric, values in quality.items()},
     }
 
 
@@ -55,7 +59,7 @@ def _mean_and_tail(values: Sequence[float] | NDArray[np.float64], percentile: in
 
 
 def middle_and_tail(values: Sequence[float] | NDArray[np.float64]) -> dict[str, float | None]:
-    """{median, p95}, None for both where there are no values."""
+    """Return {median, p95}, None for both where there are no values."""
     if not len(values):
         return {"median": None, "p95": None}
     return {"median": float(np.median(values)), "p95": float(np.percentile(values, 95))}

@@ -1,7 +1,8 @@
 """The measuring process: jobs come in on standard input, results go out on standard output, both pickled.
 
-It is an ordinary program started by QualityPool, not a fork and not a multiprocessing child: it holds no GL context, does
-not import the user's main script again, is out of reach of the terminal's Ctrl-C, and ends by itself when its input does.
+It is an ordinary program started by QualityPool, not a fork and not a multiprocessing child. It holds
+no GL context, does not import the user's main script again, is out of reach of the terminal's Ctrl-C,
+and ends by itself when its input does.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ _NICENESS = 5  # measuring must not slow down the loop whose passes are being ti
 
 
 def main() -> None:
-    """Serve until the input ends. The first message is the pixels per degree, every other one a QualityJob."""
-    # Whatever prints to standard output (FLIP does, on errors) must not end up among the results.
+    """Serve until the input ends: the pixels per degree come first, then QualityJobs."""
+    # Text printed to standard output (FLIP prints errors there) must not end up among the results.
     results = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     os.nice(_NICENESS)
 
     from .job import measure
 
-    # A parent that is gone (EOFError, BrokenPipeError) wants no more results.
+    # A parent that is gone (EOFError, BrokenPipeError) needs no more results.
     with contextlib.suppress(EOFError, BrokenPipeError):
         pixels_per_degree = pickle.load(sys.stdin.buffer)
         while True:

@@ -1,4 +1,4 @@
-"""A frame's way from the server to the client: through the link, and on the way through a codec where one is asked for."""
+"""The way of frames from the server to the client: through the link and, if chosen, a codec."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..colour import picture_from_linear
 from ..frames.layers import PACKED
 from ..gpu.textures import download, upload
 from ..link.codec import Coding, Decoder, Encoder, Packet, Undecodable, packed_bytes
-from ..metrics.image import psnr_db
+from ..metrics import psnr_db
 
 if TYPE_CHECKING:
     import moderngl
@@ -24,26 +24,32 @@ if TYPE_CHECKING:
     from ..frames import Frame
     from ..link import Link, LinkOptions, TransitStats
 
-KEPT = 1 << 17  # figures of so many frames: half an hour at 60 Hz, and no more in a run of hours
-LOOK_EVERY = 10  # what coding loses is looked at in every tenth frame: that costs a comparison of two pictures
+# Figures of so many frames are kept: half an hour at 60 Hz, and no more in a run of hours.
+KEPT = 1 << 17
+# The loss by coding is measured at every tenth frame: that costs a comparison of two pictures.
+LOOK_EVERY = 10
 
 
 @attrs.frozen(eq=False)
 class EncodedFrame:
-    """A frame on its way; packets: one for each eye, none where nothing is encoded. before: what the colours were, to be looked at."""
+    """A frame on its way."""
 
     frame: Frame
+    # One for each eye, none where nothing is encoded.
     packets: tuple[Packet, ...] = ()
+    # The colours before encoding, where the loss is measured.
     before: tuple[NDArray[np.uint8], ...] = ()
 
 
 class Channel:
     """Takes each frame the server draws; hands out the newest that has arrived, as it has arrived.
 
-    A frame that is encoded gets its decoded colour and inverse depth written over its own textures when it arrives; its other layers are
-    counted as packed without loss. offer: gets each frame the client had in hand and needs no more; recycle: those it never had.
-    weight_bytes: of a frame, where nothing is encoded. How long encoding and decoding take is reported, never simulated: a replay stays
-    the same twice.
+    When an encoded frame arrives, its decoded colour and inverse depth are written over its own
+    textures; its other layers are counted as packed without loss. The time of encoding and decoding
+    is reported, never simulated, so that a replay is the same twice.
+
+    weight_bytes: of a frame, where nothing is encoded. offer: called with each frame the client had
+    and no longer needs; recycle: with those it never had.
     """
 
     def __init__(
@@ -66,12 +72,15 @@ class Channel:
         )
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
-        """Frames sent from now on take another latency; those under way arrive as they would have. Errors: as LinkOptions.check."""
+        """Give frames sent from now on another latency; those under way arrive as they would have.
+
+        Errors: as LinkOptions.check.
+        """
         self.link.delay_by(network.delays(latency_ns))
         self.latency_ns = latency_ns
 
     def send(self, frame: Frame, now_ns: int) -> None:
-        """A frame leaves the server."""
+        """Send a frame from the server."""
         if self._coder is None:
             encoded, size, key = EncodedFrame(frame), self._weight, True
         else:
@@ -81,17 +90,17 @@ class Channel:
         self.link.send(encoded, now_ns, size, key)
 
     def newest(self, now_ns: int) -> Frame | None:
-        """The newest frame that has arrived by now, None before the first."""
+        """Return the newest frame that has arrived by now, None before the first."""
         encoded = self.link.newest(now_ns)
         return encoded.frame if encoded is not None else None
 
     @property
     def transit(self) -> TransitStats | None:
-        """How the frame that is shown came through."""
+        """The way of the shown frame, None before the first."""
         return self.link.transit
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
-        """The `link` of summary.json: what became of the frames, Mbit/s of both eyes, and what the codec took and lost."""
+        """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec."""
         mean_bytes = self._bytes / self._frames if self._frames else 0.0
         return {
             "frames": self.link.tally.as_dict(),
@@ -101,23 +110,28 @@ class Channel:
         }
 
     def close(self) -> None:
-        """Give every frame back that is still held; the tally stays."""
+        """Give back every frame still held; the tally stays."""
         self.link.close()
 
 
 class Coder:
-    """Both eyes' streams. size: (w, h) of a late picture. sends_depth: whether inverse depth counts as sent; some warps need none."""
+    """The streams of both eyes.
+
+    size: (w, h) of a rendered picture. sends_depth: whether inverse depth counts as sent; some
+    warps need none.
+    """
 
     def __init__(self, coding: Coding, size: tuple[int, int], rate_hz: float, *, sends_depth: bool = True) -> None:
         self._codec, self._sends_depth = coding.codec, sends_depth
-        told = {"crf": coding.crf, "bitrate_mbit": coding.bitrate_mbit}
-        self._encoders = [Encoder(coding.codec, size, rate_hz, **told) for _ in range(2)]
+        self._encoders = [
+            Encoder(coding.codec, size, rate_hz, crf=coding.crf, bitrate_mbit=coding.bitrate_mbit) for _ in range(2)
+        ]
         self._decoders = [Decoder(coding.codec, size) for _ in range(2)]
         self._encoded = 0
         self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
 
     def encode(self, frame: Frame, *, wants_key: bool) -> tuple[EncodedFrame, int, bool]:
-        """(parcel, bytes, whether it can be decoded without those before it)."""
+        """Return (frame, bytes, whether it can be decoded without those before it)."""
         if wants_key:
             for encoder in self._encoders:
                 encoder.request_key()
@@ -125,16 +139,16 @@ class Coder:
         started = time.perf_counter_ns()
         packets = tuple(encoder.encode(*picture) for encoder, picture in zip(self._encoders, pictures, strict=True))
         frame.timings_ms["encode"] = _milliseconds_since(started)
-        looked_at = self._encoded % LOOK_EVERY == 0
+        measured = self._encoded % LOOK_EVERY == 0
         self._encoded += 1
         self._encode_ms.append(frame.timings_ms["encode"])
         size = sum(len(packet.colour) + self._sends_depth * len(packet.depth) for packet in packets)
         size += sum(layer.coded_bytes(data, _packed) for layer, data in frame.contents() if layer.coding == PACKED)
-        before = tuple(colour for colour, _ in pictures) if looked_at else ()
+        before = tuple(colour for colour, _ in pictures) if measured else ()
         return EncodedFrame(frame, packets, before), size, all(packet.key for packet in packets)
 
     def receive(self, encoded: EncodedFrame) -> bool:
-        """Decode what has arrived into the frame's own textures; False if it builds on what never came."""
+        """Decode into the frame's own textures; return False if it is undecodable."""
         started = time.perf_counter_ns()
         pictures, failed = [], False
         for decoder, packet in zip(self._decoders, encoded.packets, strict=True):
@@ -154,7 +168,7 @@ class Coder:
         return True
 
     def summary(self) -> dict[str, Any]:
-        """Its part of summary.json; None where nothing was coded."""
+        """Return its part of summary.json; None where nothing was coded."""
         figures = {"encode_ms": self._encode_ms, "decode_ms": self._decode_ms, "coded_psnr_db": self._lost_db}
         return {"codec": self._codec, **{name: median(values) if values else None for name, values in figures.items()}}
 

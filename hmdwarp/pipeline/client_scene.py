@@ -1,4 +1,4 @@
-"""The scene as the client has it: all of its depth, and a reduced model that it can draw where the late picture has nothing."""
+"""The scene as the client has it: all of its depth, and a reduced model to draw in holes."""
 
 from __future__ import annotations
 
@@ -10,13 +10,18 @@ import moderngl
 from ..gpu.scopes import drawing_into
 from ..gpu.textures import SCALAR, allocate
 from ..scenes import reduced, unlit
-from ..server.moving import moving_parts, stands_still
-from ..server.passes import ScenePasses, clear_depth
-from ..server.targets import Framebuffers
-from ..server.upload import SceneBuffers, SceneTextures
+from ..server import (
+    Framebuffers,
+    SceneBuffers,
+    ScenePasses,
+    SceneTextures,
+    clear_depth,
+    moving_parts,
+    stands_still,
+)
 
 if TYPE_CHECKING:
-    from ..client.picture import ShownPicture
+    from ..client import ShownPicture
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Scene
@@ -26,9 +31,10 @@ Size = tuple[int, int]
 
 
 class ClientScene:
-    """Stands where a client.geometry.ClientGeometry is wanted. server: of the same scene; it draws the exact depth.
+    """A client.ClientGeometry.
 
-    cache: where reduced scenes are kept, the user's cache folder if None. What nobody asks for is neither reduced nor uploaded.
+    server: of the same scene; it draws the exact depth. cache: the folder of reduced scenes, None
+    for the user's cache folder. A model is reduced and uploaded when it is first needed.
     """
 
     def __init__(self, server: Server, cache: Path | None = None) -> None:
@@ -36,11 +42,11 @@ class ClientScene:
         self._models: dict[tuple[float, bool], DrawnModel] = {}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
-        """As ClientGeometry.draw_depth: of every triangle."""
+        """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
         return self._server.draw_depth(view, size, into, time_ns)
 
     def model(self, share: float, *, lit: bool) -> DrawnModel:
-        """As ClientGeometry.model."""
+        """Return a model, see ClientGeometry.model."""
         key = (share, lit)
         if key not in self._models:
             scene = reduced(self._server.scene, share, self._cache)
@@ -48,14 +54,14 @@ class ClientScene:
         return self._models[key]
 
     def close(self) -> None:
-        """Free the models; the server belongs to whoever made it."""
+        """Free the models; the server belongs to its maker."""
         for model in self._models.values():
             model.close()
         self._models.clear()
 
 
 class DrawnModel:
-    """A client.geometry.ClientModel of a scene that has nothing but surfaces."""
+    """A client.ClientModel of a scene that has nothing but surfaces."""
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lit: bool) -> None:
         self._gl = gpu.gl
@@ -70,15 +76,18 @@ class DrawnModel:
         self._no_depth = allocate(gpu.gl, (1, 1), SCALAR)
 
     def reserve(self, size: Size) -> None:
-        """As ClientModel.reserve."""
+        """Allocate what pictures of that size need, see ClientModel.reserve."""
         self._framebuffers.reserve(size)
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
-        """As ClientModel.draw."""
+        """Draw the whole picture, see ClientModel.draw."""
         self._passes.draw(view, self._over(into), time_ns)
 
     def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
-        """As ClientModel.draw_holes: what is covered goes to the very front of the depth buffer, so that only holes are shaded."""
+        """Draw into holes alone, see ClientModel.draw_holes.
+
+        Covered pixels go to the very front of the depth buffer, so that only holes are shaded.
+        """
         framebuffer, gl = self._over(into), self._gl
         clear_depth(gl, framebuffer)
         picture.colour.texture.use(0)
@@ -86,7 +95,7 @@ class DrawnModel:
         self._cover.uniforms.set(warped=0, warped_inverse_depth=1)
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
-        gl.polygon_offset = 0.0, 2.0  # surfaces that touch the near plane must not get in front of what is covered
+        gl.polygon_offset = 0.0, 2.0  # surfaces at the near plane must stay behind covered pixels
         self._passes.draw_into(view, framebuffer, None, time_ns)
         gl.polygon_offset = 0.0, 0.0
 
@@ -95,7 +104,7 @@ class DrawnModel:
         return self._framebuffers.over(into.colour.texture, *depth)
 
     def close(self) -> None:
-        """Free what it holds; programs belong to the shader library."""
+        """Free what it holds; the shader library owns programs."""
         self._passes.close()
         self._empty.release()
         for one in self._moving:

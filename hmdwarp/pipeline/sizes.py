@@ -1,4 +1,4 @@
-"""How large the pictures of a run are, and whether this machine has room for them."""
+"""The sizes of a run's pictures, and whether this machine has room for them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ Size = tuple[int, int]
 
 
 def guarded_size(guard: float, eyes: Eyes, size: Size) -> Size:
-    """(w, h) of what the server draws for one eye. Errors: InputError for a guard that leaves the half-space in front of the eye."""
+    """Return (w, h) of what the server draws for one eye.
+
+    Errors: InputError for a guard that leaves the half-space in front of the eye.
+    """
     try:
         return guarded_eyes(eyes.views(Pose()), guard, size)[1]
     except InputError as error:
@@ -28,12 +31,16 @@ def _named(eyes: Eyes) -> str:
 
 
 def eye_sizes(guard: float, eyes: Eyes, size: Size) -> EyeSizes:
-    """What one eye's pictures measure, the larger eye's where they differ. size: as shown. Errors: as guarded_size."""
+    """Return what the sizes of all layers follow from. size: as shown. Errors: as guarded_size."""
     return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())))
 
 
 def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: int, latency_ms: float) -> None:
-    """Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill the machine's memory."""
+    """Check GL limit and memory.
+
+    Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill
+    the machine's memory.
+    """
     check_size(gpu.gl, sizes.shown)
     rendered_size = sizes.rendered
     if max(rendered_size) > gpu.max_texture_size:
@@ -42,13 +49,14 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: in
     needed = frames * sum(frame_bytes(needs, sizes).values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
-            f"latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, {needed / 1e9:.1f} GB, "
-            f"and this machine has {memory_bytes() / 1e9:.1f} GB: use a smaller size, a shorter latency or a lower rate"
+            f"latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
+            f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
+            "use a smaller size, a shorter latency or a lower rate"
         )
 
 
 def memory_bytes() -> float:
-    """Of the whole machine; infinite where it does not say."""
+    """Return the memory of the whole machine, infinite where it is unknown."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):

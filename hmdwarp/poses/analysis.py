@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import quaternions
-from .predict import HORIZON_NS, WINDOW_NS, predict_many
+from .prediction import HORIZON_NS, WINDOW_NS, predict_many
 from .sample import Origin
 from .track import PoseTrack
 

@@ -1,10 +1,7 @@
-"""Charts as SVG that takes its colours and its font from the page around it, so that one chart serves light and dark."""
+"""Charts over time as SVG."""
 
 from __future__ import annotations
 
-import hashlib
-import io
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,30 +9,28 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from .style import PAGE, SERIES, drawing, dress, not_measured, svg_text
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Colours that Matplotlib writes and svg_text() replaces by the page's variables of the same order.
-INK, GRID = "#010101", "#020202"
-SERIES = ("#030303", "#040404")
-_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid", SERIES[0]: "--series-1", SERIES[1]: "--series-2"}
 _DASHES = ("solid", (0, (4, 2)))  # lines differ in more than colour
-
 _MOST_POINTS = 400  # about one per device pixel; a run of hours makes a page no larger than one of minutes
-_FEW_POINTS = 12  # fewer are drawn as dots too, a line alone could be missed
+_FEW_POINTS = 12  # fewer are drawn as dots too: a line alone could be missed
 
 
 @attrs.frozen(eq=False)
 class Series:
-    """One line of a chart: `value` at `time_s`, both 1-D and of one length, in order of time. NaN leaves a gap."""
+    """One line of a chart."""
 
     label: str
+    # 1-D and of one length, in order of time; NaN leaves a gap.
     time_s: NDArray[np.float64]
     value: NDArray[np.float64]
 
     @classmethod
     def of(cls, label: str, rows: Iterable[Mapping[str, Any]], column: str, scale: float = 1.0) -> Series:
-        """A column of frames.csv's rows against time; rows without a value are left out."""
+        """Take a column of frames.csv's rows against time; rows without a value are left out."""
         pairs = [(row["time_s"], row[column] * scale) for row in rows if row.get(column) is not None]
         points = np.array(sorted(pairs), dtype=np.float64).reshape(-1, 2)
         return cls(label, points[:, 0], points[:, 1])
@@ -43,7 +38,7 @@ class Series:
 
 @attrs.frozen(eq=False)
 class Band:
-    """A series in bins of time: the mean of each bin that holds anything, and its least and largest value."""
+    """A series in bins of time, without empty bins: mean, least and largest value of each."""
 
     time_s: NDArray[np.float64]
     mean: NDArray[np.float64]
@@ -52,7 +47,7 @@ class Band:
 
 
 def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
-    """Values of one instant (the two eyes) become one point; more than `bins` instants are pooled into that many bins."""
+    """Make one point of the values of one instant (the two eyes); pool more than `bins` instants into `bins`."""
     there = np.isfinite(series.value)
     time_s, value = series.time_s[there], series.value[there]
     instants, index = np.unique(time_s, return_inverse=True)
@@ -72,33 +67,32 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
 def time_series(
     series: Sequence[Series], unit: str, *, from_zero: bool = True, width_in: float = 5.0, height_in: float = 2.2
 ) -> str:
-    """Lines over time as one <svg> element; a pale band spans what the two eyes, or the pooled frames, range over.
+    """Draw at most two lines over time as one <svg> element.
 
-    unit: of the vertical axis, "" for a plain number. Empty series are left out; a chart of nothing says so.
-    The same data give the same text. Colours: the CSS variables --chart-ink, --chart-grid, --series-1, --series-2.
+    A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left out;
+    a chart of nothing says so. The same data give the same text.
+    unit: of the vertical axis, "" for a plain number.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
+    with drawing([(line.label, line.value.tobytes()) for line in series]):
+        from matplotlib.figure import Figure
 
-    # The salt makes the ids of this chart's clip paths its own on a page with several.
-    salt = hashlib.sha256(b"".join(s.label.encode() + s.value.tobytes() for s in series)).hexdigest()
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": salt, "font.size": 9, "font.sans-serif": ["DejaVu Sans"]}):
         figure = Figure(figsize=(width_in, height_in), layout="constrained")
         axes = figure.add_subplot()
         drawn = [_draw(axes, number, line) for number, line in enumerate(series)]
-        _dress(axes, unit, from_zero)
+        dress(axes)
+        axes.set_xlabel("time in s")
+        axes.set_ylabel(unit)
+        axes.margins(x=0.01)
+        if from_zero:
+            axes.set_ylim(bottom=0)
+            axes.set_ylim(top=max(axes.get_ylim()[1], 1e-9))
         if not any(drawn):
-            axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=INK)
+            not_measured(axes)
         elif len(drawn) > 1:
             axes.legend(
-                loc="lower left",
-                bbox_to_anchor=(0, 1),
-                ncols=2,
-                frameon=False,
-                labelcolor=INK,
-                borderaxespad=0,
+                loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, labelcolor=PAGE.ink, borderaxespad=0,
                 handlelength=2.5,
-            )
+            )  # fmt: skip
         return svg_text(figure)
 
 
@@ -113,36 +107,3 @@ def _draw(axes: Axes, number: int, series: Series) -> bool:
     style = {"linestyle": _DASHES[number], "linewidth": 1.3, "marker": marker, "markersize": 3}
     axes.plot(band.time_s, band.mean, color=colour, label=series.label, **style)
     return True
-
-
-def _dress(axes: Axes, unit: str, from_zero: bool) -> None:
-    axes.patch.set_visible(False)
-    axes.figure.patch.set_visible(False)
-    axes.grid(True, color=GRID, linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side, spine in axes.spines.items():
-        spine.set_visible(side == "bottom")
-        spine.set_color(INK)
-    axes.tick_params(colors=INK, length=0)
-    axes.set_xlabel("time in s", color=INK)
-    axes.set_ylabel(unit, color=INK)
-    axes.margins(x=0.01)
-    if from_zero:
-        axes.set_ylim(bottom=0)
-        axes.set_ylim(top=max(axes.get_ylim()[1], 1e-9))
-
-
-def svg_text(figure: Any) -> str:
-    """A figure as an <svg> element to stand in a page: no XML prologue, colours as CSS variables, no date, width left to the page."""
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    text = buffer.getvalue()
-    text = text[text.index("<svg") :]
-    for colour, variable in _VARIABLES.items():
-        text = text.replace(colour, f"var({variable})")
-    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every chart.
-    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
-    text = re.sub(r'<g id="[^"]*"', "<g", text)
-    head, rest = text.split(">", 1)
-    parts = [part for part in head.split('" ') if not part.startswith(("width=", "height="))]
-    return '" '.join(parts) + ">" + rest

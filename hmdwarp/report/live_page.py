@@ -1,4 +1,4 @@
-"""report.html of a live run: as a replay's, without a truth to compare with, and with what only a live run has."""
+"""report.html of a live run: as a replay's, without a truth to compare with, and with figures of its own."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..metrics import METRICS, Figure, Input, metrics_in_order
 from .charts import Series, time_series
-from .live_told import budget_rows, missed_share
-from .page import CLOCK_NAMES, Chart, Tile, environment
-from .tables import QUALITY_FIGURES, TIME_FIGURES, Figure, Summary
-from .way import coding_rows, frame_rows, response_rows
+from .live_lines import budget_rows, missed_share
+from .parts import CLOCK_NAMES, Chart, Tile, environment
+from .tables import TIME_FIGURES, Summary
+from .transit import coding_rows, frame_rows, response_rows
+from .words import listed
 
 Column = Callable[[str], NDArray[np.float64]]
 
@@ -21,76 +23,58 @@ _SHORT_MS = Figure("", "", "ms", 2)
 
 
 def render_live_report(summary: Summary, column: Column, *, command: str) -> str:
-    """The text of report.html. summary: as summary.json, with `live`; column(name): the numbers behind it over time, NaN where there is
-    none: time_s, age_ms, pose_age_ms, period_ms, busy_ms, angular_speed_deg_s, linear_speed_m_s, hole_share/0, hole_share/1.
-    command: what the user typed."""
+    """Return the text of report.html.
+
+    summary: as summary.json, with `live`. column(name): the numbers behind it over time, NaN where
+    there is none: time_s, age_ms, pose_age_ms, period_ms, busy_ms, angular_speed_deg_s,
+    linear_speed_m_s, hole_share/0, hole_share/1. command: as the user typed it.
+    """
     live = summary["live"]
-    return (
-        environment()
-        .get_template("live.html")
-        .render(
-            summary=summary,
-            live=live,
-            command=command,
-            about=[(name, text) for name, text in live["about"].items() if text],
-            notes=summary["notes"],
-            tiles=_tiles(summary),
-            budget=[
-                (what, median, tail, f"{share:.0%}", min(100.0, 100 * share))
-                for what, median, tail, share in budget_rows(summary)
-            ],
-            over=f"{live['over'] / max(1, live['timed']):.1%}",
-            changes=[_change(one) for one in live["changes"]],
-            notices=list(live["notices"].items()),
-            collector=live["garbage_collector"],
-            charts=_charts(summary, column),
-            filled=[],
-            response=response_rows(summary),
-            frames=frame_rows(summary),
-            coding=coding_rows(summary),
-            clock=CLOCK_NAMES[summary["clock"]],
-        )
+    template = environment().get_template("live.html")
+    return template.render(
+        summary=summary,
+        live=live,
+        command=command,
+        about=[(name, text) for name, text in live["about"].items() if text],
+        notes=summary["notes"],
+        tiles=_tiles(summary),
+        budget=[
+            (what, median, tail, f"{share:.0%}", min(100.0, 100 * share))
+            for what, median, tail, share in budget_rows(summary)
+        ],
+        over=f"{live['over'] / max(1, live['timed']):.1%}",
+        changes=[_change(one) for one in live["changes"]],
+        notices=list(live["notices"].items()),
+        collector=live["garbage_collector"],
+        charts=_charts(summary, column),
+        filled=[],
+        response=response_rows(summary),
+        frames=frame_rows(summary),
+        coding=coding_rows(summary),
+        clock=CLOCK_NAMES[summary["clock"]],
+        errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
     )
 
 
 def _tiles(summary: Summary) -> list[Tile]:
-    live, holes = summary["live"], next(figure for figure in QUALITY_FIGURES if figure.name == "hole_share")
-    missed = Tile(
-        "Missed refreshes",
-        "",
-        str(live["missed"]),
-        f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}",
-        None,
-    )
+    live, holes, total = summary["live"], METRICS.get("hole_share"), summary["time_ms"]["total"]
+    age, pose_age, time = live["age_ms"], live["pose_age_ms"], TIME_FIGURES[-1]
+    missed = f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}"
     return [
-        Tile(
-            "Age of the frame",
-            "ms",
-            _MS.text(live["age_ms"]["median"]),
-            _tail(_MS, live["age_ms"], "from drawing to showing"),
-            None,
-        ),
+        Tile("Age of the frame", "ms", _MS.text(age["median"]), _tail(_MS, age, "from drawing to showing")),
         Tile(
             "Age of the pose",
             "ms",
-            _SHORT_MS.text(live["pose_age_ms"]["median"]),
-            _tail(_SHORT_MS, live["pose_age_ms"], "from reading the head to handing the picture over"),
-            None,
+            _SHORT_MS.text(pose_age["median"]),
+            _tail(_SHORT_MS, pose_age, "from reading the head to submitting the picture"),
         ),
-        missed,
-        Tile(
-            "Time per eye",
-            "ms",
-            TIME_FIGURES[-1].text(summary["time_ms"]["total"]["median"]),
-            _tail(TIME_FIGURES[-1], summary["time_ms"]["total"], "all stages"),
-            None,
-        ),
+        Tile("Missed refreshes", "", str(live["missed"]), missed),
+        Tile("Time per eye", "ms", time.text(total["median"]), _tail(time, total, "all stages")),
         Tile(
             holes.label,
-            holes.unit,
-            holes.text(summary["quality"]["hole_share"]["mean"]),
-            "empty after the warp, before the fill",
-            None,
+            holes.figure.unit,
+            holes.figure.text(summary["quality"][holes.name]["mean"]),
+            holes.tile_note,
         ),
     ]
 
@@ -109,21 +93,19 @@ def _value(value: object) -> str:
 
 
 def _charts(summary: Summary, column: Column) -> list[Chart]:
-    time_s, budget_ms = column("time_s"), summary["live"]["budget_ms"]
+    time_s, budget_ms, holes = column("time_s"), summary["live"]["budget_ms"], METRICS.get("hole_share")
     limit = Series("a refresh of the display", time_s, np.full(len(time_s), budget_ms))
-    holes = np.concatenate([column("hole_share/0"), column("hole_share/1")])
-    single = (
-        ("Age of the frame", Series("", time_s, column("age_ms")), "ms"),
-        ("Age of the pose at submission", Series("", time_s, column("pose_age_ms")), "ms"),
+    both_eyes = holes.scale * np.concatenate([column("hole_share/0"), column("hole_share/1")])
+    lines = (
+        ("Age of the frame", [Series("", time_s, column("age_ms"))], "ms"),
+        ("Age of the pose at submission", [Series("", time_s, column("pose_age_ms"))], "ms"),
+        ("From picture to picture", [Series("from picture to picture", time_s, column("period_ms")), limit], "ms"),
+        (
+            "Drawing and all passes of both eyes",
+            [Series("drawing and passes", time_s, column("busy_ms")), limit],
+            "ms",
+        ),
+        (holes.chart, [Series("", np.concatenate([time_s, time_s]), both_eyes)], holes.chart_unit),
+        ("Angular speed of the head", [Series("", time_s, column("angular_speed_deg_s"))], "deg/s"),
     )
-    against = (
-        ("From picture to picture", Series("from picture to picture", time_s, column("period_ms"))),
-        ("Drawing and all passes of both eyes", Series("drawing and passes", time_s, column("busy_ms"))),
-    )
-    rest = (
-        ("Holes before the fill", Series("", np.concatenate([time_s, time_s]), 100 * holes), "% of pixels"),
-        ("How fast the head turns", Series("", time_s, column("angular_speed_deg_s")), "deg/s"),
-    )
-    charts = [Chart(heading, time_series([series], unit)) for heading, series, unit in single]
-    charts += [Chart(heading, time_series([series, limit], "ms")) for heading, series in against]
-    return charts + [Chart(heading, time_series([series], unit)) for heading, series, unit in rest]
+    return [Chart(heading, time_series(series, unit)) for heading, series, unit in lines]

@@ -1,81 +1,47 @@
-"""report.html: one page that holds everything, its pictures and charts included, and asks the network for nothing."""
+"""report.html of a replay: one page that holds its pictures and charts and loads nothing from the network."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from ..metrics.worst import Kept
-from .bench_cases import name_pieces
+from ..metrics import PRIMARY, Kept, metrics_in_order
 from .charts import Series, time_series
+from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
-from .way import coding_rows, filled_rows, frame_rows, response_rows
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
+from .transit import coding_rows, filled_rows, frame_rows, response_rows
+from .words import listed
 
 Rows = Sequence[Mapping[str, Any]]
 
 EYES = ("left eye", "right eye")
-CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
-_SHORT_NOTE = {  # the figures that get a tile of their own
-    "psnr_db": "larger is better, identical pictures count as 100",
-    "ssim": "larger is better, 1 is identical",
-    "flip": "smaller is better, 0 is identical",
-    "hole_share": "empty after the warp, before the fill",
-}
-# (heading, column, unit, scale, axis from zero)
-_CHARTS = (
-    ("FLIP error", "flip", "", 1, True),
-    ("PSNR", "psnr_db", "dB", 1, False),
-    ("Holes before the fill", "hole_share", "% of pixels", 100, True),
-    ("Flicker", "flicker", "", 1, True),
-)
+# (heading, column, unit)
 _MOTION_CHARTS = (
-    ("How fast the head turns", "angular_speed_deg_s", "deg/s", 1, True),
-    ("How fast the head moves", "linear_speed_m_s", "m/s", 1, True),
+    ("Angular speed of the head", "angular_speed_deg_s", "deg/s"),
+    ("Linear speed of the head", "linear_speed_m_s", "m/s"),
 )
 
 
 @attrs.frozen(eq=False)
 class WorstFrame:
-    """One picture of the strip of worst frames: when, which eye (0 left, 1 right), labelled panels (see
-    pictures.comparison_panels) and its figures by the names of QUALITY."""
+    """One picture of the strip of worst frames."""
 
     time_s: float
-    eye: int
-    panels: tuple[Panel, ...]
-    values: Mapping[str, float | None]
+    eye: int  # 0 left, 1 right
+    panels: tuple[Panel, ...]  # labelled, as comparison_panels makes them
+    values: Mapping[str, float | None]  # by metric
 
     @classmethod
     def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
-        """From what QualityPool kept."""
+        """Make one of a picture that QualityPool kept."""
+        assert kept.result.error_map is not None
         pictures = kept.job.now
         panels = comparison_panels(kept.job.rendered_picture, pictures.shown, pictures.truth, kept.result.error_map)
         return cls(time_s, eye, tuple(panels), kept.result.values)
-
-
-@attrs.frozen
-class Tile:
-    """A figure large; baseline: the compared run's, as text."""
-
-    label: str
-    unit: str
-    text: str
-    note: str
-    baseline: str | None
-
-
-@attrs.frozen
-class Chart:
-    """A heading over an <svg> element."""
-
-    heading: str
-    svg: str
 
 
 def render_report(
@@ -88,55 +54,39 @@ def render_report(
     command: str,
     notes: Sequence[str] = (),
 ) -> str:
-    """The text of report.html; the same arguments give the same text.
+    """Return the text of report.html; the same arguments give the same text.
 
-    summary, baseline_summary: as summary.json; rows, baseline_rows: as frames.csv's, None for absent values. command: what
-    the user typed, exactly. notes: what the run noticed, one sentence each.
+    summary, baseline_summary: as summary.json. rows, baseline_rows: as frames.csv's, None for absent
+    values. command: as the user typed it. notes: the run's, one sentence each.
     """
     names = column_names(summary, baseline_summary)
     comparison = comparison_rows(summary, baseline_summary)
-    return (
-        environment()
-        .get_template("report.html")
-        .render(
-            summary=summary,
-            command=command,
-            notes=list(notes),
-            columns=names,
-            baseline=baseline_summary,
-            quality_rows=comparison[: len(QUALITY_FIGURES)],
-            time_rows=comparison[len(QUALITY_FIGURES) :],
-            tiles=_tiles(summary, baseline_summary, names),
-            charts=_charts(summary, names, rows, baseline_rows),
-            worst=[_worst(frame) for frame in worst],
-            measured=_measured(summary),
-            auto=_auto(summary),
-            filled=filled_rows(summary),
-            response=response_rows(summary),
-            frames=frame_rows(summary),
-            coding=coding_rows(summary),
-            clock=CLOCK_NAMES[summary["clock"]],
-        )
+    template = environment().get_template("report.html")
+    return template.render(
+        summary=summary,
+        command=command,
+        notes=list(notes),
+        columns=names,
+        baseline=baseline_summary,
+        quality_rows=comparison[: len(QUALITY_FIGURES)],
+        time_rows=comparison[len(QUALITY_FIGURES) :],
+        tiles=_tiles(summary, baseline_summary, names),
+        charts=_charts(summary, names, rows, baseline_rows),
+        worst=[_worst(frame) for frame in worst],
+        measured=_measured(summary),
+        auto=_auto(summary),
+        filled=filled_rows(summary),
+        response=response_rows(summary),
+        frames=frame_rows(summary),
+        coding=coding_rows(summary),
+        clock=CLOCK_NAMES[summary["clock"]],
+        metrics=metrics_in_order(),
+        rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
     )
-
-
-def environment() -> Environment:
-    """What turns templates into pages: everything is escaped, and a name that is missing is an error."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    made = Environment(
-        loader=PackageLoader("hmdwarp.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    made.filters["pieces"] = name_pieces
-    return made
 
 
 def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[Tile]:
-    figures = [(f.label, f, "quality", "mean", _SHORT_NOTE[f.name]) for f in QUALITY_FIGURES if f.name in _SHORT_NOTE]
+    figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
     figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
     tiles = []
     for label, figure, table, main, note in figures:
@@ -146,27 +96,32 @@ def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list
 
 
 def _charts(summary: Summary, names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[Chart]:
+    """Return the charts over time: the primary metric, the others, then the head's motion."""
     charts = []
-    for heading, column, unit, scale, from_zero in _CHARTS:
-        series = [Series.of(names[0], rows, column, scale)]
+    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
+        if not metric.chart:
+            continue
+        series = [Series.of(names[0], rows, metric.name, metric.scale)]
         if baseline_rows is not None:
-            series.append(Series.of(names[-1], baseline_rows, column, scale))
-        charts.append(Chart(heading, time_series(series, unit, from_zero=from_zero)))
-    for heading, column, unit, scale, from_zero in _MOTION_CHARTS:
-        charts.append(Chart(heading, time_series([Series.of("", rows, column, scale)], unit, from_zero=from_zero)))
-    if "auto" in summary:
-        charts.append(Chart("Time per eye", time_series([Series.of("", rows, "total_ms")], "ms", from_zero=True)))
-    return charts
+            series.append(Series.of(names[-1], baseline_rows, metric.name, metric.scale))
+        charts.append(Chart(metric.chart, time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)))
+    others = [*_MOTION_CHARTS, *([("Time per eye", "total_ms", "ms")] if "auto" in summary else [])]
+    return charts + [Chart(heading, time_series([Series.of("", rows, name)], unit)) for heading, name, unit in others]
 
 
 def _auto(summary: Summary) -> dict[str, Any] | None:
-    """What warp "auto" chose from, and its changes, as text; None for a run of one warp."""
+    """Return the levels and changes of warp "auto" as text; None for a run of one warp."""
     if "auto" not in summary:
         return None
     auto = summary["auto"]
     ladder = [
-        (r["name"], f"{r['total_ms']:.2f}", f"{r['flip']:.4f}", f"{r['refreshes'] / summary['frames']:.1%}")
-        for r in auto["ladder"]
+        (
+            level["name"],
+            f"{level['total_ms']:.2f}",
+            f"{level['flip']:.4f}",
+            f"{level['refreshes'] / summary['frames']:.1%}",
+        )
+        for level in auto["ladder"]
     ]
     changes = [(f"{c['time_s']:.2f} s", c["from"], c["to"], c["reason"]) for c in auto["changes"]]
     return {"budget": f"{auto['budget_ms']:g}", "ladder": ladder, "changes": changes}
@@ -187,6 +142,6 @@ def _worst(frame: WorstFrame) -> dict[str, Any]:
 
 
 def _measured(summary: Summary) -> str | None:
-    """How many pictures were measured, if the summary says so."""
-    count = summary.get("measured", {}).get("flip")
+    """Return how many pictures were measured, if the summary says so."""
+    count = summary.get("measured", {}).get(PRIMARY)
     return None if count is None else f"{count} of {2 * summary['frames']}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..errors import InputError
@@ -13,7 +13,8 @@ SCHEMA = 1
 
 POSE_PARTS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 
-# One row per frame and eye, of a replay and of a live run. Figures are empty where a frame was not measured, all but holes in a live run.
+# One row per frame and eye, of a replay and of a live run. Metrics are empty where a frame was not
+# measured; a live run has those that need no truth.
 FRAME_COLUMNS = (
     "frame",  # counts the shown frames from 0
     "eye",  # 0 left, 1 right
@@ -30,7 +31,7 @@ FRAME_COLUMNS = (
     *(f"shown_{part}" for part in POSE_PARTS),  # world_from_head the picture was warped to
     "drawn_origin",  # how the pose the frame was drawn for was obtained
     *(f"drawn_{part}" for part in POSE_PARTS),  # world_from_head the frame was drawn for
-    "warp",  # what made the picture; the same in all rows unless warp "auto" chose, or somebody in a live run
+    "warp",  # of this picture; the same in all rows unless warp "auto" or the user of a live run changed it
     "fill",
 )
 
@@ -61,9 +62,10 @@ _TEXTS = ("hmdwarp", "trace", "scene", "warp", "fill", "lens", "headset")
 
 
 def validate_summary(summary: Mapping[str, Any]) -> None:
-    """Nothing, if this is a summary of this schema; more keys than the known ones are fine.
+    """Check that this is a summary of this schema; unknown keys are fine.
 
-    Numbers are finite; a figure may be None where nothing was measured. Errors: InputError that names every fault at once.
+    Numbers are finite; a figure may be None where nothing was measured.
+    Errors: InputError that names every fault at once.
     """
     faults = summary_faults(summary)
     if faults:
@@ -71,13 +73,13 @@ def validate_summary(summary: Mapping[str, Any]) -> None:
 
 
 def summary_faults(summary: Any) -> list[str]:
-    """What is wrong with a summary, one phrase each; empty if nothing is."""
+    """Return the faults of a summary, one phrase each."""
     if not isinstance(summary, Mapping):
-        return [f"it is a {type(summary).__name__}, wanted an object"]
+        return [f"it is a {type(summary).__name__}, expected an object"]
     faults = [f"'{key}' is missing" for key in SUMMARY_KEYS if key not in summary]
-    for key, wanted, fits in _CHECKS:
+    for key, expected, fits in _CHECKS:
         if key in summary and not fits(summary[key]):
-            faults.append(f"'{key}' is {summary[key]!r}, wanted {wanted}")
+            faults.append(f"'{key}' is {summary[key]!r}, expected {expected}")
     faults += _table_faults(summary, "time_ms", STAGES, ("median", "p95"))
     faults += _table_faults(summary, "quality", QUALITY, ("mean", "p95"))
     return faults
@@ -104,7 +106,7 @@ def _is_machine(value: Any) -> bool:
     return isinstance(value, Mapping) and set(MACHINE_KEYS) <= set(value) and _is_count(value["cpu_count"], 1)
 
 
-_CHECKS = (
+_CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("schema", str(SCHEMA), lambda v: _is_count(v) and v == SCHEMA),
     *((key, "a text", _is_text) for key in _TEXTS),
     ("effects", "a list of names", lambda v: isinstance(v, list) and all(_is_text(name) for name in v)),
@@ -113,7 +115,7 @@ _CHECKS = (
     ("frames", "a count", _is_count),
     ("machine", f"an object with {', '.join(MACHINE_KEYS)}", _is_machine),
     ("clock", " or ".join(CLOCKS), lambda v: v in CLOCKS),
-    # Not in all summaries, but read where they are.
+    # Optional, but read where they are.
     ("rate_hz", "a number above 0", lambda v: _is_number(v) and v > 0),
     ("guard", "a number from 1", lambda v: _is_number(v) and v >= 1),
     ("predict", "a text", _is_text),
@@ -123,13 +125,13 @@ _CHECKS = (
 def _table_faults(summary: Mapping[str, Any], key: str, names: tuple[str, ...], figures: tuple[str, ...]) -> list[str]:
     table = summary.get(key, {})
     if not isinstance(table, Mapping):
-        return [f"'{key}' is {table!r}, wanted an object"]
+        return [f"'{key}' is {table!r}, expected an object"]
     faults = []
     for name in names if key in summary else ():
         entry = table.get(name)
         if not isinstance(entry, Mapping) or not set(figures) <= set(entry):
-            faults.append(f"'{key}.{name}' is {entry!r}, wanted {' and '.join(figures)}")
+            faults.append(f"'{key}.{name}' is {entry!r}, expected {' and '.join(figures)}")
             continue
         bad = [f for f in figures if entry[f] is not None and not _is_number(entry[f])]
-        faults += [f"'{key}.{name}.{f}' is {entry[f]!r}, wanted a finite number or null" for f in bad]
+        faults += [f"'{key}.{name}.{f}' is {entry[f]!r}, expected a finite number or null" for f in bad]
     return faults

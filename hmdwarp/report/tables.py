@@ -1,4 +1,4 @@
-"""Figures in the order, with the units and the rounding in which people read them: for the terminal and for the page."""
+"""The figures of a run in the order, units and rounding in which people read them."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics import QUALITY, STAGES
-from ..metrics.summary import HIGHER_IS_BETTER
+from ..metrics import METRICS, STAGES, Figure, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -17,49 +16,27 @@ if TYPE_CHECKING:
 Summary = Mapping[str, Any]
 
 
-@attrs.frozen
-class Figure:
-    """How one figure of a summary is shown: `name` is its key, `text` formats it, `scale` turns it into `unit`."""
-
-    name: str
-    label: str
-    unit: str
-    digits: int
-    scale: float = 1.0
-
-    def text(self, value: float | None) -> str:
-        """The rounded number, or a dash where nothing was measured."""
-        return "–" if value is None else f"{value * self.scale:.{self.digits}f}"
-
-
-QUALITY_FIGURES = (
-    Figure("psnr_db", "PSNR", "dB", 2),
-    Figure("ssim", "SSIM", "", 4),
-    Figure("flip", "FLIP", "", 4),
-    Figure("hole_share", "Holes", "%", 2, 100),
-    Figure("border_share", "… beyond the border", "%", 2, 100),
-    Figure("flicker", "Flicker", "", 4),
-)
+QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
 TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
-assert tuple(f.name for f in QUALITY_FIGURES) == QUALITY
-
-_CONTESTS = frozenset({"psnr_db", "ssim", "flip", "flicker"})
+_CONTESTS = frozenset(metric.name for metric in metrics_in_order() if metric.is_contest)
 
 
 @attrs.frozen
 class Row:
-    """One line of the comparison: a cell is (main figure, tail), already text; `best` is the index of the better column, if any."""
+    """One line of the comparison."""
 
     figure: Figure
+    # (main figure, tail) of each run, as text.
     cells: tuple[tuple[str, str], ...]
+    # Index of the better run, if any.
     best: int | None
 
 
 def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
-    """Quality first, then time per eye; two columns where there is a baseline.
+    """Return the rows of quality, then those of time per eye; two cells each if there is a baseline.
 
-    The better of two means is marked if they differ after rounding. Time, holes and their border part are not contests:
-    a warp that does nothing is quick and leaves nothing empty.
+    The better of two means is marked if they differ after rounding. Time and holes are no contest: a
+    warp that does nothing is quick and leaves nothing empty.
     """
     summaries = [summary] if baseline is None else [summary, baseline]
     rows = [_row(figure, [s["quality"][figure.name] for s in summaries], "mean") for figure in QUALITY_FIGURES]
@@ -76,11 +53,11 @@ def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -
     ):
         return Row(figure, cells, None)
     first_is_larger = entries[0][main] > entries[1][main]
-    return Row(figure, cells, 0 if first_is_larger == (figure.name in HIGHER_IS_BETTER) else 1)
+    return Row(figure, cells, 0 if first_is_larger == METRICS.get(figure.name).higher_is_better else 1)
 
 
 def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
-    """The heads of the comparison's columns: what differs between the two, at least the warp."""
+    """Return the heads of the comparison's columns: the options that differ, at least the warp."""
     if baseline is None:
         return [summary["warp"]]
     for keys in (("warp",), ("warp", "fill"), ("warp", "fill", "lens")):
@@ -91,7 +68,7 @@ def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
 
 
 def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
-    """The small table a run ends with, to be printed with rich: means (medians for times) with the bad tail beside them.
+    """Return the small table that ends a run: means (medians for times) with the bad tail beside them.
 
     The better column of each quality line is bold and starred, so that it reads without colour too.
     """

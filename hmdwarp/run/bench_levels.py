@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..headsets import Headset, load_headset
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
-from ..report.schema import SCHEMA, summary_faults
+from ..report import SCHEMA, summary_faults
 
 Row = Mapping[str, Any]
 LensTime = Callable[[PipelineOptions], float]

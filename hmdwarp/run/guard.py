@@ -13,7 +13,7 @@ from ..headsets import Headset, load_headset
 from ..pipeline.build import expected_age_ns
 from ..pipeline.options import AUTO, RunOptions
 from ..poses import PoseSample, PoseTrack, load_trace
-from ..poses.predict import predict
+from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
 from .rig import Timetable, timetable
 

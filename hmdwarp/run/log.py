@@ -12,7 +12,7 @@ from ..metrics import QUALITY
 from ..pipeline.loop import Refresh
 from ..poses import Origin, PoseSample, PoseTrack
 from ..poses.quaternions import angle_between
-from ..report.schema import POSE_PARTS
+from ..report import POSE_PARTS
 
 Row = dict[str, Any]
 Stages = Iterable[tuple[str, float]]

@@ -10,8 +10,7 @@ from ..client.compensator import Compensator, EyeResult
 from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..gpu.textures import download
-from ..metrics.job import Compared, QualityJob
-from ..metrics.pool import QualityPool
+from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from .rig import Rig

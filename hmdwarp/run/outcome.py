@@ -9,13 +9,8 @@ from typing import Any
 import attrs
 
 from ..link import medians
-from ..metrics.pool import QualityPool
-from ..metrics.summary import aggregate
-from ..metrics.worst import Kept
-from ..report.files import OutputFolder
-from ..report.page import WorstFrame, render_report
-from ..report.pictures import comparison_panels, labelled_strip
-from ..report.schema import FRAME_COLUMNS, SCHEMA
+from ..metrics import Kept, QualityPool, aggregate
+from ..report import FRAME_COLUMNS, SCHEMA, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from ..version import __version__
 from .auto_summary import auto_entry, auto_note
 from .log import Row, RunLog

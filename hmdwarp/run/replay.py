@@ -11,13 +11,10 @@ import numpy as np
 from ..colour import picture_from_linear
 from ..errors import InputError
 from ..gpu.textures import download
-from ..metrics.pool import QualityPool, worker_count
-from ..metrics.regions import pooled
-from ..metrics.summary import aggregate
+from ..metrics import QualityPool, aggregate, pooled, worker_count
 from ..pipeline.loop import Refresh
 from ..pipeline.options import AUTO, RunOptions
-from ..report.files import OutputFolder
-from ..report.video import VideoWriter
+from ..report import OutputFolder, VideoWriter
 from .guard import settled
 from .log import Row, RunLog
 from .measuring import AGAINST, MAIN, Probe

@@ -23,7 +23,7 @@ from ..pipeline.options import RunOptions
 from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseSample, PoseTrack, RecordedSource, load_trace
-from ..poses.predict import predict
+from ..poses.prediction import predict
 from ..poses.predictors import predictors
 from ..scenes import Scene, load_scene
 

@@ -16,7 +16,7 @@ from ..client.plan import needs_of
 from ..client.variants import every_warp
 from ..errors import PlanError
 from ..headsets import Headset, load_headset
-from ..metrics.pool import QualityPool, worker_count
+from ..metrics import QualityPool, worker_count
 from ..pipeline.options import AUTO, PipelineOptions, RunOptions
 from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import guarded_size, memory_bytes

@@ -1,9 +1,8 @@
-"""The server: draws a scene for two eyes into a Frame.
+"""The server: draws a scene for the eyes into a Frame; knows nothing of lateness, warps or lenses.
 
-It knows nothing of lateness, warps or lenses.
+Names are in __init__.pyi; each loads its module at first use.
 """
 
-from .draw import Server
-from .targets import Target, TargetPool
+import lazy_loader
 
-__all__ = ["Server", "Target", "TargetPool"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

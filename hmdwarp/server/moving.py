@@ -89,7 +89,7 @@ class DeformingMesh(Moving):
             self._set_ns = time_ns
 
     def velocities(self) -> NDArray[np.float32]:
-        """Return the velocities of its vertices, (n, 3) m/s in world axes, at the last set instant."""
+        """Return its vertices' velocities, (n, 3) m/s in world axes, at the last set instant."""
         assert self._set_ns is not None
         return _checked(self.mesh, "velocities", self._deformation.velocities(self._set_ns))
 

@@ -16,7 +16,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report.study_words import counted
+from ..metrics import PRIMARY, metrics_in_order
+from ..report import counted
 from .prediction_sums import (
     Sums,
     bca_intervals,
@@ -34,12 +35,10 @@ Array = NDArray[np.float64]
 
 # Column of the long table to what it is called.
 MEASURES = {
-    "measured_flip": "error (FLIP)",
-    "measured_psnr_db": "error (PSNR)",
-    "measured_ssim": "likeness (SSIM)",
-    "measured_flicker": "flicker",
-    "measured_hole_share": "holes",
-    "measured_border_share": "holes at the border",
+    **{
+        f"measured_{metric.name}": metric.study_title
+        for metric in sorted(metrics_in_order(), key=lambda m: (m.name != PRIMARY, not m.is_contest, m.order))
+    },
     "actual_latency_ms_median": "age of the frame",
     "actual_latency_ms_sd": "jitter of that age",
     "actual_hole_share_mean": "holes in the live picture",

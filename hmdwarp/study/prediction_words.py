@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..report.study_words import counted, listed
+from ..report import counted, listed
 
 if TYPE_CHECKING:
     from .prediction import Measure, Prediction

@@ -19,8 +19,7 @@ from hmdwarp.bench.traffic import passes_of
 from hmdwarp.client.plan import build_plan
 from hmdwarp.geometry import Pose
 from hmdwarp.metrics import QUALITY, STAGES
-from hmdwarp.report.files import OutputFolder
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.report import OutputFolder, validate_summary
 
 SMALL = BenchOptions(
     warps=("forward", "rotation", "backward"),
@@ -293,7 +292,7 @@ def test_the_answer_tells_what_to_run_and_what_more_would_give():
 
 def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
     """The warp `none` leaves no holes: both fills show one picture, and both rows have its figures."""
-    from hmdwarp.metrics.pool import QualityPool
+    from hmdwarp.metrics import QualityPool
 
     submitted, submit = [], QualityPool.submit
     monkeypatch.setattr(QualityPool, "submit", lambda pool, key, job: (submitted.append(key), submit(pool, key, job)))

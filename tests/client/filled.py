@@ -8,9 +8,7 @@ from __future__ import annotations
 import numpy as np
 from worlds import read
 
-from hmdwarp.client.compensator import Compensator
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import build_plan
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate

@@ -8,8 +8,7 @@ from __future__ import annotations
 import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate

@@ -12,7 +12,7 @@ import pytest
 from reference import gather
 from reference.picture import TwinInputs
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.backward import BackwardSettings

@@ -8,8 +8,8 @@ from holed import Holed
 from reference.interpolate import interpolate
 from worlds import World, every_choice
 
+from hmdwarp.client import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
-from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.geometry import View
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it

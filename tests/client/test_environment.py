@@ -13,7 +13,7 @@ from reference._rays import world_directions
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs

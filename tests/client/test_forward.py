@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from worlds import World
 
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import ATOMIC64, MOST_PIXELS
 from hmdwarp.errors import InputError, MachineError

@@ -13,7 +13,7 @@ from reference.picture import HALF_SMALLEST, HALF_UNIT
 from scipy import ndimage
 from worlds import World, twin_of
 
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.geometry import Pose, View
 from hmdwarp.geometry.cube import FACES, face_views

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import warps
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View

@@ -8,7 +8,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.client.history import History
+from hmdwarp.client import History
 from hmdwarp.frames import Frame
 
 MS = 1_000_000

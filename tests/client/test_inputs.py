@@ -1,6 +1,6 @@
-"""What passes are given of a display that lights up row by row: its first and last instant.
+"""What passes are given of a display that lights up row by row.
 
-The middle for those that cannot follow.
+Its first and last instant; the middle for those that cannot follow.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from hypothesis import given
 from replays import each_refresh, small
 from strategies import FOVS, poses
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import View
 

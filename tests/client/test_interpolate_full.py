@@ -7,8 +7,8 @@ import pytest
 from holed import Holed
 from reference.interpolate import interpolate_full
 
+from hmdwarp.client import parse_fills
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
 
 

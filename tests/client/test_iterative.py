@@ -11,7 +11,7 @@ import pytest
 from reference.iterative import iterative
 from worlds import World
 
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 

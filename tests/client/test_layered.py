@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import Needs, Surface
 from hmdwarp.geometry import Fov, Pose, View

@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fill_parts import (
     HoleFiller,
     Keeper,
@@ -27,9 +28,6 @@ from hmdwarp.client.fill_parts import (
     most_useful,
     seeds_for,
 )
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warp_kinds import DepthPicture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage

@@ -11,8 +11,7 @@ import pytest
 from reference.picture import TwinInputs
 from worlds import World, read, twin_of
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warp_kinds.mesh import MOST_SIDE, reach, steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage

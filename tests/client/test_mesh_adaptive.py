@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate

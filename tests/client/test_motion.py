@@ -13,11 +13,9 @@ from reference.motion import MotionAsked, moved_picture
 from reference.picture import HALF_UNIT
 from worlds import read
 
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effect_passes.motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
 from hmdwarp.client.effects import Tools
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import build_plan
 from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage, Needs

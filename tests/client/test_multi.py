@@ -11,8 +11,7 @@ import pytest
 from reference.picture import RenderedPicture
 from worlds import World, read
 
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Others
 from hmdwarp.geometry import Fov, Pose, View

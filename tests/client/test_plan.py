@@ -15,14 +15,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 from worlds import World
 
-from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import (
+    CLIENT_DEPTH,
+    CLIENT_MODEL,
+    PANEL,
+    SHOWN,
+    SHOWN_DEPTH,
+    Carry,
+    Compensator,
+    PassInputs,
+    Plan,
+    ShownDepth,
+    build_plan,
+    needs_of,
+    parse_fills,
+    pictures_read,
+)
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
-from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.plan import CLIENT_DEPTH, CLIENT_MODEL, PANEL, SHOWN, SHOWN_DEPTH, Plan, build_plan, needs_of
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
@@ -57,7 +68,7 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
     return build_plan((), warp, fill, lens, client_geometry=geometry)
 
 
-# --- what is in it ------------------------------------------------------------------------------
+# --- what is in it --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
@@ -129,7 +140,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
             assert isinstance(entry.is_pass, bool)
 
 
-# --- what is refused ----------------------------------------------------------------------------
+# --- what is refused ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("fill", "lens"), list(itertools.product(("none", "interpolate", "pyramid"), lenses.names())))
@@ -138,8 +149,8 @@ def test_backward_without_geometry_is_refused(fill, lens):
         plan_of("backward", fill, lens, False)
     message = str(caught.value)
     assert message == (
-        "warp backward reads client.inverse_depth, which no pass before it writes; it needs the scene's geometry on "
-        "the client"
+        "warp backward reads client.inverse_depth, which no pass before it writes; "
+        "it needs the scene's geometry on the client"
     )
 
 
@@ -191,7 +202,7 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
             )
 
 
-# --- what it costs ------------------------------------------------------------------------------
+# --- what it costs --------------------------------------------------------------------------------
 
 RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
@@ -238,15 +249,15 @@ def given_for(gpu, warp: str) -> PassInputs:
 @pytest.fixture(scope="module")
 def geometry(gpu):
     """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
-    there already.
-    """
+    there already."""
     scene = ClientScene(gpu)
     scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
     return scene
 
 
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
-    """What warp and fills read by themselves, and the shown depth where a fill reads it."""
+    """What the warp and the fills ask for by themselves, and the shown depth where a fill reads
+    it."""
     costs = Costs(gpu, monkeypatch)
     warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
     chain = parse_fills(choice[1])

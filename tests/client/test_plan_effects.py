@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmdwarp.client import SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.effects import RenderedPass, effects
-from hmdwarp.client.plan import SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frames import EyeSizes, Needs, frame_bytes
@@ -101,7 +101,7 @@ def test_what_was_forced_or_forbidden_is_told_as_that():
     assert step.reason.startswith("forced, though the scene has nothing of overlay")
 
 
-# --- what an experiment asks for ----------------------------------------------------------------
+# --- what an experiment asks for ------------------------------------------------------------------
 
 
 def test_auto_changes_nothing_and_none_forbids_everything():

@@ -13,8 +13,8 @@ from holed import Holed
 from reference._behind import Behind
 from reference.pyramid import Chosen, pyramid
 
+from hmdwarp.client import parse_fills
 from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 

@@ -11,11 +11,9 @@ from mirrored import VIEW, mirrored_scene, moved
 from reference.picture import HALF_UNIT
 from worlds import read
 
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effect_passes import Closing
 from hmdwarp.client.effects import effects
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.plan import build_plan
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.gpu.textures import COLOUR, allocate

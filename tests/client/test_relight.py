@@ -12,11 +12,9 @@ from client_scene import ClientScene
 from reference.relight import Relit, relight
 from worlds import read
 
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fills import relight as settings
 from hmdwarp.client.fills.relight import sample_offsets
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from strategies import QUATERNIONS, vectors
 from worlds import World, read, twin_of
 
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu.textures import Canvas

@@ -10,8 +10,7 @@ import pytest
 from reference.shown_depth import shown_depth
 from worlds import World, read, twin_of
 
-from hmdwarp.client.carry import Carry, ShownDepth, pictures_read
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import Carry, ShownDepth, parse_warp, pictures_read
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu.textures import SCALAR, allocate
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hmdwarp.client import PassInputs, ShownPicture, parse_warp
 from hmdwarp.client.fills import fills
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage

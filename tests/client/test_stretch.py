@@ -11,8 +11,8 @@ import pytest
 from holed import Holed
 from reference.stretch import stretch
 
+from hmdwarp.client import parse_fills
 from hmdwarp.client.fills.stretch import LEAST_PARALLAX
-from hmdwarp.client.variants import parse_fills
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 

@@ -12,10 +12,10 @@ from reference.picture import HALF_UNIT
 from reference.veil import lay_over
 from worlds import World, read
 
+from hmdwarp.client import ShownPicture
 from hmdwarp.client.effects import effects
 from hmdwarp.client.effects.overlay import OverlayPass
 from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
-from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps.iterative import IterativeSettings
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Surface, Transparent

@@ -16,9 +16,7 @@ from scipy.spatial.transform import Rotation
 from worlds import read
 
 from client.test_multi import HALF_FLOAT, WALL, scene_of, square
-from hmdwarp.client.inputs import PassInputs
-from hmdwarp.client.picture import ShownPicture
-from hmdwarp.client.variants import parse_fills
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.frames import Needs, frame_bytes
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view

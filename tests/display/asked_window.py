@@ -1,8 +1,10 @@
-"""A window that shows nothing and asks one question, on a virtual screen: python -m display.asked_window.
+"""A window that shows nothing and asks one question, on a virtual screen: python -m
+display.asked_window.
 
-Reads "ask" (a new question), "show" (none), "wait" (as it is) and "end" from stdin, a line each. Prints a line of JSON for each command
-that came by hand, with what the question made of it, two refreshes after each line from stdin, and after each change of where the head is
-or who has the mouse.
+Reads "ask" (a new question), "show" (none), "wait" (as it is) and "end" from stdin, a line each.
+Prints a line of JSON for each command that came by hand, with what the question made of it, two
+refreshes after each line from stdin, and after each change of where the head is or who has the
+mouse.
 """
 
 from __future__ import annotations
@@ -14,18 +16,20 @@ import threading
 
 from hmdwarp.display import Closed, DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
-from hmdwarp.study.asking import CONTROLS, Asked
+from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
+from hmdwarp.study.design import Ask
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 
 class AskedWindow:
-    """display, and what is asked in it just now. A panel is allowed, and is not there: no control of a study opens one."""
+    """display, and what is asked in it just now. A panel is allowed, and is not there: no control
+    of a study opens one.
+    """
 
     def __init__(self) -> None:
         self._display = DesktopDisplay(DisplayOptions(size=(300, 400), controls=CONTROLS))
         self._lines: list[str] = []
-        self._asked: Asked | None = None
+        self._asked: QuestionDialog | None = None
         self._last: dict[str, object] = {}
         self._drawn: list[tuple[str, int]] = []  # lines that were done, and how many refreshes ago
 
@@ -51,11 +55,11 @@ class AskedWindow:
                 self._ask(line == "ask")
             self._drawn.append((line, 0))
         if self._display.wait() is not None:
-            self._display.show(None, self._asked.label() if self._asked is not None else "")
+            self._display.show(None, self._asked.panel() if self._asked is not None else "")
             self._count_drawn()
         for command in self._display.commands():
             if self._asked is not None:
-                self._asked.obey([command])
+                self._asked.handle([command])
             self._tell(command=command.control, given=command.value)
         self._tell()
         return True
@@ -63,7 +67,7 @@ class AskedWindow:
     def _ask(self, is_asked: bool) -> None:
         scale = load_scale("grade")
         ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
-        self._asked = Asked(ask, lambda: self._display.now_ns() * 1e-9) if is_asked else None
+        self._asked = QuestionDialog(ask, lambda: self._display.now_ns() * 1e-9) if is_asked else None
 
     def _count_drawn(self) -> None:
         """The first of two refreshes may have been sent and not be on the screen yet."""

@@ -17,7 +17,7 @@ from hmdwarp.display.controls import CONTROLS as LIVE
 from hmdwarp.display.openxr.mirror import Mirror
 from hmdwarp.display.present import Presenter
 from hmdwarp.gpu.context import Gpu
-from hmdwarp.study.asking import CONTROLS, card
+from hmdwarp.study.dialogs import CONTROLS, message_panel
 
 class Noting(Presenter):
     def notice(self, label):
@@ -39,7 +39,7 @@ def laid(controls, *does):
     print()
     presenter.close(); gpu.close(); mirror.close()
 
-plate = card("Ready?", "Sit comfortably.", "Enter: begin")
+plate = message_panel("Ready?", "Sit comfortably.", "Enter: begin")
 laid(CONTROLS, "", "H", "", plate, "H", plate, "", plate)
 laid(LIVE, "", "H", "", "H", "")
 """

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.display.openxr.bindings import AXES, BUTTONS, PROFILES
 from hmdwarp.display.openxr.pressing import FIRST_NS, LET_GO, NEXT_NS, PUSHED, Pressing
-from hmdwarp.study.asking import CONTROLS
+from hmdwarp.study.dialogs import CONTROLS
 
 PERIOD_NS = 11_111_111  # 90 a second
 

@@ -1,4 +1,7 @@
-"""The registry of layers: what its entries say is what the server draws, and what passes may read."""
+"""The registry of layers.
+
+What its entries say is what the server draws, and what passes may read.
+"""
 
 from __future__ import annotations
 
@@ -17,25 +20,21 @@ from hmdwarp.server.parts import parts
 
 SIZE = (24, 20)
 FOV = Fov.symmetric(1.0, 0.8)
-# One of everything that a server can draw beside the picture.
-EVERYTHING = Needs(
-    cube=True, ids=True, overlay=True, peeled=2, reflection=Mirrored.PLANE, transparent=True, velocity=True, wide=True
-)
+# Everything that a server can draw beside the picture.
+EVERYTHING = Needs(**{layer.name: layer.something for layer in layers if layer.drawn_by})
 GL_FORMAT = {(4, "f2"): "rgba16f", (1, "f4"): "r32f", (1, "u2"): "r16ui"}
 
 
 def test_everything_drawn_is_declared_and_everything_declared_is_drawn(gpu):
-    drawn = {layer.name for layer in layers if layer.drawn_by}
-    assert drawn == set(EVERYTHING)
     server = Server(gpu, load_scene("planes"))
     views = [View(Pose((x, 1.6, 1.0)), FOV) for x in (-0.03, 0.03)]
     frame = server.draw_frame(views, 0, SIZE, needs=EVERYTHING)
     for eye in frame.eyes:
-        assert {layer.name for layer, _ in eye.contents()} == {*drawn, "colour", "inverse_depth"}
+        assert {layer.name for layer, _ in eye.contents()} == {*EVERYTHING, "colour", "inverse_depth"}
     server.close()
 
 
-@pytest.mark.parametrize("name", [name for name in layers.names() if name != "others"])
+@pytest.mark.parametrize("name", [layer.name for layer in layers if layer.formats])
 def test_formats_and_bytes_are_those_of_the_textures(gpu, name):
     layer = layers.get(name)
     needs = Needs() if layer.always else Needs(**{name: EVERYTHING[name]})
@@ -69,7 +68,7 @@ def test_every_layer_is_read_by_some_pass():
     assert read == set(readable_names())
 
 
-# --- needs ------------------------------------------------------------------------------------------------------------
+# --- needs ----------------------------------------------------------------------------------------
 
 
 def test_two_needs_together_are_enough_for_both():

@@ -1,4 +1,7 @@
-"""A layer that is no picture, registered here alone: drawn once a frame, sent, read by a warp and released."""
+"""A layer that is no picture, registered here alone.
+
+Drawn once a frame, sent, read by a warp and released.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.client.plan import build_plan
+from hmdwarp.client import build_plan
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.frames.layers import Layer, layers

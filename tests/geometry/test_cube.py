@@ -1,4 +1,7 @@
-"""The cube around an eye: faces that meet without a gap, every direction in one of them, sizes as sharp as the picture."""
+"""The cube around an eye.
+
+Faces that meet without a gap, every direction in one of them, sizes as sharp as the picture.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ def test_faces_look_where_their_names_say():
 @given(poses(), st.integers(3, 2000), st.integers(0, 2**32 - 1))
 @settings(max_examples=50, deadline=None)
 def test_every_direction_lies_in_one_inner_square(pose, side, seed):
-    """Of the six faces one holds it within 90 degrees; two only where its largest coordinates are equal."""
+    """Of the six faces one holds it within 90 degrees.
+
+    Two only where its largest coordinates are equal.
+    """
     directions = np.random.default_rng(seed).normal(size=(50, 3))
     holds = 0
     for view in face_views(View(pose, Fov.symmetric(1, 1)), side):

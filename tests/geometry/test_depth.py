@@ -1,4 +1,4 @@
-"""Foreign depth to inverse depth and back, against the 4x4 matrices that other renderers draw with."""
+"""Foreign depth to inverse depth and back, against the 4x4 matrices of other renderers."""
 
 from __future__ import annotations
 
@@ -29,19 +29,25 @@ def layer_id(layer: DepthLayer) -> str:
 
 
 def tolerance(layer: DepthLayer) -> float:
-    """In 1/m: a buffer value of at most 1 is good to 8 units, which the range and the span of inverse depths magnify."""
+    """In 1/m.
+
+    A buffer value of at most 1 is good to 8 units, which the range and the span of inverse depths
+    magnify.
+    """
     span = abs(1 / layer.near_z - 1 / layer.far_z)
     return 8 * UNIT * (span / (layer.max_depth - layer.min_depth) + 1 / layer.near_z + 1 / layer.far_z)
 
 
 def depths_between(layer: DepthLayer) -> np.ndarray:
-    """Metres from one plane to the other, both included, evenly in inverse depth and evenly in its logarithm."""
+    """Metres from one plane to the other, both included, evenly in inverse depth and evenly in its
+    logarithm.
+    """
     near, far = sorted((layer.near_z, layer.far_z))
     inverse = np.concatenate([np.linspace(1 / far, 1 / near, 33), np.geomspace(max(1 / far, 1e-12), 1 / near, 33)])
     return metres_from_inverse_depth(np.clip(inverse, 1 / far, 1 / near))
 
 
-# --- the matrices of others: column vectors, eye looks along -z ---------------------------------------------------------------
+# --- the matrices of others: column vectors, eye looks along -z ---------------------------------
 
 
 def gl_matrix(n: float, f: float) -> np.ndarray:
@@ -98,7 +104,8 @@ def test_clip_depth_of_a_projection_matrix(api, near, far):
     make, options = CLIP[api]
     metres = np.geomspace(near, min(far, 1e6), 41)[1:-1]
     got = inverse_depth_from_clip(clip_depth(make(near, far), metres), near, far, **options)
-    # z_clip and w carry terms of at most far / (far - near) <= 2 times the depth: clip depth is good to 32 units.
+    # z_clip and w carry terms of at most far / (far - near) <= 2 times the depth: clip depth is
+    # good to 32 units.
     assert np.abs(got - 1 / metres).max() <= 32 * UNIT / near
 
 
@@ -114,7 +121,9 @@ def test_a_gl_depth_buffer(near, far):
 @pytest.mark.parametrize("far", [2.0, 100.0, math.inf])
 @pytest.mark.parametrize("reverse", [False, True])
 def test_an_openxr_layer_with_a_depth_range(low, high, far, reverse):
-    """What glDepthRange(low, high) or a D3D viewport stores of a matrix, and what XR_KHR_composition_layer_depth calls it."""
+    """What glDepthRange(low, high) or a D3D viewport stores of a matrix, and what
+    XR_KHR_composition_layer_depth calls it.
+    """
     near = 0.1
     metres = np.geomspace(near, min(far, 1e6), 41)[1:-1]
     ndc = clip_depth((reversed_matrix if reverse else d3d_matrix)(near, far), metres)
@@ -123,7 +132,8 @@ def test_an_openxr_layer_with_a_depth_range(low, high, far, reverse):
 
 
 def test_known_values():
-    # Reversed with infinite far: d = near / depth. D3D 0.1..100 at 0.2 m: 100/99.9 (1 - 0.1/0.2) = 0.5005...
+    # Reversed with infinite far: d = near / depth. D3D 0.1..100 at 0.2 m: 100/99.9 (1 - 0.1/0.2) =
+    # 0.5005...
     assert DepthLayer(0, 1, math.inf, 0.1).inverse_depth([1, 0.5, 0.1, 0]) == pytest.approx([10, 5, 1, 0], abs=1e-14)
     assert DepthLayer(0, 1, 0.1, 100).inverse_depth(100 / 99.9 / 2) == pytest.approx(5, abs=1e-13)
     assert inverse_depth_from_clip([-1, 1], 0.5, 8, ndc="minus_one_to_one") == pytest.approx([2, 0.125], abs=1e-14)
@@ -131,7 +141,7 @@ def test_known_values():
     assert inverse_depth_from_clip([0, 1], 0.5) == pytest.approx([2, 0], abs=1e-14)
 
 
-# --- every legal combination ---------------------------------------------------------------------------------------------
+# --- every legal combination --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
@@ -210,7 +220,7 @@ def test_shapes_are_kept():
     assert np.ndim(layer.inverse_depth(0.5)) == 0
 
 
-# --- what is refused -----------------------------------------------------------------------------------------------------
+# --- what is refused ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -248,7 +258,7 @@ def test_an_unknown_clip_range():
         inverse_depth_from_clip(0.5, 0.1, 10, ndc="gl")
 
 
-# --- metres --------------------------------------------------------------------------------------------------------------
+# --- metres -------------------------------------------------------------------------------------
 
 
 @given(st.floats(1e-6, 1e30))

@@ -28,7 +28,8 @@ def test_far_things_stand_half_the_radius_behind_and_stick_to_the_rim():
 
 @given(st.floats(0.05, 50), st.floats(0.05, 2), st.floats(0, 1.4))
 def test_the_formula_is_where_two_neighbouring_lines_of_sight_meet(away, radius, incidence):
-    # The second ray is 1e-5 rad beside: the image of a finite step is off by about that share, over the cosine where it grazes.
+    # The second ray is 1e-5 rad beside: the image of a finite step is off by about that share, over
+    # the cosine where it grazes.
     found = image_by_two_rays(away, radius, incidence)
     assert found == pytest.approx(
         float(image_behind_ball(away, radius, np.cos(incidence))), rel=3e-4 / np.cos(incidence) ** 2

@@ -16,8 +16,9 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses.quaternions import slerp
 
 UNIT = 2.0**-53
-# Positions here stay below 60 m after three products; a rotation is a sum of three products of unit entries, each good to a few
-# units in the last place, and at most six of them are chained: 6 x 8 units of 60 m is 3.2e-13.
+# Positions here stay below 60 m after three products; a rotation is a sum of three products of unit
+# entries, each good to a few units in the last place, and at most six of them are chained: 6 x 8
+# units of 60 m is 3.2e-13.
 ATOL = 4e-13
 
 
@@ -47,12 +48,14 @@ def test_neighbouring_names_cancel(a_from_b, b_from_c, point_in_c):
 
 @given(poses(), poses())
 def test_the_product_turns_the_way_matrices_do(a_from_b, b_from_c):
-    # Not its own inverse: a wrong order of factors or a transposed rotation passes every axiom above.
+    # Not its own inverse: a wrong order of factors or a transposed rotation passes every axiom
+    # above.
     assert np.abs((a_from_b @ b_from_c).matrix() - a_from_b.matrix() @ b_from_c.matrix()).max() <= ATOL
 
 
 def test_a_known_turn():
-    # 90 degrees about +y takes -z (ahead) to -x (left): a positive yaw looks left in right-handed axes with y up.
+    # 90 degrees about +y takes -z (ahead) to -x (left): a positive yaw looks left in right-handed
+    # axes with y up.
     left = Pose((1, 2, 3), (0, math.sqrt(0.5), 0, math.sqrt(0.5)))
     assert np.abs(left.transform((0, 0, -2)) - (-1, 2, 3)).max() <= 4 * UNIT
 
@@ -102,7 +105,9 @@ def test_relative_to_is_the_inverse_product_near_the_origin(pose, other):
     vectors(st.sampled_from([1e6, -1e6, 999_999.875])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS
 )
 def test_relative_to_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
-    """Steps of 1/1024 m are representable at 1e6 m, so the difference is known exactly and only the turn rounds."""
+    """Steps of 1/1024 m are representable at 1e6 m, so the difference is known exactly and only the
+    turn rounds.
+    """
     eye, other = Pose(np.array(origin) + step, q), Pose(origin, q)
     wanted = other.rotation.as_matrix().T @ np.array(step)
     assert np.abs(eye.relative_to(other).position_m - wanted).max() <= 8 * UNIT * 8 / 1024
@@ -181,7 +186,8 @@ def turn_between(a: Pose, b: Pose) -> float:
 @given(poses(), poses())
 def test_towards_begins_and_ends_where_it_should(pose, other):
     assert pose.towards(other, 0).isclose(pose, ATOL)
-    # The angle of a turn is found from its quaternion, of which the real part says little near half a turn: half the digits remain.
+    # The angle of a turn is found from its quaternion, of which the real part says little near half
+    # a turn: half the digits remain.
     assert pose.towards(other, 1).isclose(other, 1e-7)
     assert pose.towards(pose, 0.3).isclose(pose, ATOL)
 
@@ -198,7 +204,9 @@ def test_towards_goes_straight_and_at_an_even_rate(pose, other, share):
 
 @given(poses(), poses(), SHARES)
 def test_towards_is_the_trace_interpolation(pose, other, share):
-    """SLERP of quaternions (poses/quaternions.py) and of rotation vectors are the same arc, found by two formulas."""
+    """SLERP of quaternions (poses/quaternions.py) and of rotation vectors are the same arc, found
+    by two formulas.
+    """
     assume(turn_between(pose, other) < math.pi - 1e-3)  # at half a turn either way round is the shorter one
     wanted = Pose(pose.position_m, slerp(pose.orientation_xyzw.tolist(), other.orientation_xyzw.tolist(), share))
     assert turn_between(pose.towards(other, share), wanted) <= 1e-7
@@ -213,7 +221,10 @@ def test_towards_does_not_care_for_the_sign_of_a_quaternion(pose, other, share):
 
 @given(vectors(st.sampled_from([1e6, -1e6])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS)
 def test_towards_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
-    """A quarter of steps of 1/1024 m: representable at 1e6 m (2^-33 m apart), so it must be exact."""
+    """A quarter of steps of 1/1024 m.
+
+    Representable at 1e6 m (2^-33 m apart), so it must be exact.
+    """
     pose, other = Pose(origin, q), Pose(np.array(origin) + step, q)
     assert np.array_equal(pose.towards(other, 0.25).position_m, np.array(origin) + 0.25 * np.array(step))
 
@@ -224,7 +235,8 @@ def test_a_turn_too_small_for_its_cosine_is_still_halved():
     assert abs(turn_between(Pose(), Pose().towards(other, 0.5)) - 0.5e-8) <= 1e-14
 
 
-# Another order of a sum of four products of numbers up to 1, and a square root: a few units in the last place.
+# Another order of a sum of four products of numbers up to 1, and a square root: a few units in the
+# last place.
 SUMMED = 8 * UNIT
 
 

@@ -49,7 +49,8 @@ def test_symmetric_takes_full_angles():
 def test_pixel_from_tangent_puts_the_corners_at_the_corners(fov, size):
     left, right, down, up = fov.tangents
     corners = np.array([[left, down, 1], [right, up, 1]]) @ fov.pixel_from_tangent(size).T
-    # Corners are differences of numbers below 1e5 pixels (a view off its own axis starts far from tangent 0).
+    # Corners are differences of numbers below 1e5 pixels (a view off its own axis starts far from
+    # tangent 0).
     assert np.abs(corners - [[0, 0, 1], [*size, 1]]).max() <= 8 * UNIT * 1e5
 
 
@@ -67,7 +68,8 @@ def test_rays_go_through_the_pixel_centres(fov, size):
 
 
 def test_a_known_view():
-    # 90 degrees over 4 pixels: tangents -1..1, pixel centres at -0.75, -0.25, 0.25, 0.75; the first row is the bottom one.
+    # 90 degrees over 4 pixels: tangents -1..1, pixel centres at -0.75, -0.25, 0.25, 0.75; the first
+    # row is the bottom one.
     rays = View(Pose(), Fov.symmetric(math.pi / 2, math.pi / 2)).rays((4, 2))
     assert np.abs(rays[0, :, 0] - [-0.75, -0.25, 0.25, 0.75]).max() <= 4 * UNIT
     assert np.abs(rays[:, 0, 1] - [-0.5, 0.5]).max() <= 4 * UNIT
@@ -86,7 +88,7 @@ def test_pixels_per_degree_is_what_a_small_turn_moves(fov, size):
     assert fov.pixels_per_degree(size) == pytest.approx(np.mean(moved) / 2e-4, rel=1e-8)
 
 
-# --- guard bands ---------------------------------------------------------------------------------------------------------
+# --- guard bands --------------------------------------------------------------------------------
 
 FACTORS = st.one_of(st.sampled_from([1.0, 1 + 1e-12, 1.1, 1.25, 1.5, 2.0]), st.floats(1, 2))
 # Up to 50 degrees: twice the tangent of 65 would be fine, but thrice is not tested here.
@@ -103,7 +105,8 @@ def pads(fov: Fov, size, grown: Fov) -> np.ndarray:
 def test_a_guard_adds_whole_pixels_and_keeps_the_grid(fov, size, factor):
     grown, grown_size = fov.guarded(factor, size)
     added = pads(fov, size, grown)
-    # tan(atan(t)) is good to 8 units of tangents below 2.4, times up to 4096 / 0.2 pixels per tangent, on both edges.
+    # tan(atan(t)) is good to 8 units of tangents below 2.4, times up to 4096 / 0.2 pixels per
+    # tangent, on both edges.
     assert np.abs(added - np.round(added)).max() <= 4e-11
     added = np.round(added)
     assert grown_size == (size[0] + added[0] + added[1], size[1] + added[2] + added[3])
@@ -136,7 +139,8 @@ def test_factor_one_changes_nothing(fov, size):
 
 def test_known_guards():
     square = Fov.symmetric(math.pi / 2, math.pi / 2)
-    # A quarter of 50 pixels a side is 12.5, so 13; a fifth of 50 is 10 whatever the rounding of 1.2 - 1 says.
+    # A quarter of 50 pixels a side is 12.5, so 13; a fifth of 50 is 10 whatever the rounding of 1.2
+    # - 1 says.
     assert square.guarded(1.25, (100, 100))[1] == (126, 126)
     assert square.guarded(1.2, (100, 100))[1] == (120, 120)
     assert square.guarded(1.1, (100, 100))[1] == (110, 110)
@@ -167,7 +171,8 @@ def test_eyes_that_differ_get_one_size(left, right, size, factor):
     alone = [fov.guarded(factor, size) for fov in (left, right)]
     assert common == tuple(max(each[1][axis] for each in alone) for axis in range(2))
     for fov, grown, (own, own_size) in zip((left, right), fovs, alone, strict=True):
-        # As many pixels as the common size says, of the same grid, and never less than its own guard band on any side.
+        # As many pixels as the common size says, of the same grid, and never less than its own
+        # guard band on any side.
         assert np.abs(np.round(pads(fov, size, grown)) - pads(fov, size, grown)).max() <= 4e-11
         assert tuple(np.round(pads(fov, size, grown)).reshape(2, 2).sum(axis=1) + size) == common
         assert (np.abs(grown.tangents) - np.abs(own.tangents)).min() >= -16 * UNIT

@@ -1,4 +1,7 @@
-"""The warp map against another route: pixel, ray, point in the world, other eye, pixel; and what it promises to keep."""
+"""The warp map against another route: pixel, ray, point in the world, other eye, pixel.
+
+And what it promises to keep.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,9 @@ SHARES = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 
 def long_matrix(q: np.ndarray) -> np.ndarray:
-    """Rotation matrix of a unit quaternion in long double (64 bits of mantissa on x86), by the textbook formula."""
+    """Rotation matrix of a unit quaternion in long double (64 bits of mantissa on x86), by the
+    textbook formula.
+    """
     x, y, z, w = np.asarray(q, np.longdouble) / np.sqrt((np.asarray(q, np.longdouble) ** 2).sum())
     return np.array(
         [
@@ -31,7 +36,10 @@ def long_matrix(q: np.ndarray) -> np.ndarray:
 
 
 def through_the_world(frm: View, frm_size, to: View, to_size, pixel, inverse_depth):
-    """(pixel, inverse depth, w) in `to`, without any product of matrices: the point is scaled by inverse_depth, so 0 is a direction."""
+    """(pixel, inverse depth, w) in `to`, without any product of matrices.
+
+    The point is scaled by inverse_depth, so 0 is a direction.
+    """
     left, right, down, up = np.asarray(frm.fov.tangents, np.longdouble)
     ray = np.array(
         [
@@ -53,7 +61,10 @@ def through_the_world(frm: View, frm_size, to: View, to_size, pixel, inverse_dep
 
 
 def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) -> np.ndarray:
-    """(3,) sum of the absolute terms of the map at a pixel, as it is built: what one rounding unit is relative to."""
+    """(3,) sum of the absolute terms of the map at a pixel, as it is built.
+
+    What one rounding unit is relative to.
+    """
     k_to, k_frm = np.abs(to.fov.pixel_from_tangent(to_size)), frm.fov.pixel_from_tangent(frm_size)
     inverse_k = np.abs(np.linalg.inv(k_frm))
     relative = frm.pose.relative_to(to.pose)
@@ -67,7 +78,11 @@ def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) 
 
 
 def tolerances(terms: np.ndarray, position, w: float) -> tuple[float, float]:
-    """Pixels, and relative in w. Three products of 3x3 matrices, an inverse, a rotation from a quaternion and a division: 64 units."""
+    """Pixels, and relative in w.
+
+    Three products of 3x3 matrices, an inverse, a rotation from a quaternion and a division: 64
+    units.
+    """
     error = 64 * UNIT * terms
     return float(((error[:2] + np.abs(position) * error[2]) / w).max()), float(error[2] / w)
 
@@ -93,7 +108,8 @@ def test_there_and_back(views, frm_size, to_size, share, inverse_depth):
     there, depth_there, w = WarpMap.between(frm, frm_size, to, to_size).apply(pixel, inverse_depth)
     assume(w > 0.2)
     again, depth_again, w_back = WarpMap.between(to, to_size, frm, frm_size).apply(there, depth_there)
-    # Both maps err, and the error of the first is carried back by a derivative of at most 1 / w^2 per pixel ratio.
+    # Both maps err, and the error of the first is carried back by a derivative of at most 1 / w^2
+    # per pixel ratio.
     to_tolerance, _ = tolerances(size_of_terms(frm, frm_size, to, to_size, pixel, inverse_depth), there, float(w))
     back_terms = size_of_terms(to, to_size, frm, frm_size, there, float(depth_there))
     back_tolerance, w_tolerance = tolerances(back_terms, again, float(w_back))
@@ -118,8 +134,9 @@ def test_two_maps_in_a_row_are_the_map_between_the_ends(views, step, fov, share,
     in_c, depth_c, w_c = WarpMap.between(b, sizes[1], c, sizes[2]).apply(in_b, depth_b)
     direct, depth_direct, w = WarpMap.between(a, sizes[0], c, sizes[2]).apply(pixel, inverse_depth)
     assume(w > 0.2)
-    # 64 units of sums of terms up to 1e5 pixels on either leg, magnified by at most 1/0.2^2; and 1e6 m out the three steps
-    # b - a, c - b and c - a round to 2^-34 m each (seen from c at up to 3 / 0.2 per metre and 700 pixels per tangent).
+    # 64 units of sums of terms up to 1e5 pixels on either leg, magnified by at most 1/0.2^2; and
+    # 1e6 m out the three steps b - a, c - b and c - a round to 2^-34 m each (seen from c at up to 3
+    # / 0.2 per metre and 700 pixels per tangent).
     out_there = np.abs(a.pose.position_m).max() * UNIT * 4
     assert np.abs(in_c - direct).max() <= 1e-7 + out_there * 1e5
     assert w_b * w_c == pytest.approx(float(w), abs=1e-9 + 20 * out_there)
@@ -159,7 +176,11 @@ def test_without_a_baseline_depth_does_not_matter(views):
 
 @given(neighbouring_views(), vectors(st.floats(-1, 1)), st.floats(0.5, 20), SHARES)
 def test_a_plane_moves_by_its_homography(views, tilt, distance, share):
-    """X with n . X = d in the from eye has inverse depth n . (x, y, -1) / d: linear in pixels, so the map is one 3x3 matrix."""
+    """X with n .
+
+    X = d in the from eye has inverse depth n . (x, y, -1) / d: linear in pixels, so the map is one
+    3x3 matrix.
+    """
     frm, to = views
     size, to_size = (640, 400), (512, 512)
     normal = np.array(tilt) * 0.3 + (0, 0, -1)
@@ -172,7 +193,8 @@ def test_a_plane_moves_by_its_homography(views, tilt, distance, share):
     assume(inverse_depth >= 0)
     x, y, w = (warp.H + np.outer(warp.e, row)) @ [*pixel, 1]
     assume(w > 0.05)
-    # Against the textbook: K (R + t n^T / d) K^-1 (Hartley and Zisserman 2004, eq. 13.2, with their n^T X + d = 0).
+    # Against the textbook: K (R + t n^T / d) K^-1 (Hartley and Zisserman 2004, eq. 13.2, with their
+    # n^T X + d = 0).
     relative = frm.pose.relative_to(to.pose)
     textbook = (
         to.fov.pixel_from_tangent(to_size)
@@ -189,7 +211,10 @@ def test_a_plane_moves_by_its_homography(views, tilt, distance, share):
 
 @given(neighbouring_views(), INVERSE_DEPTHS)
 def test_the_way_back_meets_the_plane_of_the_rendered_view(views, r):
-    """A gather through the plane at inverse depth r of the view it looks into: s = r b_z / (1 - r e_z), as planar.comp has it."""
+    """A gather through the plane at inverse depth r of the view it looks into.
+
+    S = r b_z / (1 - r e_z), as planar.comp has it.
+    """
     frm, to = views
     forward, back = WarpMap.between(frm, (640, 400), to, (320, 500)), WarpMap.between(to, (320, 500), frm, (640, 400))
     past = 1 - r * back.e[2]
@@ -206,7 +231,8 @@ def test_the_way_back_meets_the_plane_of_the_rendered_view(views, r):
 
 
 def test_known_map():
-    # A square 90 degree view of 100 pixels (50 per tangent), the eye 0.1 m to the right: a point 1 m ahead moves left by 5 pixels.
+    # A square 90 degree view of 100 pixels (50 per tangent), the eye 0.1 m to the right: a point 1
+    # m ahead moves left by 5 pixels.
     fov = Fov.symmetric(math.pi / 2, math.pi / 2)
     right = WarpMap.between(View(Pose(), fov), (100, 100), View(Pose((0.1, 0, 0)), fov), (100, 100))
     assert right.apply((50, 50), 1.0)[0] == pytest.approx([45, 50], abs=1e-12)
@@ -244,7 +270,7 @@ def test_apply_keeps_shapes(views):
     assert np.allclose(there[1, 2], one[0], rtol=1e-9, atol=1e-9, equal_nan=True)
 
 
-# --- whole pixels --------------------------------------------------------------------------------------------------------
+# --- whole pixels -------------------------------------------------------------------------------
 
 
 @given(poses(st.sampled_from([0.0, 1.7, 1e6])), FOVS, SMALL_SIZES)

@@ -11,14 +11,20 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 
 @dataclass
 class Sides:
-    """Lines (as flattened) of conditionals: the sides there are, and those a variant takes. A missing #else is a side too."""
+    """Lines (as flattened) of conditionals: the sides there are, and those a variant takes.
+
+    A missing #else is a side too.
+    """
 
     known: set[tuple[object, str]] = field(default_factory=set)
     taken: set[tuple[object, str]] = field(default_factory=set)
 
 
 def value_of(expression: str, defines: dict[str, str]) -> bool:
-    """An #if expression of integers, names, defined(), comparisons and && || !. Unknown names are 0, as in C."""
+    """An #if expression of integers, names, defined(), comparisons and && || !.
+
+    Unknown names are 0, as in C.
+    """
     text = re.sub(
         r"defined\s*\(\s*(\w+)\s*\)|defined\s+(\w+)", lambda m: str(int((m[1] or m[2]) in defines)), expression
     )

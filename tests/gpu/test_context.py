@@ -1,4 +1,7 @@
-"""Several contexts in one thread: each is current while it is used, and the one before it again afterwards."""
+"""Several contexts in one thread.
+
+Each is current while it is used, and the one before it again afterwards.
+"""
 
 from __future__ import annotations
 
@@ -77,10 +80,15 @@ def test_step_aside_leaves_the_one_before_current(gpu):
 
 
 def test_a_closed_one_is_current_nowhere():
-    """In a process of its own. A context that EGL destroyed while it was current keeps every window's (GLX) out of the thread."""
+    """In a process of its own.
+
+    A context that EGL destroyed while it was current keeps every window's (GLX) out of the thread.
+    """
     code = (
-        "import ctypes; from hmdwarp.gpu.context import Gpu; egl = ctypes.CDLL('libEGL.so.1'); now = egl.eglGetCurrentContext;"
-        "now.restype = ctypes.c_void_p; gpu = Gpu(); assert now(), 'not by EGL'; gpu.close(); assert not now(), 'still current'"
+        "import ctypes; from hmdwarp.gpu.context import Gpu; egl = ctypes.CDLL('libEGL.so.1'); now = "
+        "egl.eglGetCurrentContext;"
+        "now.restype = ctypes.c_void_p; gpu = Gpu(); assert now(), 'not by EGL'; gpu.close(); assert not now(), "
+        "'still current'"
     )
     done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True, timeout=120)
     if "not by EGL" in done.stderr or "libEGL" in done.stderr:

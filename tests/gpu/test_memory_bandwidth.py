@@ -33,7 +33,10 @@ def test_bandwidth_is_that_of_a_copy(gpu):
 
 
 def test_the_best_copy_counts(gpu, monkeypatch):
-    """Times are made up: one to warm up, then the best of each way; 2 x 1 MiB in half a millisecond."""
+    """Times are made up: one to warm up, then the best of each way.
+
+    2 x 1 MiB in half a millisecond.
+    """
     made_up = iter([99.0, 99.0, 3.0, 4.0, 2.0, 0.5, 9.0, 9.0])
     monkeypatch.setattr(bandwidth, "both_clocks", lambda gl, run: (value := next(made_up), value))
     found = copy_bandwidth(gpu, rounds=3, size_bytes=SMALL)

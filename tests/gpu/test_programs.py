@@ -1,4 +1,7 @@
-"""Compiled programs: errors with file and line, strict uniforms, the layout of arrays, group counts, and the cache."""
+"""Compiled programs.
+
+Errors with file and line, strict uniforms, the layout of arrays, group counts, and the cache.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,7 @@ def results(gpu, program: Compute, count: int) -> np.ndarray:
 HEAD = "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer Out { float o[]; };\n"
 
 
-# --- errors --------------------------------------------------------------------------------------------------------------
+# --- errors -------------------------------------------------------------------------------------
 
 
 def test_a_compile_error_names_the_file_and_line_it_is_in(gpu, shaders):
@@ -79,7 +82,7 @@ def test_a_draw_whose_stages_do_not_fit_is_refused(gpu, shaders):
         Draw(gpu.gl, "a.vert", "a.frag", {})
 
 
-# --- uniforms ------------------------------------------------------------------------------------------------------------
+# --- uniforms -----------------------------------------------------------------------------------
 
 UNIFORMS = """
 uniform float scalar;
@@ -133,7 +136,10 @@ def test_uniforms_of_includes_and_of_both_stages_are_known(gpu, shaders):
 
 
 def test_arrays_and_matrices_are_written_as_the_formulas_have_them(gpu, shaders):
-    """M[row, column] in NumPy is M[column][row] in GLSL; lists of vectors and matrices keep their order."""
+    """M[row, column] in NumPy is M[column][row] in GLSL.
+
+    Lists of vectors and matrices keep their order.
+    """
     body = """
     o[0] = square[1][0]; o[1] = square[0][2];
     o[2] = tall[2][0]; o[3] = tall[0][1];
@@ -225,7 +231,10 @@ def read_only(values: list[float]) -> np.ndarray:
 
 
 def test_what_may_have_changed_is_written_and_what_cannot_is_not(gpu, shaders, monkeypatch):
-    """The same array may hold other numbers, and so may what a read-only view shows; the same tuple may not."""
+    """The same array may hold other numbers, and so may what a read-only view shows.
+
+    The same tuple may not.
+    """
     program = compute(gpu, shaders, f"{HEAD}uniform vec2 v;\nvoid main() {{ o[0] = v.x; o[1] = v.y; }}")
     array = np.array([1.0, 2.0])
     view = array[:]
@@ -248,7 +257,9 @@ def test_what_may_have_changed_is_written_and_what_cannot_is_not(gpu, shaders, m
 
 
 def test_one_constant_goes_to_programs_of_other_types(gpu, shaders):
-    """What was packed for one program is not what another takes, be it for its type or for being no matrix."""
+    """What was packed for one program is not what another takes, be it for its type or for being no
+    matrix.
+    """
     values = read_only([1.0, 2.0, 3.0, 4.0]).reshape(2, 2).copy()
     values.flags.writeable = False
     for kind, body in (
@@ -284,7 +295,7 @@ def test_a_shared_set_of_values_goes_where_it_is_declared(gpu, shaders):
         program.uniforms.set_declared(here="2")
 
 
-# --- group counts --------------------------------------------------------------------------------------------------------
+# --- group counts -------------------------------------------------------------------------------
 
 MARK = """
 layout(std430, binding = 0) buffer Out { float o[]; };
@@ -335,7 +346,7 @@ def test_more_groups_than_the_gpu_takes_are_refused(gpu, shaders):
             program.run(*size)
 
 
-# --- the cache -----------------------------------------------------------------------------------------------------------
+# --- the cache ----------------------------------------------------------------------------------
 
 
 def test_the_library_compiles_each_combination_once(gpu, shaders):

@@ -14,8 +14,8 @@ from hmdwarp.gpu.raw_gl import depth_framebuffer, gl_function
 def begin_anew(gl) -> None:
     """Without what tests before have left in the context that all share.
 
-    moderngl binds again whatever was bound, even a framebuffer that was released since: GL answers with GL_INVALID_OPERATION, which
-    hurts nobody, and keeps it until somebody asks.
+    moderngl binds again whatever was bound, even a framebuffer that was released since: GL answers
+    with GL_INVALID_OPERATION, which hurts nobody, and keeps it until somebody asks.
     """
     gl.framebuffer([gl.texture((1, 1), 4)]).use()
     while gl.error != "GL_NO_ERROR":

@@ -34,7 +34,9 @@ def test_drawing_goes_there_and_then_back_to_where_it_went(gpu, framebuffers):
 
 
 def test_switches_are_those_asked_for_each_time(gpu, framebuffers):
-    """A triangle that faces away is drawn or not, as culling is switched, also after something else has switched it meanwhile."""
+    """A triangle that faces away is drawn or not, as culling is switched, also after something else
+    has switched it meanwhile.
+    """
     program = gpu.shaders.draw("server/background.vert", "server/background.frag")
     triangle = gpu.gl.vertex_array(program.program, [])
     into = framebuffers[0]
@@ -53,7 +55,7 @@ def test_switches_are_those_asked_for_each_time(gpu, framebuffers):
 
 
 def test_a_loop_keeps_nothing_in_the_context(gpu, framebuffers):
-    """moderngl's collector keeps a piece of each scope that ever died until the context is closed."""
+    """moderngl's collector keeps a piece of each dead scope until the context is closed."""
     with drawing_into(framebuffers[0]):
         pass
     before = len(gpu.gl.objects)

@@ -1,4 +1,7 @@
-"""The shaders that are shipped: each compiles as the program uses it, each side of each #if is used, each says what it is."""
+"""The shaders that are shipped.
+
+Each compiles as the program uses it, each side of each #if is used, each says what it is.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display.present import Presenter
 from hmdwarp.errors import MachineError
-from hmdwarp.frames import Mirrored, Needs
+from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.context import Gpu
@@ -56,7 +59,10 @@ class Recorder(ShaderLibrary):
 
 @pytest.fixture(scope="module")
 def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
-    """(file, defines) of everything the program compiles: every registered pass, the server with and without colour, the copy."""
+    """(file, defines) of everything the program compiles.
+
+    Every registered pass, the server with and without colour, the copy.
+    """
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).library]
@@ -88,7 +94,10 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 
 
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
-    """As the plan may ask for it: for the shown view, through each lens, with and without scan-out."""
+    """As the plan may ask for it.
+
+    For the shown view, through each lens, with and without scan-out.
+    """
     choice = parse_warp(spec)
     for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
@@ -114,8 +123,7 @@ def _present(gpu: Gpu) -> None:
 
 def _draw_every_content(gpu: Gpu) -> None:
     """Every scene that has more than plain surfaces, whole and in layers."""
-    amounts = {layer.name: True for layer in layers if layer.drawn_by not in ("", "peeled")}
-    everything = Needs(**amounts | {"reflection": Mirrored.PLANE | Mirrored.CURVED})
+    everything = Needs(**{layer.name: layer.something for layer in layers if layer.drawn_by})
     for source in scenes:
         if source.effects:
             scene = source.build()
@@ -141,7 +149,8 @@ def test_every_stage_is_compiled_as_the_program_uses_it(gpu, variants):
 def test_what_this_machine_cannot_compile_is_told(gpu, variants, name):
     if missing := lacking(gpu, name):
         pytest.skip(
-            f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in tests/client/test_forward.py"
+            f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in "
+            "tests/client/test_forward.py"
         )
     assert name in {path for path, _ in variants}
 
@@ -175,7 +184,10 @@ def test_every_define_the_program_sets_is_read(variants):
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_file_says_what_it_is(name):
-    """Three lines or more at the top: what it computes; for a stage, spaces in and out and where the method is from."""
+    """Three lines or more at the top: what it computes.
+
+    For a stage, spaces in and out and where the method is from.
+    """
     text = (ROOT / name).read_text(encoding="utf-8")
     header = re.match(r"(//.*\n)+", text)
     assert header, "no comment at the top"
@@ -198,7 +210,7 @@ def test_every_compute_shader_checks_its_bounds_first(name):
     assert re.search(r"if \([^)]*>=[^)]*\) return;", "\n".join(main.splitlines()[:4]))
 
 
-# --- the reader of this test ---------------------------------------------------------------------------------------------
+# --- the reader of this test --------------------------------------------------------------------
 
 
 def sides_of(text: str, *variants: dict[str, int]) -> set[str]:

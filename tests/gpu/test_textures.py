@@ -1,4 +1,7 @@
-"""Pictures go into textures and come back as they were, rows turned once; sizes no GPU has are refused."""
+"""Pictures go into textures and come back as they were, rows turned once.
+
+Sizes no GPU has are refused.
+"""
 
 from __future__ import annotations
 
@@ -111,7 +114,7 @@ def test_a_scalar_takes_its_axis_or_none(gpu):
     texture.release()
 
 
-# --- sizes ---------------------------------------------------------------------------------------------------------------
+# --- sizes --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [(0, 0), (0, 5), (5, 0), (-1, 5)])
@@ -133,7 +136,7 @@ def test_sizes_beyond_the_limit_are_refused_and_the_limit_is_not(gpu):
         allocate(gpu.gl, size, SCALAR).release()
 
 
-# --- how they are looked up ----------------------------------------------------------------------------------------------
+# --- how they are looked up ---------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("linear", [False, True])
@@ -162,7 +165,7 @@ def test_textures_are_clamped_and_filtered_as_asked(gpu, linear):
         thing.release()
 
 
-# --- the canvas ----------------------------------------------------------------------------------------------------------
+# --- the canvas ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [(1, 1), (67, 53), (129, 2)])

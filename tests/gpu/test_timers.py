@@ -30,7 +30,10 @@ class FakeThing:
 
 
 class FakeGl:
-    """A context whose queries answer `elapsed` ns; finish() takes a millisecond, and as long as the work that waits, of its own clock."""
+    """A context whose queries answer `elapsed` ns.
+
+    finish() takes a millisecond, and as long as the work that waits, of its own clock.
+    """
 
     def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
         self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer}

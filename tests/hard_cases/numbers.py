@@ -11,7 +11,7 @@ from hmdwarp.errors import HmdwarpError, InputError, TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import RadialLens, headset_names, load_headset
 from hmdwarp.poses import Origin, PoseTrack
-from hmdwarp.poses.predict import predict
+from hmdwarp.poses.prediction import predict
 from hmdwarp.poses.predictors import predictors
 from hmdwarp.poses.quaternions import angle_between, slerp
 

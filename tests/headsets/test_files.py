@@ -1,4 +1,7 @@
-"""Headset files: the shipped ones are sane, and a bad one gets one clear line that names the file and the key."""
+"""Headset files.
+
+The shipped ones are sane, and a bad one gets one clear line that names the file and the key.
+"""
 
 from __future__ import annotations
 
@@ -44,9 +47,12 @@ def test_the_numbers_are_sane(name):
 
 @pytest.mark.parametrize("name", [n for n in SHIPPED if load_headset(n).lens])
 def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
-    """The tangent of each panel edge, level with the lens axis, lies by the field of view's: units, signs and sides are right.
+    """The tangent of each panel edge, level with the lens axis, lies by the field of view's.
 
-    A maker's field of view may leave out what the eye cannot see, or reach a little beyond the panel; 0.9 to 2 covers both.
+    Units, signs and sides are right.
+
+    A maker's field of view may leave out what the eye cannot see, or reach a little beyond the
+    panel; 0.9 to 2 covers both.
     """
     headset = load_headset(name)
     lens = headset.lens
@@ -83,7 +89,7 @@ def lens_scale(headset: Headset, colour: str, r2: float) -> float:
     return float(headset.lens.tangent_from_lens((r, 0), colour)[0]) / r / headset.lens.tangent_per_unit
 
 
-# --- two eyes ------------------------------------------------------------------------------------------------------------
+# --- two eyes -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -123,7 +129,7 @@ def test_the_eyes_sit_beside_each_other_and_turn_with_the_head(world_from_head):
         assert (view.pose.inverse() @ world_from_head).rotation.magnitude() <= 1e-12
 
 
-# --- bad files -----------------------------------------------------------------------------------------------------------
+# --- bad files ----------------------------------------------------------------------------------
 
 
 def load_text(folder: Path, text: str | bytes) -> Headset:

@@ -103,7 +103,8 @@ def test_a_fold_inside_the_panel_is_refused_with_its_radius(k):
 
 
 def test_a_fold_that_unfolds_again_is_still_a_fold():
-    # Slope 1 - 3 r^2 + 2 r^4 = (1 - r^2)(1 - 2 r^2): it turns at 0.7071 and again at 1, and grows at the edge.
+    # Slope 1 - 3 r^2 + 2 r^4 = (1 - r^2)(1 - 2 r^2): it turns at 0.7071 and again at 1, and grows
+    # at the edge.
     with pytest.raises(InputError, match=r"r = 0\.7071,"):
         lens(1.0, -1.0, 0.4, reach=1.5)
     assert lens(1.0, -0.9, 0.4, reach=1.5).folds_at("green") is None
@@ -133,6 +134,6 @@ def test_any_polynomial_is_refused_or_grows(coefficients):
         return
     r = np.linspace(0, made.reach, 500)
     tangents = made.tangent_from_lens(np.stack([r, np.zeros_like(r)], axis=-1), "green")[:, 0]
-    # A double root of the slope is a point of rest, not a turn. The slope may be 1e-12 of its terms below 0 there (they are
-    # below 9 * 1.5^8 = 231 each), over a step of 0.003.
+    # A double root of the slope is a point of rest, not a turn. The slope may be 1e-12 of its terms
+    # below 0 there (they are below 9 * 1.5^8 = 231 each), over a step of 0.003.
     assert np.diff(tangents).min() >= -1e-12

@@ -1,4 +1,7 @@
-"""warp_image on one's own RGB-D frame: bits where bits can be had, derived pixels where something moves, clear refusals."""
+"""warp_image on one's own RGB-D frame.
+
+Bits where bits can be had, derived pixels where something moves, clear refusals.
+"""
 
 from __future__ import annotations
 
@@ -63,8 +66,11 @@ def test_bytes_are_srgb_and_floats_linear(warp):
 @pytest.mark.parametrize("warp", ["forward", "planar"])
 @pytest.mark.parametrize(("right", "up"), [(3, 0), (-2, 0), (0, 2), (0, -3), (4, -1)])
 def test_a_plane_lands_where_it_must(warp, right, up):
-    """A picture 2 wide and 1.5 high at z = -1 in 40x30 pixels: a pixel is 0.05 of depth. The eye moves by whole pixels of the
-    plane 4 m away, so the picture moves by as many the other way, and what comes in from outside is a hole."""
+    """A picture 2 wide and 1.5 high at z = -1 in 40x30 pixels: a pixel is 0.05 of depth.
+
+    The eye moves by whole pixels of the plane 4 m away, so the picture moves by as many the other
+    way, and what comes in from outside is a hole.
+    """
     rng = np.random.default_rng(2)
     colour, depth_m = halves(rng, (40, 30)), 4.0
     there = view(position=(right * 0.05 * depth_m, up * 0.05 * depth_m, 0))
@@ -75,14 +81,18 @@ def test_a_plane_lands_where_it_must(warp, right, up):
     to_columns, from_columns = slice(max(-right, 0), 40 - max(right, 0)), slice(max(right, 0), 40 + min(right, 0))
     wanted[to_rows, to_columns], covered[to_rows, to_columns] = colour[from_rows, from_columns], 1
     assert np.array_equal(out.coverage, covered)
-    # planar looks up between pixels: the place is right to 1e-4 pixel in float32, times at most 1 between two neighbours.
+    # planar looks up between pixels: the place is right to 1e-4 pixel in float32, times at most 1
+    # between two neighbours.
     assert np.abs(out.colour - wanted).max() <= (0 if warp == "forward" else 2e-3)
     assert out.hole_share == (covered == 0).mean()
 
 
 @pytest.mark.parametrize("distance", [2.0, 8.0])
 def test_nearer_things_move_more(distance):
-    """Two planes in one picture: the right half at `distance`, the left half at 4 m; the eye goes 0.4 m to the right."""
+    """Two planes in one picture: the right half at `distance`, the left half at 4 m.
+
+    The eye goes 0.4 m to the right.
+    """
     colour, depth = halves(np.random.default_rng(3), (40, 30)), np.full((30, 40), 4.0)
     depth[:, 20:] = distance
     out = warp_image(colour, depth, view(), view(position=(0.4, 0, 0)), "forward")
@@ -104,7 +114,10 @@ def test_of_two_things_that_meet_the_nearer_is_seen():
 @pytest.mark.parametrize("warp", ["rotation", "planar", "forward"])
 @pytest.mark.parametrize(("yaw", "pitch"), [(10, 0), (-15, 0), (0, 8), (0, -12), (9, -7)])
 def test_a_turn_moves_a_spot_by_its_tangent(warp, yaw, pitch):
-    """A spot straight ahead, infinitely far. Turned left by yaw it is seen to the right, turned up by pitch it is seen lower."""
+    """A spot straight ahead, infinitely far.
+
+    Turned left by yaw it is seen to the right, turned up by pitch it is seen lower.
+    """
     size = (101, 81)
     colour = np.zeros((81, 101, 3), np.float32)
     colour[39:42, 49:52] = 1
@@ -145,7 +158,10 @@ def test_row_0_is_the_top(warp):
 
 @pytest.mark.parametrize("warp", MOVING)
 def test_fields_of_view_may_be_asymmetric(warp):
-    """32x24 pixels, 0.0625 of tangent each; a part of the field of view at whole pixels is a part of the picture, bit for bit."""
+    """32x24 pixels, 0.0625 of tangent each.
+
+    A part of the field of view at whole pixels is a part of the picture, bit for bit.
+    """
     colour = halves(np.random.default_rng(6), (32, 24))
     rendered = view((-0.5, 1.5, -1.0, 0.5))
     shown = view(
@@ -207,13 +223,17 @@ def test_holes_move_with_the_picture_and_keep_their_size():
 
 @pytest.mark.parametrize("warp", MOVING)
 def test_between_pixels_nothing_of_a_hole_leaks_in(warp):
-    """Beside a hole the picture is white; bilinear look-ups that touch the hole must not darken what they call covered."""
+    """Beside a hole the picture is white.
+
+    Bilinear look-ups that touch the hole must not darken what they call covered.
+    """
     depth = np.full((30, 40), 4.0)
     depth[10:20, 15:25] = 0
     out = warp_image(np.ones((30, 40, 3)), depth, view(), view(position=(0.07, 0.03, 0), turn=(1, 2, 3)), warp)
     covered = out.coverage > 0
     assert 0 < (~covered).sum() < 600
-    # What is partly covered is weighted by its coverage; nowhere may it be darker than that, but for half's 2^-11.
+    # What is partly covered is weighted by its coverage; nowhere may it be darker than that, but
+    # for half's 2^-11.
     assert (out.colour[covered] >= out.coverage[covered][:, None] * (1 - 2**-10)).all()
 
 
@@ -335,7 +355,7 @@ def test_what_comes_back_belongs_to_the_caller():
     assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour)
 
 
-# --- several contexts and threads ----------------------------------------------------------------------------------------
+# --- several contexts and threads ---------------------------------------------------------------
 
 
 def test_a_replay_before_and_after_changes_nothing(tmp_path):

@@ -1,4 +1,7 @@
-"""Delay models and loss: what they are named for, the same for the same seed, and within the bounds they state."""
+"""Delay models and loss.
+
+What they are named for, the same for the same seed, and within the bounds they state.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ def example(name: str, folder):
 @pytest.mark.parametrize("name", delay_models.names())
 @pytest.mark.parametrize("latency_ms", [15, 200])
 def test_every_model(name, latency_ms, tmp_path):
-    """Bounds hold, the mean is the stated one, the seed decides. The mean of n samples that spread by s is within 5 s/sqrt(n) of it."""
+    """Bounds hold, the mean is the stated one, the seed decides.
+
+    The mean of n samples that spread by s is within 5 s/sqrt(n) of it.
+    """
     model = example(name, tmp_path)
     model.check(latency_ms * MS)
     delays = drawn(model, latency_ms * MS)
@@ -50,7 +56,8 @@ def test_every_model(name, latency_ms, tmp_path):
 
 
 def test_uniform_jitter_is_even():
-    """A tenth of the samples in each tenth of the range, within 5 standard deviations of a count."""
+    """A tenth of the samples in each tenth of the range, within 5 standard deviations of a
+    count."""
     counts, _ = np.histogram(drawn(UniformJitter(20), 200 * MS), bins=10, range=(180 * MS, 220 * MS))
     assert counts.sum() == MANY
     assert np.abs(counts - MANY / 10).max() < 5 * math.sqrt(MANY / 10)
@@ -146,13 +153,17 @@ def bursts(losses: np.ndarray) -> np.ndarray:
 
 
 def test_losses_come_in_bursts_of_the_stated_length():
-    """Mean share p/(p+r); bursts last 1/r frames. Both within 5 standard deviations, of about 3000 bursts."""
+    """Mean share p/(p+r); bursts last 1/r frames.
+
+    Both within 5 standard deviations, of about 3000 bursts.
+    """
     model = GilbertElliott(0.07, 0.3)
     losses = lost(model)
     lengths = bursts(losses)
     assert model.mean == pytest.approx(0.07 / 0.37)
     assert abs(lengths.mean() - 1 / 0.3) < 5 * math.sqrt(0.7) / 0.3 / math.sqrt(len(lengths))
-    # Bursts and the gaps between them both vary by about their own length: the share by about sqrt(2/n) of itself.
+    # Bursts and the gaps between them both vary by about their own length: the share by about
+    # sqrt(2/n) of itself.
     assert abs(losses.mean() / model.mean - 1) < 5 * math.sqrt(2 / len(lengths))
 
 

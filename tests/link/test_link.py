@@ -1,4 +1,7 @@
-"""The link against what it promises, whatever the network does: a model that remembers everything recomputes what should have come."""
+"""The link against what it promises, whatever the network does.
+
+A model that remembers everything recomputes what should have come.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ def constant(latency_ns: int, *callbacks) -> Link:
 
 @attrs.define
 class Sent:
-    """What the test knows of a frame: when it can be shown (None: never), and whether anything it builds on is missing."""
+    """What the test knows of a frame.
+
+    When it can be shown (None: never), and whether anything it builds on is missing.
+    """
 
     ready_ns: int | None
     usable: bool
@@ -35,7 +41,10 @@ class Sent:
 
 
 class AgainstAModel(RuleBasedStateMachine):
-    """Frames are numbers in the order they were sent. Nothing of the link's own book-keeping is read to judge it."""
+    """Frames are numbers in the order they were sent.
+
+    Nothing of the link's own book-keeping is read to judge it.
+    """
 
     @initialize(bandwidth=BANDWIDTHS, decodes=st.booleans())
     def start(self, bandwidth, decodes):
@@ -128,7 +137,8 @@ class AgainstAModel(RuleBasedStateMachine):
         for fate in ("dropped", "lost", "undecodable", "late", "superseded", "shown", "under_way"):
             assert tally[fate] == fates.count(fate), fate
         assert tally["drawn"] == len(fates) == tally["dropped"] + tally["sent"]
-        # In hand: those under way and the one on the screen. All others have left, once each, by the right door.
+        # In hand: those under way and the one on the screen. All others have left, once each, by
+        # the right door.
         assert len(self.link) == fates.count("under_way") + (self.last is not None)
         assert sorted(self.wasted) == [n for n, fate in enumerate(fates) if fate in ("dropped", "lost", "undecodable")]
         gone = [n for n, fate in enumerate(fates) if fate in ("late", "superseded", "shown") and n != self.last]
@@ -182,7 +192,10 @@ JITTERS = st.one_of(
     st.booleans(),
 )
 def test_it_holds_what_can_be_under_way_and_no_more_however_long(options, latency_ns, rate_hz, start_ns, size, decodes):
-    """One frame and one question a refresh, 600 of them; the bound is of the number alone, frames may be of any size."""
+    """One frame and one question a refresh, 600 of them.
+
+    The bound is of the number alone, frames may be of any size.
+    """
     link = options.link(latency_ns, receive=(lambda frame: True) if decodes else None)
     most, bound = 0, options.most_under_way(latency_ns, rate_hz)
     for number in range(600):
@@ -357,7 +370,10 @@ def test_faults_of_the_caller():
     st.integers(0, 200), st.integers(0, 200), st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(0, 30)
 )
 def test_a_change_of_delay_is_for_what_is_sent_from_then_on(first, second, steps, at):
-    """A window's slider, or a controller's: frames under way arrive as they would have, and what is shown never goes back."""
+    """A window's slider, or a controller's.
+
+    Frames under way arrive as they would have, and what is shown never goes back.
+    """
     link, now, due = constant(first), 0, []
     for number, step in enumerate(steps):
         if number == at:

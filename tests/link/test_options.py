@@ -1,4 +1,5 @@
-"""From the texts of the command line to a network, and what is said about texts that cannot be meant."""
+"""From the texts of the command line to a network, and what is said about texts that cannot be
+meant."""
 
 from __future__ import annotations
 
@@ -99,7 +100,8 @@ def test_a_jitter_wider_than_the_latency_is_refused_when_the_latency_is_known():
 
 
 def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
-    """What becomes of each frame without a limit of bandwidth does not depend on its size, nor on whether the losses were drawn."""
+    """What becomes of each frame without a limit of bandwidth does not depend on its size, nor on
+    whether the losses were drawn."""
 
     def delays(options: LinkOptions, size: int) -> dict[int, int]:
         link, out = options.link(100 * MS), {}
@@ -121,9 +123,8 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
 def test_a_response_time_is_the_sum_of_its_parts():
     transit = TransitStats(3, 100, 5000, queue_ns=2 * MS, transfer_ns=3 * MS, delay_ns=40 * MS, hold_ns=5 * MS)
     time = ResponseTime.of(transit, render_ms=6, encode_ms=4, decode_ms=2, warp_ms=1.5)
-    assert time.parts() == {
-        "render_ms": 6, "encode_ms": 4, "queue_ms": 7, "transfer_ms": 3, "round_trip_ms": 40, "decode_ms": 2, "warp_ms": 1.5,
-    }  # fmt: skip
+    work = {"render_ms": 6, "encode_ms": 4, "decode_ms": 2, "warp_ms": 1.5}
+    assert time.parts() == {**work, "queue_ms": 7, "transfer_ms": 3, "round_trip_ms": 40}
     assert time.total_ms == 63.5
     # All that the link adds is in it.
     assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx(

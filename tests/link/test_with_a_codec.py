@@ -1,4 +1,7 @@
-"""Frames that are encoded, sent through a network that loses some, and decoded: what the loop does with these parts."""
+"""Frames that are encoded, sent through a network that loses some, and decoded.
+
+What the loop does with these parts.
+"""
 
 from __future__ import annotations
 
@@ -77,8 +80,10 @@ def test_a_network_that_loses_nothing_shows_every_frame_as_long_after_as_it_take
 
 
 def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
-    """After a loss the picture stands still until a key frame has come: the loss is noticed a delay after sending, the sender hears of
-    it another delay later, and the key frame takes a third.
+    """After a loss the picture stands still until a key frame has come.
+
+    The loss is noticed a delay after sending, the sender hears of it another delay later, and the
+    key frame takes a third.
     """
     stream = Stream(LinkOptions.parse(loss="p=0.08,r=0.5", seed=3))
     link = stream.run(120)
@@ -105,7 +110,10 @@ def test_with_jitter_the_decoder_still_gets_frames_in_order():
 
 
 def test_a_narrow_network_drops_frames_and_recovers():
-    """The frames make 0.5 Mbit a second, 0.2 fit through: the queue fills, and what it drops calls for key frames."""
+    """The frames make 0.5 Mbit a second, 0.2 fit through.
+
+    The queue fills, and what it drops calls for key frames.
+    """
     stream = Stream(LinkOptions.parse(bandwidth="0.2,queue=60"))
     link = stream.run(150)
     assert link.tally.dropped > 0

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics.job import Compared, QualityJob
+from hmdwarp.metrics import Compared, QualityJob
 
 FOV = Fov(-0.7, 0.6, -0.5, 0.55)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import View
-from hmdwarp.metrics.flicker import error_image, flicker
+from hmdwarp.metrics import error_image, flicker
 
 from .pictures import FOV, noise, turned
 

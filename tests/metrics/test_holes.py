@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
-from hmdwarp.metrics.holes import border_share, hole_share
+from hmdwarp.metrics import border_share, hole_share
 
 from .pictures import FOV, turned
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.metrics.image import flip, psnr_db, ssim
+from hmdwarp.metrics import flip, psnr_db, ssim
 
 from .pictures import noise, smooth
 

@@ -5,7 +5,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics.mismatch import Mismatch, SharedSurface
+from hmdwarp.metrics import Mismatch, SharedSurface
 
 FOV = Fov(-0.7, 0.6, -0.5, 0.55)
 SIZE = (61, 47)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.metrics.pareto import error_and_time, pareto
+from hmdwarp.metrics import error_and_time, pareto
 
 # Few different values, so that ties in one cost and in both are frequent; and any float, infinities included.
 COST = st.one_of(st.integers(0, 4).map(float), st.floats(allow_nan=False))

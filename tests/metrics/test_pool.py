@@ -17,9 +17,7 @@ import pytest
 
 import hmdwarp
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.metrics import QUALITY
-from hmdwarp.metrics.job import Compared, QualityJob, measure
-from hmdwarp.metrics.pool import QualityPool
+from hmdwarp.metrics import QUALITY, Compared, QualityJob, QualityPool, measure
 
 from .pictures import job, noise, turned
 
@@ -209,7 +207,7 @@ SCRIPT = """
 import sys, signal
 sys.path[:0] = [{package!r}, {tests!r}]
 from metrics.pictures import job
-from hmdwarp.metrics.pool import QualityPool
+from hmdwarp.metrics import QualityPool
 # No `if __name__ == "__main__"`: the workers must not run this script again.
 try:
     with QualityPool(2, 20.0) as pool:

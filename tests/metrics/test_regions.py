@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics.image import flip, psnr_db
-from hmdwarp.metrics.regions import REGIONS, near_discontinuity, pooled, region_of, region_sums
+from hmdwarp.metrics import REGIONS, flip, near_discontinuity, pooled, psnr_db, region_of, region_sums
 
 from .pictures import noise
 

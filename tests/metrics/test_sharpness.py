@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter, map_coordinates
 
 from hmdwarp.errors import InputError
-from hmdwarp.metrics.sharpness import sharpness
+from hmdwarp.metrics import sharpness
 
 from .pictures import noise, smooth
 

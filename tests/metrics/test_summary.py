@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.metrics import QUALITY, STAGES
-from hmdwarp.metrics.summary import aggregate
+from hmdwarp.metrics import QUALITY, STAGES, aggregate
 
 numbers = st.lists(st.one_of(st.none(), st.floats(0, 1)), min_size=1, max_size=40)
 

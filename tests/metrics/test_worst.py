@@ -3,8 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.metrics.job import QualityResult
-from hmdwarp.metrics.worst import Kept, WorstKeeper
+from hmdwarp.metrics import Kept, QualityResult, WorstKeeper
 
 
 def kept(key: int, flip: float) -> Kept:

@@ -15,7 +15,7 @@ from pathlib import Path
 import hmdwarp.run.live.run as driver
 from hmdwarp.display import Tick
 from hmdwarp.pipeline.loop import Refresh
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.report import validate_summary
 from hmdwarp.run.live import LiveOptions
 from hmdwarp.run.live.log import LiveResult
 

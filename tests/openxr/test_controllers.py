@@ -8,10 +8,10 @@ from hmdwarp.display import Command, DisplayOptions, Lost
 from hmdwarp.display.controls import CONTROLS
 from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.session import State
-from hmdwarp.study import asking
-from hmdwarp.study.asking import CONTROLLERS, Asked
+from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import CONTROLLERS, MessagePanel, QuestionDialog
+from hmdwarp.study.dialogs import CONTROLS as STUDY_CONTROLS
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask
 
 from .live_runs import SMALL
 from .remote_head import RemoteHead
@@ -38,7 +38,7 @@ class Hands:
         pressed = self.hold(hand, **states)
         return pressed + self.hold(hand, **dict.fromkeys(states, 0))
 
-    def frames(self, count: int, label: asking.Card | str = "") -> list[Command]:
+    def frames(self, count: int, label: MessagePanel | str = "") -> list[Command]:
         asked: list[Command] = []
         while count:
             if self.display.wait() is not None:
@@ -50,7 +50,7 @@ class Hands:
 
 @pytest.fixture
 def display(monado):
-    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=asking.CONTROLS))
+    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=STUDY_CONTROLS))
     yield made
     made.close()
 
@@ -86,13 +86,13 @@ def test_the_stick_steps_and_goes_on(hands):
 
 def test_a_question_is_answered_by_hand(hands):
     scale = load_scale("acr")
-    asked = Asked(Ask("trial/1/acr/quality", scale, scale.items[0], "trial", 1), lambda: 0.0, CONTROLLERS)
+    asked = QuestionDialog(Ask("trial/1/acr/quality", scale, scale.items[0], "trial", 1), lambda: 0.0, CONTROLLERS)
 
     def seen(name: str, **states: float) -> None:
         hands._remote.hold("right", **states)
-        asked.obey(hands.frames(4, asked.label()))
+        asked.handle(hands.frames(4, asked.panel()))
         hands._remote.hold("right", **dict.fromkeys(states, 0))
-        asked.obey(hands.frames(4, asked.label()))
+        asked.handle(hands.frames(4, asked.panel()))
 
     seen("confirm", trigger_click=1)
     assert not asked.confirmed
@@ -130,7 +130,9 @@ def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, m
 
 
 def _focus_is_elsewhere(display: OpenXrDisplay) -> None:
-    """Monado takes the focus away from nobody who is alone; what it answers then is XR_SESSION_NOT_FOCUSED (8)."""
+    """Monado takes the focus away from nobody who is alone; what it answers then is
+    XR_SESSION_NOT_FOCUSED (8).
+    """
 
     def calls(name: str, *arguments: object) -> int:
         return 8 if name == "xrSyncActions" else display._calls(name, *arguments)
@@ -153,7 +155,7 @@ def test_a_runtime_that_knows_no_such_controllers_is_no_trouble(monado, monkeypa
         "hmdwarp.display.openxr.actions.PROFILES",
         {"/interaction_profiles/nobody/nothing": (("confirm", "/user/hand/left/input/x/click"),)},
     )
-    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=asking.CONTROLS))
+    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=STUDY_CONTROLS))
     try:
         for _ in range(3):
             if made.wait() is not None:

@@ -53,7 +53,7 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
         "--simulate",
         str(model),
     ]
-    command += ["--source", "openxr", "--desk", "none"]
+    command += ["--source", "openxr", "--console", "none"]
     monado = runtime(WOBBLING, UNSEEN)
     monado.start()
     with subprocess.Popen(

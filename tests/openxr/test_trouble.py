@@ -10,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import MachineError
 from hmdwarp.poses import load_trace
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.report import validate_summary
 
 from .live_runs import Here, Program, quick
 from .monado import REMOTE, UNSEEN, WOBBLING

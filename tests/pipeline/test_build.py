@@ -1,11 +1,14 @@
-"""One pipeline under every driver: what it is built from, what can be exchanged while it runs, and when its times are read."""
+"""One pipeline under every driver.
+
+What it is built from, what can be exchanged while it runs, and when its times are read.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from hmdwarp.client.plan import build_plan
+from hmdwarp.client import build_plan
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
@@ -23,7 +26,10 @@ STEP_NS = 10_000_000
 
 
 class UnequalEyes:
-    """Eyes of a headset that is no mirror image of itself: their guard bands differ by a few pixels."""
+    """Eyes of a headset that is no mirror image of itself.
+
+    Their guard bands differ by a few pixels.
+    """
 
     FOVS = (Fov(-0.8, 0.5, -0.7, 0.6), Fov(-0.45, 0.9, -0.6, 0.75))
 
@@ -85,9 +91,10 @@ def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard,
             )
             made.server.pool(SIZE).release(truth.colour)
             if warp != "none":
-                # No latency: every warp gives the rendered picture back. A guard band of an odd number of pixels shifts the 2x2 quads over
-                # which the level of detail of textures is taken: a few levels of 255 where they are seen aslant, never another surface
-                # (50 and more).
+                # No latency: every warp gives the rendered picture back. A guard band of an odd number
+                # of pixels shifts the 2x2 quads over which the level of detail of textures is
+                # taken: a few levels of 255 where they are seen aslant, never another surface (50
+                # and more).
                 off = np.abs(found - wanted).max(axis=2)
                 assert off.max() <= 25
                 assert (off > 4).mean() < 0.03
@@ -142,7 +149,8 @@ def test_a_change_of_latency_keeps_what_is_under_way(gpu):
             made.loop.draw(k * STEP_NS)
             refresh = made.loop.show(k * STEP_NS)
             ages.append(None if refresh is None else refresh.age_ns // STEP_NS)
-    # Three refreshes late; those sent before the change still arrive, then the last one stays until the first that took six has come.
+    # Three refreshes late; those sent before the change still arrive, then the last one stays until
+    # the first that took six has come.
     assert ages == [None, None, None, 3, 3, 3, 3, 3, 3, 4, 5, 6]
 
 

@@ -1,4 +1,7 @@
-"""Frames on their way through the loop: what the client warps is what has arrived, and every frame is accounted for."""
+"""Frames on their way through the loop.
+
+What the client warps is what has arrived, and every frame is accounted for.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,8 @@ def test_every_frame_is_accounted_for(tmp_path, network, codec):
 
 @pytest.mark.parametrize("codec", ["h264", "hevc"])
 def test_the_client_warps_what_has_arrived(codec):
-    """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within the code's own bound."""
+    """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within
+    the code's own bound."""
     seen = []
     with build_rig(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as rig:
         for instant_ns, shown in rig.timetable.instants():

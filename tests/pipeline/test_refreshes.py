@@ -1,4 +1,7 @@
-"""Which refreshes a run has: counted right at both ends, no frame early, none lost, none older than it must be."""
+"""Which refreshes a run has.
+
+Counted right at both ends, no frame early, none lost, none older than it must be.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,10 @@ def track(seconds: float) -> PoseTrack:
 
 
 def shown_ages(times, latency_ms: float) -> list[int | None]:
-    """What the loop would show: the age of the newest frame at every shown refresh, in ns, None where none has arrived."""
+    """What the loop would show.
+
+    The age of the newest frame at every shown refresh, in ns, None where none has arrived.
+    """
     link: Link[int] = LinkOptions().link(times.link_latency_ns(small(latency_ms=latency_ms)))
     ages = []
     for now_ns, shown in times.instants():
@@ -51,7 +57,8 @@ def test_every_shown_refresh_has_its_frame_at_its_age(latency_ms, rate_hz, secon
     shown = [at for at, is_shown in instants if is_shown]
     period_ns = 1e9 / rate_hz
 
-    # From the start asked for, or from when a frame drawn at the trace's first instant is seen; half a ns is rounding.
+    # From the start asked for, or from when a frame drawn at the trace's first instant is seen;
+    # half a ns is rounding.
     earliest_s = max(start_s, times.age / rate_hz)
     assert abs(shown[0] - (made.start_ns + earliest_s * 1e9)) <= 1
     assert len(shown) == times.count and len(instants) == times.count + times.age
@@ -62,7 +69,8 @@ def test_every_shown_refresh_has_its_frame_at_its_age(latency_ms, rate_hz, secon
 
     ages = shown_ages(times, latency_ms)
     assert None not in ages
-    # Never early (but for the thousandth of a refresh that counts as none), and no more than one refresh late.
+    # Never early (but for the thousandth of a refresh that counts as none), and no more than one
+    # refresh late.
     assert all(latency_ms * 1e6 - 1e-3 * period_ns - 2 <= age < latency_ms * 1e6 + period_ns + 2 for age in ages)
     assert max(ages) - min(ages) <= 2
     assert all(abs(age - times.age_ns) <= 2 for age in ages)
@@ -77,8 +85,8 @@ def test_as_many_refreshes_as_fit(rate_hz, seconds, length_s):
 
 @pytest.mark.parametrize(
     ("latency_ms", "rate_hz", "age"),
-    [(0, 60, 0), (200, 60, 12), (200, 90, 18), (205, 60, 13), (1, 60, 1), (16.67, 60, 1), (16.7, 60, 2), (16.6667, 60, 1), (33.3, 60, 2),
-     (33.4, 60, 3), (11.11, 90, 1), (2500, 72, 180)],
+    [(0, 60, 0), (200, 60, 12), (200, 90, 18), (205, 60, 13), (1, 60, 1), (16.67, 60, 1), (16.7, 60, 2),
+     (16.6667, 60, 1), (33.3, 60, 2), (33.4, 60, 3), (11.11, 90, 1), (2500, 72, 180)],
 )  # fmt: skip
 def test_ages_people_would_expect(latency_ms, rate_hz, age):
     assert refreshes_of(latency_ms, rate_hz) == age
@@ -86,7 +94,10 @@ def test_ages_people_would_expect(latency_ms, rate_hz, age):
 
 @pytest.mark.parametrize(("seconds", "count"), [(1.0, 60), (0.5, 30), (100.0, 108), (None, 108), (0.0001, 1)])
 def test_counts_at_the_end_of_the_trace(seconds, count):
-    """2 s of trace less 200 ms until the first frame arrives: 1.8 s, 108 refreshes of 60 Hz, the last one period before the end."""
+    """2 s of trace less 200 ms until the first frame arrives.
+
+    1.8 s, 108 refreshes of 60 Hz, the last one period before the end.
+    """
     times = timetable(track(2.0), small(seconds=seconds), 60.0)
     shown = [at for at, is_shown in times.instants() if is_shown]
     assert len(shown) == count
@@ -97,11 +108,12 @@ def test_counts_at_the_end_of_the_trace(seconds, count):
 
 @pytest.mark.parametrize(
     ("options", "told"),
-    [({"start_s": 2.0}, "start 2 s.*2.000 s long"), ({"start_s": 1e6}, "start"), ({"latency_ms": 2001.0}, "latency 2001 ms is longer"),
+    [({"start_s": 2.0}, "start 2 s.*2.000 s long"), ({"start_s": 1e6}, "start"),
+     ({"latency_ms": 2001.0}, "latency 2001 ms is longer"),
      ({"latency_ms": 1999.0}, "latency 1999 ms is longer"), ({"latency_ms": 1e9}, "latency")],
 )  # fmt: skip
 def test_nothing_to_show_is_refused(options, told):
-    """1999 ms is 120 refreshes after drawing at 60 Hz, 2000 ms: the last of them would be at 2.0167 s."""
+    """1999 ms is 120 refreshes after drawing at 60 Hz, 2000 ms; the last would be at 2.0167 s."""
     with pytest.raises(InputError, match=told):
         timetable(track(2.0) if options.get("latency_ms") != 1999.0 else track(1.9995), small(**options), 60.0)
 

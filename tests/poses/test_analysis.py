@@ -77,7 +77,8 @@ def test_the_error_table_by_another_route(latency_ms):
     assert row.count == len(grid)
     for guess, found, mean in zip(guesses, (row.held, row.cav, row.capped), row.mean, strict=True):
         errors = np.degrees((guess.inv() * now).magnitude())
-        # float seconds are good to 4e-15 s and the turn is at most 400 deg/s; predictions magnify by up to 9.
+        # float seconds are good to 4e-15 s and the turn is at most 400 deg/s; predictions magnify
+        # by up to 9.
         assert np.allclose(found, np.percentile(errors, ERROR_PERCENTILES), rtol=0, atol=1e-9)
         assert mean == pytest.approx(errors.mean(), abs=1e-9)
 

@@ -1,4 +1,7 @@
-"""The fifteen kinds of defect that occur in real head-motion files: each survived or refused, never in silence."""
+"""The fifteen kinds of defect that occur in real head-motion files.
+
+Each survived or refused, never in silence.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import HmdwarpError, UnknownNameError
 from hmdwarp.poses import Origin, TraceOptions, load_trace
-from hmdwarp.poses.predict import predict
+from hmdwarp.poses.prediction import predict
 
 from .traces import head, kinds, rows, same_motion, write
 
@@ -251,7 +254,10 @@ def test_5_an_order_given_against_the_names_is_not_followed_and_said(tmp_path):
 
 
 def test_6_columns_are_found_by_name_in_any_order_and_beside_hands_and_gaze(tmp_path):
-    names = "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time"
+    names = (
+        "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,"
+        "HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time"
+    )
     table = [[r[6], "9", "9", "9", r[7], "0", "0", "0", "1", r[3], r[1], "nan", r[4], r[2], r[5], r[0]] for r in TABLE]
     assert same_motion(load_trace(write(tmp_path / "o.csv", table, names)).track, TRACK)
 
@@ -321,7 +327,8 @@ def test_9_repeated_poses_are_kept_for_replay_and_left_out_of_speeds(tmp_path):
     assert "83 %" in defect.what
     repeated, clean = analyse(loaded.track), analyse(TRACK)
     assert repeated.repeated_share == pytest.approx(0.83)
-    # Steps of 100 ms flatten this motion's speed by a few per cent; differentiating the steps would give a median of 0.
+    # Steps of 100 ms flatten this motion's speed by a few per cent; differentiating the steps would
+    # give a median of 0.
     assert repeated.angular_speed_deg_s[0] == pytest.approx(clean.angular_speed_deg_s[0], rel=0.1)
 
 

@@ -1,4 +1,7 @@
-"""The head led by mouse and keys: where it goes, how smoothly, and that nobody's frame rate has a say in it."""
+"""The head led by mouse and keys.
+
+Where it goes, how smoothly, and that nobody's frame rate has a say in it.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,9 @@ def tell(walker: Walker, time_ns: int, what: tuple) -> None:
 
 
 def poses_at(script, rate_hz: float, wanted_ns: list[int]) -> list:
-    """The pose at each of `wanted_ns` (relative, ascending), with the walker looked at `rate_hz` times a second besides."""
+    """The pose at each of `wanted_ns` (relative, ascending), with the walker looked at `rate_hz`
+    times a second besides.
+    """
     walker, at = Walker(BEGIN_NS), 0
     polls = [round(k * 1e9 / rate_hz) for k in range(int(rate_hz) + 1)]
     events = [(t, 0, what) for t, what in script] + [(t, 1, None) for t in polls] + [(t, 2, None) for t in wanted_ns]
@@ -65,7 +70,10 @@ def poses_at(script, rate_hz: float, wanted_ns: list[int]) -> list:
 @given(scripts)
 @settings(max_examples=40, deadline=None)
 def test_the_frame_rate_has_no_say_in_the_path(script):
-    """The same inputs at the same instants: bit for bit the same path, at 30, 144 and 1 frames a second."""
+    """The same inputs at the same instants.
+
+    Bit for bit the same path, at 30, 144 and 1 frames a second.
+    """
     wanted = [0, 7 * MS, 150 * MS, 333 * MS, 900 * MS]
     first, *others = (poses_at(script, rate, wanted) for rate in (30, 144, 1))
     for other in others:
@@ -75,7 +83,10 @@ def test_the_frame_rate_has_no_say_in_the_path(script):
 
 
 def test_inputs_noticed_at_the_next_frame_shift_the_path_by_no_more_than_a_frame_of_walking():
-    """A real window sees a key at its next poll, at most 1/30 s late at 30 Hz and never early: the ends lie 1.4 m/s / 30 apart at most."""
+    """A real window sees a key at its next poll, at most 1/30 s late at 30 Hz and never early.
+
+    The ends lie 1.4 m/s / 30 apart at most.
+    """
     ends = []
     for rate in (30, 144):
         walker = Walker(0)
@@ -111,7 +122,8 @@ def test_walks_the_way_it_looks_and_stays_level():
     walker.walk(1_000 * MS, forward=1.0)
     walker.advance(2_000 * MS)
     x, y, z = walker.head_at(2_000 * MS).pose.position_m
-    # After the start's lag the head is WALK_S behind one that walked at once: e^(-1/0.08) of that is below 1e-5.
+    # After the start's lag the head is WALK_S behind one that walked at once: e^(-1/0.08) of that
+    # is below 1e-5.
     assert x == pytest.approx(-WALK_M_S * (1 - WALK_S), abs=1e-5)
     assert (y, z) == (EYE_HEIGHT_M, pytest.approx(0, abs=1e-12))
 
@@ -163,8 +175,8 @@ def test_prediction_is_what_comes_true_if_nothing_more_is_told():
     walker.advance(then)
     came = walker.head_at(then)
     assert came.origin is Origin.MEASURED
-    # Angles are solved exactly. Places take the mean heading of one step of 50 ms for many short ones: the way is 7 cm at most, and the
-    # heading turns by 0.3 rad at most meanwhile.
+    # Angles are solved exactly. Places take the mean heading of one step of 50 ms for many short
+    # ones: the way is 7 cm at most, and the heading turns by 0.3 rad at most meanwhile.
     assert expected.pose.isclose(came.pose, atol=0.07 * 0.3)
     assert (expected.pose.rotation.inv() * came.pose.rotation).magnitude() < 1e-12
     far = Walker(0)

@@ -1,4 +1,7 @@
-"""Trace formats: a contract over all of them, what is written comes back bit for bit, and axes come out as OpenXR's."""
+"""Trace formats.
+
+A contract over all of them, what is written comes back bit for bit, and axes come out as OpenXR's.
+"""
 
 from __future__ import annotations
 
@@ -114,7 +117,9 @@ def test_frame_wxyz_with_w_last_is_refused_where_the_motion_shows_it(tmp_path):
 
 
 def upright_zup(track: PoseTrack = TRACK) -> PoseTrack:
-    """The track in axes with x forward, y left, z up, by rotation matrices (the reader goes by quaternion parts)."""
+    """The track in axes with x forward, y left, z up, by rotation matrices (the reader goes by
+    quaternion parts).
+    """
     file_from_openxr = np.array([[0, 0, -1.0], [-1, 0, 0], [0, 1, 0]])
     matrices = file_from_openxr @ Rotation.from_quat(track.orientation_xyzw).as_matrix() @ file_from_openxr.T
     return track.evolve(orientation_xyzw=Rotation.from_matrix(matrices).as_quat())
@@ -126,7 +131,9 @@ AXES = ["y", "+y", "-y", "z", "-z", "x", "-x", "-y,z,x", "x,y,z", "x,z,y", "z,-x
 @pytest.mark.parametrize("text", AXES)
 @given(unit_quaternions, st.lists(st.floats(-10, 10), min_size=3, max_size=3))
 def test_axes_carry_points_of_the_head_along(text, q, place):
-    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the converted point."""
+    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the
+    converted point.
+    """
     axes = parse_axes(text)
     point = np.array([0.3, -0.2, 0.5])
     in_file = Rotation.from_quat(q).apply(point) + place

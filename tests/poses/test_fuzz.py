@@ -1,4 +1,7 @@
-"""Whatever bytes a file holds, a reader gives a track or one clear error: never anything else, and it ends."""
+"""Whatever bytes a file holds, a reader gives a track or one clear error.
+
+Never anything else, and it ends.
+"""
 
 from __future__ import annotations
 

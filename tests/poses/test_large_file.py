@@ -1,7 +1,7 @@
 """A file of very many rows is read in bounded memory.
 
-By default 10^6 rows; HMDWARP_LARGE_ROWS=10000000 runs the large one (its file takes 1.1 GB in the temporary folder; `-s` prints the
-figures).
+By default 10^6 rows; HMDWARP_LARGE_ROWS=10000000 runs the large one (its file takes 1.1 GB in the
+temporary folder; `-s` prints the figures).
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ loaded = load_trace(Path(sys.argv[1]))
 seconds = time.perf_counter() - start
 used = peak() - before
 kinds = [d.kind for d in loaded.defects]
-print(json.dumps({"rows": len(loaded.track), "last": loaded.track.end_ns, "kinds": kinds, "bytes": used * 1024, "s": seconds}))
+found = {"rows": len(loaded.track), "last": loaded.track.end_ns, "kinds": kinds}
+print(json.dumps({**found, "bytes": used * 1024, "s": seconds}))
 """
 
 
@@ -57,8 +58,9 @@ def test_memory_is_bounded_by_the_rows(tmp_path):
     assert found["rows"] == ROWS
     assert found["last"] == (ROWS - 1) * 1_000_000
     assert found["kinds"] == []
-    # A row is 68 bytes when done (time, line, position, quaternion); its largest column is copied twice while cleaning, and one
-    # chunk of text with its numbers takes some 30 MB: 200 bytes a row and 60 MB keep 10^7 rows below 2.1 GB.
+    # A row is 68 bytes when done (time, line, position, quaternion); its largest column is copied
+    # twice while cleaning, and one chunk of text with its numbers takes some 30 MB: 200 bytes a row
+    # and 60 MB keep 10^7 rows below 2.1 GB.
     assert found["bytes"] < 200 * ROWS + 60e6
 
 

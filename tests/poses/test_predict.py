@@ -1,4 +1,7 @@
-"""Prediction: exact for a constant velocity, causal, capped, honest about where a pose came from."""
+"""Prediction.
+
+Exact for a constant velocity, causal, capped, honest about where a pose came from.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseTrack
-from hmdwarp.poses.predict import predict, predict_many
+from hmdwarp.poses.prediction import predict, predict_many
 from hmdwarp.poses.predictors import predictors
 
 from .traces import head
@@ -39,7 +42,8 @@ def test_a_constant_velocity_is_predicted_exactly(now, ahead):
     sample = predict(track, now, now + ahead, horizon_ns=10**12)
     assert sample.origin is Origin.PREDICTED
     assert sample.time_ns == now + ahead
-    # Angles of 0.08 rad over 50 ms, known to 1e-16, carried on over at most 111 ms: a few 1e-16 per pose, times 3.
+    # Angles of 0.08 rad over 50 ms, known to 1e-16, carried on over at most 111 ms: a few 1e-16 per
+    # pose, times 3.
     assert sample.pose.isclose(truth(now + ahead), atol=1e-14)
 
 
@@ -108,7 +112,8 @@ def test_repeated_poses_do_not_slow_the_prediction_down():
     keep = np.arange(100) // 2 * 2
     held = track.evolve(position_m=track.position_m[keep], orientation_xyzw=track.orientation_xyzw[keep])
     now = int(track.time_ns[61])  # repeats the pose of sample 60
-    # The window runs from sample 60 back, at the true velocity; the pose is carried on from now, 5 ms late.
+    # The window runs from sample 60 back, at the true velocity; the pose is carried on from now, 5
+    # ms late.
     assert predict(held, now, now + 50 * MS).pose.isclose(truth(int(track.time_ns[60]) + 50 * MS), atol=1e-14)
 
 

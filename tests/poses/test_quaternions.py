@@ -12,7 +12,8 @@ from hmdwarp.poses import quaternions
 
 from .traces import unit_quaternions
 
-# A product of unit quaternions sums four products of numbers below 1: a few units of 1.1e-16 each, doubled by going to an angle.
+# A product of unit quaternions sums four products of numbers below 1: a few units of 1.1e-16 each,
+# doubled by going to an angle.
 ATOL = 5e-15
 
 

@@ -1,4 +1,7 @@
-"""The real head traces used in development: what each is known to hold, and conventions proved on gestures and a twin file."""
+"""The real head traces used in development.
+
+What each is known to hold, and conventions proved on gestures and a twin file.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +63,9 @@ def test_london_holds_two_recordings(real_traces):
 
 
 def test_the_two_sites_are_read_by_name(real_traces):
-    """A column order that is swapped would give quaternions of another length and positions of a gaze point."""
+    """A column order that is swapped would give quaternions of another length and positions of a
+    gaze point.
+    """
     for path in sorted(real_traces.glob("eyenavgs_*/user*.csv")):
         names = path.read_text(encoding="utf-8-sig").split("\n", 1)[0].split(",")
         table = np.loadtxt(path, delimiter=",", skiprows=1)
@@ -70,7 +75,8 @@ def test_the_two_sites_are_read_by_name(real_traces):
         assert np.array_equal(first.position_m[0], table[0, [names.index(f"Position{a}") for a in "XYZ"]])
 
 
-# Seconds and where the extremum of each gesture lies, from the data set's own description of its known gestures.
+# Seconds and where the extremum of each gesture lies, from the data set's own description of its
+# known gestures.
 GESTURES = {
     "step back": (11, "z", 1),
     "step forward": (15, "z", -1),
@@ -104,7 +110,9 @@ def test_known_gestures_prove_the_axes(real_traces, gesture):
 
 
 def test_the_euler_twin_proves_the_quaternions(real_traces):
-    """The twin's angles, put together as its description says and turned to OpenXR by matrices, are the poses that were read."""
+    """The twin's angles, put together as its description says and turned to OpenXR by matrices, are
+    the poses that were read.
+    """
     folder = real_traces / "multiviewpoint_mmsys18"
     euler = np.loadtxt(folder / "user1_euler.txt", skiprows=1)
     in_file = Rotation.from_euler("XZY", np.stack([-euler[:, 2], euler[:, 3], -euler[:, 4]], axis=1)).as_matrix()
@@ -143,7 +151,8 @@ def test_prediction_helps_as_published(real_traces, name):
     errors = {r.latency_ms: r for r in analyse(load_trace(real_traces / name).track).errors}
     assert all(errors[ms].mean[1] < 0.55 * errors[ms].mean[0] for ms in (20, 50, 100))
     assert all(row.mean[2] < row.mean[0] for row in errors.values())
-    # One person moves up to twice as much as the 264 of the set together (p50 / p95 / p99 with no prediction, degrees).
+    # One person moves up to twice as much as the 264 of the set together (p50 / p95 / p99 with no
+    # prediction, degrees).
     for ms, wanted in {20: (0.61, 2.3, 3.9), 100: (2.8, 10.9, 18.3), 400: (10.5, 38.7, 61.5)}.items():
         assert np.all(np.abs(np.log2(np.array(errors[ms].held) / wanted)) < 1)
 

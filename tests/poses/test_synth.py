@@ -1,4 +1,7 @@
-"""Made-up heads: the shipped recordings are what the generator makes, and they move as people do."""
+"""Made-up heads.
+
+The shipped recordings are what the generator makes, and they move as people do.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +34,8 @@ def test_every_kind_is_shipped_and_described():
     text = (resources.folder("recordings") / "README.md").read_text()
     for kind in KINDS.values():
         assert (
-            f"hmdwarp trace synth {kind.name} --seed {kind.seed} --seconds {kind.seconds:g} --rate 90 --out {kind.name}.csv"
-            in text
+            f"hmdwarp trace synth {kind.name} --seed {kind.seed} --seconds {kind.seconds:g} --rate 90 --out "
+            f"{kind.name}.csv" in text
         )
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
         turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
@@ -98,7 +101,8 @@ def test_peak_speed_grows_with_amplitude_and_levels_off(amplitude, more):
 def test_the_stated_peak_is_the_peak_of_the_profile(amplitude):
     share = np.linspace(0, 1, 2002)  # an odd number of steps: one of them has the steepest point in its middle
     steepest = np.diff(minimum_jerk(share)).max() * 2001 * amplitude / shift_seconds(amplitude)
-    # A central difference over h = 1/2001 misses h^2 / 24 times the third derivative of the slope: 60 / 24 / 2001^2 / 1.875.
+    # A central difference over h = 1/2001 misses h^2 / 24 times the third derivative of the slope:
+    # 60 / 24 / 2001^2 / 1.875.
     assert steepest == pytest.approx(peak_speed(amplitude), rel=3.5e-7)
 
 

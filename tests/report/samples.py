@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.page import WorstFrame
-from hmdwarp.report.pictures import comparison_panels
+from hmdwarp.metrics import aggregate
+from hmdwarp.report import WorstFrame, comparison_panels
 
 
 def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int = 10, worse: float = 1.0) -> list[dict]:

@@ -8,13 +8,24 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.bench_bars import region_parts, regions_chart, traffic, traffic_chart
-from hmdwarp.report.bench_cases import cases
-from hmdwarp.report.bench_charts import pareto_chart, pareto_plot_png, pareto_text
-from hmdwarp.report.bench_displacement import AXES, axes_of, curves, displacement_chart, displacement_text
-from hmdwarp.report.bench_style import DASHES, PAGE, PAPER, css_variables, dashes_of, markers_of, warp_of
-from hmdwarp.report.bench_tables import bench_table
+from hmdwarp.metrics import aggregate
+from hmdwarp.report import DASHES, PAGE, PAPER, css_variables, dashes_of, markers_of, warp_of
+from hmdwarp.report.bench import (
+    AXES,
+    axes_of,
+    bench_table,
+    cases,
+    curves,
+    displacement_chart,
+    displacement_text,
+    pareto_chart,
+    pareto_plot_png,
+    pareto_text,
+    region_parts,
+    regions_chart,
+    traffic,
+    traffic_chart,
+)
 
 from .bench_samples import WARPS, a_bench, a_grid, a_row, some_rows
 

@@ -8,9 +8,8 @@ import subprocess
 
 import pytest
 
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.bench_cases import COLUMNS, cases
-from hmdwarp.report.bench_page import render_bench_page
+from hmdwarp.metrics import aggregate
+from hmdwarp.report.bench import COLUMNS, cases, render_bench_page
 
 from .bench_samples import a_bench, a_grid, a_row, some_rows
 from .test_page import CHROMIUM, FLAGS, PAGE_MESSAGE

@@ -7,9 +7,8 @@ import pytest
 from rich.console import Console
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.bench_cases import COLUMNS, cases, common
-from hmdwarp.report.bench_tables import DECISION, bench_table, markdown_table
+from hmdwarp.metrics import aggregate
+from hmdwarp.report.bench import COLUMNS, DECISION, bench_table, cases, common, markdown_table
 
 from .bench_samples import WARPS, a_row, some_rows
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.report.charts import Series, binned, time_series
+from hmdwarp.report import Series, binned, time_series
 
 from .samples import some_rows
 

@@ -7,10 +7,8 @@ import copy
 import numpy as np
 import pytest
 
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.live_page import render_live_report
-from hmdwarp.report.live_told import budget_rows, live_lines
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.metrics import aggregate
+from hmdwarp.report import budget_rows, live_lines, render_live_report, validate_summary
 
 from .samples import a_summary
 from .test_page import CHROMIUM, in_chromium

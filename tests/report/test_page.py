@@ -15,10 +15,8 @@ import pytest
 from PIL import Image
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics.job import Compared, QualityJob
-from hmdwarp.metrics.pool import QualityPool
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.page import WorstFrame, render_report
+from hmdwarp.metrics import Compared, QualityJob, QualityPool, aggregate
+from hmdwarp.report import WorstFrame, render_report
 
 from .samples import a_scene, a_summary, some_rows, some_worst
 

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.report.pictures import comparison_panels, jpeg_bytes, labelled_strip, magma, png_bytes
+from hmdwarp.report import comparison_panels, jpeg_bytes, labelled_strip, magma, png_bytes
 
 from .samples import a_scene
 

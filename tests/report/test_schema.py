@@ -6,8 +6,8 @@ import math
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.schema import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
+from hmdwarp.metrics import aggregate
+from hmdwarp.report import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
 
 from .samples import a_summary
 

@@ -4,8 +4,8 @@ import io
 
 from rich.console import Console
 
-from hmdwarp.metrics.summary import aggregate
-from hmdwarp.report.tables import comparison_rows, summary_table
+from hmdwarp.metrics import aggregate
+from hmdwarp.report import comparison_rows, summary_table
 
 from .samples import a_summary, some_rows
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.report import video
-from hmdwarp.report.video import VideoWriter, available_encoders
+from hmdwarp.report import VideoWriter, available_encoders, video
 
 av = pytest.importorskip("av")
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hmdwarp.report.way import coding_rows, filled_rows, frame_rows, response_rows, told_lines
+from hmdwarp.report import coding_rows, filled_rows, frame_rows, response_rows, transit_lines
 
 from .samples import a_summary
 
@@ -24,7 +24,7 @@ def test_each_part_is_told_once_and_what_is_nothing_is_left_out():
     assert coding_rows(summary)[0] == ("rate, both eyes", "21.4 Mbit/s")
 
 
-@pytest.mark.parametrize("rows", [filled_rows, response_rows, frame_rows, coding_rows, told_lines])
+@pytest.mark.parametrize("rows", [filled_rows, response_rows, frame_rows, coding_rows, transit_lines])
 def test_a_summary_that_does_not_say_is_told_as_nothing(rows):
     summary = {key: value for key, value in a_summary().items() if key not in ("link", "filled")}
     assert rows(summary) == []
@@ -32,12 +32,12 @@ def test_a_summary_that_does_not_say_is_told_as_nothing(rows):
 
 def test_the_terminal_hears_of_a_plain_run_no_more_than_before():
     summary = a_summary()
-    assert len(told_lines(summary)) == 3
+    assert len(transit_lines(summary)) == 3
     plain = {
         "codec": "none",
         "mbit_s": 100.0,
         "frames": {"drawn": 10, "sent": 10, "shown": 8, "under_way": 2},
         "response_ms": None,
     }
-    assert told_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
+    assert transit_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
     assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]

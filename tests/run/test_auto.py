@@ -23,7 +23,7 @@ from hmdwarp.client.variants import every_warp
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, Needs, Surface
 from hmdwarp.pipeline.planning import build_plan_for
-from hmdwarp.report.schema import validate_summary
+from hmdwarp.report import validate_summary
 from hmdwarp.run.bench_levels import ladder_from_file, read_rows
 from hmdwarp.run.rig import build_rig
 from hmdwarp.run.trial import FILLS, candidates, lens_ms, tried

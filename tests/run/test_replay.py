@@ -20,8 +20,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace
 from hmdwarp.poses.formats import formats
-from hmdwarp.report.files import write_text
-from hmdwarp.report.schema import FRAME_COLUMNS, validate_summary
+from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
 from hmdwarp.run.rig import build_rig
 from hmdwarp.version import __version__
 

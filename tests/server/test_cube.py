@@ -1,4 +1,7 @@
-"""The cube that the server draws: each face is what it would draw for that view alone, and the textures come back."""
+"""The cube that the server draws.
+
+Each face is what it would draw for that view alone, and the textures come back.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,8 @@ def test_each_face_is_the_picture_of_its_view(server):
     for face, view in zip(FACES, face_views(VIEW, side), strict=True):
         alone = server.draw(view, (side, side))
         drawn = cube[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
-        # The same triangles in another place of the framebuffer: a rasteriser may round an edge otherwise, and mipmaps with it.
+        # The same triangles in another place of the framebuffer: a rasteriser may round an edge
+        # otherwise, and mipmaps with it.
         same = np.abs(drawn.astype(float) - read(alone.colour)).max(axis=-1) <= 2**-9
         assert same.mean() > 0.99, face.name
         server.pool((side, side)).release(alone.colour)

@@ -20,14 +20,17 @@ from hmdwarp.server import Server, Target
 
 SIZE = (97, 61)
 FLOAT32_UNIT = 2.0**-24
-# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis (measured on llvmpipe: it interpolates unsnapped).
+# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis (measured on
+# llvmpipe: it interpolates unsnapped).
 SNAP_PX = 1 / 256
-# Interpolation a + b x + c y: three rounded coefficients of a handful of operations each, on numbers up to the largest in the picture.
+# Interpolation a + b x + c y: three rounded coefficients of a handful of operations each, on
+# numbers up to the largest in the picture.
 ROUNDING = 16 * FLOAT32_UNIT
 
 
 def random_view(seed: int, wide: float = 1.0) -> View:
-    """An eye near (0, 1.6, 0), turned anywhere within about 45 degrees of -z, with an asymmetric field of view."""
+    """An eye near (0, 1.6, 0), turned anywhere within about 45 degrees of -z, with an asymmetric
+    field of view."""
     rng = np.random.default_rng(seed)
     turn = Rotation.from_euler("YXZ", rng.uniform((-45, -30, -40), (45, 30, 40)), degrees=True)
     fov = Fov(
@@ -63,7 +66,8 @@ def cast_planes(view: View, size: tuple[int, int]) -> Hits:
 
 
 def depth_tolerance(exact: np.ndarray) -> np.ndarray:
-    """SNAP_PX times the slope of inverse depth per pixel, plus float32 rounding of the largest value."""
+    """SNAP_PX times the slope of inverse depth per pixel, plus float32 rounding of the largest
+    value."""
     slope = np.abs(np.gradient(exact, axis=0)) + np.abs(np.gradient(exact, axis=1))
     return SNAP_PX * slope + ROUNDING * exact.max()
 
@@ -107,8 +111,9 @@ def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_c
     exact, shape, cosine = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape, hits.cosine))
     drawn = read(server.draw(view, SIZE).inverse_depth)
     server.close()
-    # A flat cell lies at most `sagitta` inside the ball: the ray goes at most sagitta / cosine farther (x 1.5, as the ball curves
-    # away meanwhile), and inverse depth falls by its square times that.
+    # A flat cell lies at most `sagitta` inside the ball: the ray goes at most sagitta / cosine
+    # farther (x 1.5, as the ball curves away meanwhile), and inverse depth falls by its square
+    # times that.
     sagitta = np.array([*(ball.sagitta() for ball in BALLS), 0.0, 0.0])[shape]
     safe = away_from_edges(shape) & (cosine > 0.35) & (shape < len(BALLS))
     tolerance = depth_tolerance(exact) + 1.5 * exact**2 * sagitta / cosine
@@ -162,8 +167,9 @@ def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed
     eye_image = planes.draw(view, size)
     drawn = read(eye_image.colour)
     planes.pool(size).release(eye_image.colour)
-    # GL promises 8 bits of weight in each axis between texels; the uv may be off by SNAP_PX of a pixel, here under a texel; half floats
-    # keep 11 bits; 3e-3 is the room GL leaves for decoding sRGB (0.5/255 in the encoded value, slope of the curve at most 2.4).
+    # GL promises 8 bits of weight in each axis between texels; the uv may be off by SNAP_PX of a
+    # pixel, here under a texel; half floats keep 11 bits; 3e-3 is the room GL leaves for decoding
+    # sRGB (0.5/255 in the encoded value, slope of the curve at most 2.4).
     corners = np.stack([bilinear(linear, u + dx / 256, v + dy / 256) for dx in (-0.5, 0.5) for dy in (-0.5, 0.5)])
     swing = corners.max(axis=0) - corners.min(axis=0)
     assert (
@@ -186,7 +192,8 @@ def test_empty_space_is_the_background_infinitely_far_and_covered(gpu, seed):
     expected = np.array(BACKGROUND.horizon) + np.sqrt(np.abs(up))[..., None] * (end - np.array(BACKGROUND.horizon))
     assert (inverse_depth == 0).all()
     assert (colour[..., 3] == 1).all()
-    # Half floats are off by 2^-11 relative; the square root at the horizon turns 1e-6 of direction error into 1e-3.
+    # Half floats are off by 2^-11 relative; the square root at the horizon turns 1e-6 of direction
+    # error into 1e-3.
     assert np.abs(colour[..., :3] - expected).max() <= 2**-11 + 2e-3
 
 
@@ -209,7 +216,8 @@ def test_the_guarded_picture_contains_the_unguarded_one(planes):
     difference = np.abs(read(grown.inverse_depth)[inside] - read(plain.inverse_depth))
     assert (difference <= 2 * depth_tolerance(exact))[safe].all()
     a, b = read(grown.colour)[inside], read(plain.colour)
-    # A colour may move by 2 SNAP_PX of a pixel: that much of the swing to the neighbours, plus two half-float roundings.
+    # A colour may move by 2 SNAP_PX of a pixel: that much of the swing to the neighbours, plus two
+    # half-float roundings.
     swing = sum(np.abs(np.diff(b, axis=axis, prepend=np.nan)) for axis in (0, 1)) + sum(
         np.abs(np.diff(b, axis=axis, append=np.nan)) for axis in (0, 1)
     )
@@ -265,7 +273,8 @@ def test_backs_are_left_out_unless_the_mesh_is_double_sided(gpu, double_sided):
 
 
 def test_nothing_is_culled_that_a_ray_can_see(room):
-    # Any chunk left out in error would show as a hole to the background inside the closed back half of the room.
+    # Any chunk left out in error would show as a hole to the background inside the closed back half
+    # of the room.
     for yaw in (120, 180, 240):
         view = View(Pose((0, 1.6, 0.5), Rotation.from_euler("Y", yaw, degrees=True).as_quat()), Fov.symmetric(1.2, 1.0))
         eye_image = room.draw(view, SIZE)
@@ -320,13 +329,15 @@ def test_drawing_leaves_culling_depth_test_and_framebuffer_as_they_were(planes):
     texture = gl.texture((4, 4), 1, dtype="f4")
     framebuffer = gl.framebuffer([texture], gl.depth_renderbuffer((4, 4)))
     program = gl.program(
-        vertex_shader="#version 430\nvoid main() { int i = gl_VertexID; gl_Position = vec4(i == 2 ? 3 : -1, i == 1 ? 3 : -1, 0.5, 1); }",
+        vertex_shader="#version 430\nvoid main() { int i = gl_VertexID; "
+        "gl_Position = vec4(i == 2 ? 3 : -1, i == 1 ? 3 : -1, 0.5, 1); }",
         fragment_shader="#version 430\nout float value; void main() { value = 1.0; }",
     )
     framebuffer.use()
     framebuffer.clear(depth=0.0)
     eye_image = planes.draw(random_view(0), (8, 8))
-    # Clockwise, and farther than the depth buffer says: with culling or the depth test left on, nothing is drawn.
+    # Clockwise, and farther than the depth buffer says: with culling or the depth test left on,
+    # nothing is drawn.
     gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
     assert gl.fbo is framebuffer
     assert (read(texture) == 1).all()

@@ -1,4 +1,5 @@
-"""What mirrors show, against rays that are mirrored in the world, and how it gets into the picture."""
+"""What mirrors show, against rays that are mirrored in the world, and how it gets into the
+picture."""
 
 from __future__ import annotations
 
@@ -70,7 +71,8 @@ def test_the_depth_of_what_a_plane_mirror_shows_is_that_of_the_whole_path(server
         beyond = max(beyond, chrome_there, other_mirror)
         expected.append(1 / (1 / met[k] + 1 / beyond) if beyond else 0.0)
     expected, chosen_found = np.array(expected), found[chosen]
-    # Flat cells lie inside the balls by Ball.sagitta (1.5 mm); silhouettes are of one pixel; and the backs of things are not drawn.
+    # Flat cells lie inside the balls by Ball.sagitta (1.5 mm); silhouettes are of one pixel; and
+    # the backs of things are not drawn.
     close = np.abs(chosen_found - expected) <= 0.004 * expected + 1e-5
     assert len(chosen) > 200
     assert close.mean() > 0.95
@@ -120,7 +122,8 @@ def test_the_chrome_ball_shows_things_at_the_depth_of_the_mirror_formula(server)
         )
         behind = image_behind_ball(1 / way if way else np.inf, CHROME.radius, met.cosine[k])
         expected = 1 / (1 / met.inverse_depth[k] + behind / length)
-        # The ball's triangles are flat (normals are not: 1 mm in 2 m); what is looked up in the cube is within a texel of an edge.
+        # The ball's triangles are flat (normals are not: 1 mm in 2 m); what is looked up in the
+        # cube is within a texel of an edge.
         wrong += abs(found[k] - expected) > 4e-3 * expected
     assert len(chosen) > 150
     assert wrong < 0.06 * len(chosen)
@@ -152,7 +155,8 @@ def test_what_is_wanted_as_a_layer_is_left_out_of_the_picture_and_nothing_else(s
     eye, whole = layered(server, needs=needs), read(server.draw(VIEW, SIZE).colour)
     changed = np.abs(read(eye.colour) - whole).max(axis=-1) > 0
     surface = read(eye["reflection"].surface)[..., 0] if "reflection" in eye else np.zeros(SIZE[::-1])
-    # An uneven floor is looked into beside the pixel, which beside the ball may hold the ball, if that is in the same layers.
+    # An uneven floor is looked into beside the pixel, which beside the ball may hold the ball, if
+    # that is in the same layers.
     assert (changed & (surface == 0)).mean() <= (0.01 if needs == Needs(reflection=Mirrored.CURVED) else 0)
     assert ("reflection" in eye) == ("reflection" in needs)
     if "reflection" in eye:

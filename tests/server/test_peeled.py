@@ -1,4 +1,7 @@
-"""The layers that the server peels: what rays meet second and third, and nothing where they meet no more."""
+"""The layers that the server peels.
+
+What rays meet second and third, and nothing where they meet no more.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,8 @@ def read(texture) -> np.ndarray:
 
 
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
-    """Squares of half edge `half` times their distance, one behind the other before the origin, number k of brightness k + 1."""
+    """Squares of half edge `half` times their distance, one behind the other before the origin,
+    number k of brightness k + 1."""
     meshes = []
     for k, depth in enumerate(depths_m):
         r = half * depth
@@ -79,7 +83,10 @@ def test_walls_one_behind_the_other_then_the_sky_then_nothing(gpu):
 
 
 def test_the_sky_belongs_to_the_last_layer_that_holds_anything(gpu):
-    """Beside the wall the sky is visible, so behind it is nothing; behind the wall it is the next layer."""
+    """Beside the wall the sky is visible, so behind it is nothing.
+
+    Behind the wall it is the next layer.
+    """
     (_, first), (colour, second), (_, third) = peeled(gpu, walls(3), 2)
     assert (first[outside()] == 0).all()
     assert (second[outside()] == -1).all()

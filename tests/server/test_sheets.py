@@ -1,4 +1,7 @@
-"""What one sees through and what is fixed to the head: the server against rays that add up light in float64, whole and in layers."""
+"""What one sees through and what is fixed to the head.
+
+The server against rays that add up light in float64, whole and in layers.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ def pane(name: str, quad: Quad, **material: object) -> Mesh:
 
 
 def random_panes(seed: int, count: int = 4) -> list[Mesh]:
-    """Tilted panes one behind the other, none through another: 25 cm apart, tilted by less than that over their size."""
+    """Tilted panes one behind the other, none through another.
+
+    25 cm apart, tilted by less than that over their size.
+    """
     rng = np.random.default_rng(seed)
     made = []
     for k in rng.permutation(count):
@@ -95,7 +101,8 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
     safe = away_from_changes(seen.inverse_depth.reshape(SIZE[::-1]) < 0) & away_from_changes(
         seen.count.reshape(SIZE[::-1])
     )
-    # Every sheet is a product and a sum stored in half floats, on top of the picture that was one before; light is at most 1.
+    # Every sheet is a product and a sum stored in half floats, on top of the picture that was one
+    # before; light is at most 1.
     tolerance = 2 * HALF_UNIT * (1 + seen.count.reshape(SIZE[::-1]))[..., None]
     assert safe.mean() > 0.4 and (seen.count.max() >= 2)
     assert (np.abs(whole["colour"][..., :3] - expected) <= tolerance)[safe].all()

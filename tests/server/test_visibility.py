@@ -1,4 +1,8 @@
-"""What is drawn for a view: never too little, the same for the same view whatever was drawn before, and little more than is seen."""
+"""What is drawn for a view.
+
+Never too little, the same for the same view whatever was drawn before, and little more than is
+seen.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,11 @@
-"""How often the intervals and tests of the analysis are right, over studies of simulated people whose effects are known.
+"""How often the intervals and tests of the analysis are right, over studies of simulated people
+whose effects are known.
 
-    python -m tests.study.coverage [STUDIES]        prints the table, as Markdown
+python -m tests.study.coverage [STUDIES]        prints the table, as Markdown
 
-Everything of a study but the pictures: balanced orders with drift and carry-over, dropouts (whose order goes to the next), sickness,
-answers nobody could give, a scale with steps and ends. The true values are those of 20,000 people who all come to the end.
+Everything of a study but the pictures: balanced orders with drift and carry-over, dropouts (whose
+order goes to the next), sickness, answers nobody could give, a scale with steps and ends. The true
+values are those of 20,000 people who all come to the end.
 """
 
 from __future__ import annotations
@@ -19,9 +21,7 @@ from hmdwarp.study.design import Comparison, Design
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.power.effects import with_effect
 from hmdwarp.study.power.simulation import differences, significant
-from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.model import Model, SicknessModel
-from hmdwarp.study.respondents.read_model import load_model
+from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model
 from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, wilcoxon_exact
 
 PART, MANY, RESAMPLES, LEVEL = "run-1", 20_000, 2_000, 0.95
@@ -31,9 +31,11 @@ SURE = 0.999  # that a right method stays within the bounds of a test
 
 @attrs.frozen
 class Coverage:
-    """Of n people who begin. Each: (studies, comparisons). pairs: how many differences there were. shift, mean: whether the interval holds
-    the true value; promised: the level that the interval of the shift says it has. latent_shift: that of ratings without steps and ends,
-    whose differences are symmetric. too_low, too_high: on which side the true mean lies outside of its interval."""
+    """Of n people who begin. Each: (studies, comparisons). pairs: how many differences there were.
+    shift, mean: whether the interval holds the true value; promised: the level that the interval of
+    the shift says it has. latent_shift: that of ratings without steps and ends, whose differences
+    are symmetric. too_low, too_high: on which side the true mean lies outside of its interval.
+    """
 
     n: int
     comparisons: tuple[Comparison, ...]
@@ -47,7 +49,9 @@ class Coverage:
 
 @attrs.frozen
 class False_:  # noqa: N801
-    """Without any effect: p, (studies, comparisons); any_found: (studies) whether anything is significant after Holm."""
+    """Without any effect: p, (studies, comparisons); any_found: (studies) whether anything is
+    significant after Holm.
+    """
 
     n: int
     p: np.ndarray
@@ -55,7 +59,9 @@ class False_:  # noqa: N801
 
 
 def designed() -> tuple[Design, Model]:
-    """The first run of the thesis, by people who leave more often, get used to it and judge by what was before."""
+    """The first run of the thesis, by people who leave more often, get used to it and judge by what
+    was before.
+    """
     design, model = load_design("thesis"), load_model("thesis")
     design = attrs.evolve(design, parts=(design.part(PART),), families=(design.families[0],))
     rating = attrs.evolve(model.ratings["grade"], drift=0.03, carry_over=-0.05, missing=0.05)
@@ -79,7 +85,9 @@ def true_values(design: Design, model: Model, *, latent: bool = False) -> dict[C
 
 
 def pseudomedian(values: np.ndarray) -> float:
-    """Of so many values that their pairs are too many: the pairs of each with 50 others, drawn, tell it to 0.005 of the spread."""
+    """Of so many values that their pairs are too many: the pairs of each with 50 others, drawn,
+    tell it to 0.005 of the spread.
+    """
     others = np.random.default_rng(0).integers(0, len(values), (50, len(values)))
     return float(np.median((values + values[others]) / 2))
 
@@ -123,17 +131,21 @@ def without_effect(design: Design, model: Model, n: int, studies: int, seed: int
 
 
 def expected_bca(pairs: np.ndarray) -> float:
-    """What the bootstrap's interval of a mean covers when ratings are normal, to the order that n = 12 calls for.
+    """What the bootstrap's interval of a mean covers when ratings are normal, to the order that n =
+    12 calls for.
 
-    The bootstrap takes the standard deviation over n, not n - 1, and the normal's quantiles, not Student's: mean +- z s sqrt((n - 1)/n) /
-    sqrt(n) covers with P(|t| < z sqrt((n - 1)/n)). BCa mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
+    The bootstrap takes the standard deviation over n, not n - 1, and the normal's quantiles, not
+    Student's: mean +- z s sqrt((n - 1)/n) / sqrt(n) covers with P(|t| < z sqrt((n - 1)/n)). BCa
+    mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
     """
     z = 1.959964
     return float((1 - 2 * t.sf(z * np.sqrt((pairs - 1) / pairs), pairs - 1)).mean())
 
 
 def bounds(share: float, total: int) -> tuple[float, float]:
-    """Between which a share that is truly this one stays, SURE of the time, in so many independent tries."""
+    """Between which a share that is truly this one stays, SURE of the time, in so many independent
+    tries.
+    """
     tail = (1 - SURE) / 2
     return float(binom.ppf(tail, total, share) / total), float(binom.isf(tail, total, share) / total)
 

@@ -1,8 +1,9 @@
-"""Sessions of the real program that are killed again and again, until so many kills are done; and what must be true of the store then.
+"""Sessions of the real program that are killed again and again, until so many kills are done; and
+what must be true of the store then.
 
-A kill is SIGKILL: no handler runs, what the program had not given to the kernel is gone. What the kernel has not given to the disk stays,
-so this is no test of a power cut; that every commit is followed by an fsync is asked of SQLite (synchronous=FULL), and tests/study/store
-looks at that.
+A kill is SIGKILL: no handler runs, what the program had not given to the kernel is gone. What the
+kernel has not given to the disk stays, so this is no test of a power cut; that every commit is
+followed by an fsync is asked of SQLite (synchronous=FULL), and tests/study/store looks at that.
 """
 
 from __future__ import annotations
@@ -28,10 +29,9 @@ import numpy as np
 
 from hmdwarp.errors import InputError
 from hmdwarp.poses import load_trace
+from hmdwarp.study.design import Ask, Show, steps_of
 from hmdwarp.study.design.read import load_design
-from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.simulated import load_model, person_of
-from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.respondents import Population, load_model, person_of
 from hmdwarp.study.store import COMPLETE, Contents, Session, Store
 
 from . import tiny
@@ -43,7 +43,9 @@ SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle 
 
 @attrs.frozen
 class Life:
-    """One run of the program. told: lines of the witness. status: as waitpid has it, negative for a signal. seconds: how long it was."""
+    """One run of the program. told: lines of the witness. status: as waitpid has it, negative for a
+    signal. seconds: how long it was.
+    """
 
     told: list[list]
     status: int
@@ -63,7 +65,9 @@ class Life:
 
 
 class Cold:
-    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that it writes to."""
+    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that
+    it writes to.
+    """
 
     def __init__(self, arguments: list[str], told: int, said: int) -> None:
         command = [sys.executable, "-m", "tests.study.witness", str(told), *arguments]
@@ -79,7 +83,9 @@ class Cold:
 
 
 class Nursery:
-    """Programs forked from one that has everything imported. A context manager; calling it starts one, one at a time."""
+    """Programs forked from one that has everything imported. A context manager; calling it starts
+    one, one at a time.
+    """
 
     def __enter__(self) -> Nursery:
         self._link, theirs = socket.socketpair()
@@ -112,7 +118,9 @@ class Nursery:
 def live(
     start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None
 ) -> Life:
-    """Run the program and kill it: after so long; or after so many lines of its witness, and `after_s` more. None for both lets it live."""
+    """Run the program and kill it: after so long; or after so many lines of its witness, and
+    `after_s` more. None for both lets it live.
+    """
     (told, told_by), (said, said_by) = os.pipe(), os.pipe()
     lines: list[list] = []
     started = time.monotonic()
@@ -139,7 +147,8 @@ def live(
 class Killed:
     """Sessions of one study until `kills` of its runs were killed and the last session is complete.
 
-    told: by all witnesses. tally: what the program was about when it was killed. codes: whose sessions. place: of the data.
+    told: by all witnesses. tally: what the program was about when it was killed. codes: whose
+    sessions. place: of the data.
     """
 
     folder: Path
@@ -181,7 +190,9 @@ class Killed:
                 assert one.status == 0, f"seed {self.seed}: {one.status} {one.said}"
 
     def _moment(self, chance: random.Random, usual: Life) -> dict:
-        """Half of them at any time of a life, half shortly after something was stored, where commits are close to each other."""
+        """Half of them at any time of a life, half shortly after something was stored, where
+        commits are close to each other.
+        """
         if sum(self.tally.values()) >= self.kills:
             return {}
         if chance.random() < 0.5:
@@ -190,7 +201,9 @@ class Killed:
         return {"after_line": chance.randint(1, len(usual.told)), "after_s": shortly_s}
 
     def status(self) -> str:
-        """Of the session, as somebody else who reads the store sees it; "" where there is none to go on with."""
+        """Of the session, as somebody else who reads the store sees it; "" where there is none to
+        go on with.
+        """
         try:
             store = Store(self.store)
         except InputError:  # there is none yet, or one that was not made to its end
@@ -222,7 +235,9 @@ def _of_the_file(store: Path) -> list[str]:
 
 
 def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
-    """Everything that was confirmed is there as it was confirmed, once; and what is there unconfirmed is at most the last of each kill."""
+    """Everything that was confirmed is there as it was confirmed, once; and what is there
+    unconfirmed is at most the last of each kill.
+    """
     code_of = {one.id: one.code for one in contents.sessions}
     there = Counter((code_of[one.session], one.key, one.revision, one.value) for one in contents.answers)
     confirmed = Counter(tuple(line[1:]) for line in killed.told if line[0] == "answer")
@@ -242,7 +257,7 @@ def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
 
 
 def _of_session(killed: Killed, contents: Contents, session: Session) -> list[str]:
-    """It is complete, every question has one counting answer, and every trial was seen to its end."""
+    """It is complete, each question has one answer that counts, each trial was seen to its end."""
     design = load_design(str(killed.folder / "tiny.toml"))
     steps = steps_of(design, session.order, session.part)
     asked = sorted(step.key for step in steps if isinstance(step, Ask))

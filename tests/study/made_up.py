@@ -6,13 +6,13 @@ import numpy as np
 
 from hmdwarp.study.analysis import Measure, Rating, Ratings, Sitting
 from hmdwarp.study.design import Design
-from hmdwarp.study.respondents.cohort import Cohort, Population
-from hmdwarp.study.respondents.model import Model
+from hmdwarp.study.respondents import Cohort, Model, Population
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
 
 
 def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
-    """n people in each part, who are all other people. The same numbers give the same ratings; study: another one of the same seed.
+    """n people in each part, who are all other people. The same numbers give the same ratings;
+    study: another one of the same seed.
 
     Errors: InputError where the model lacks a scale or a condition of the study.
     """

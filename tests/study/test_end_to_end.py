@@ -1,6 +1,8 @@
-"""A study from its first session to its report, by the real command: twelve people, some of whom leave or get sick, rate a walk.
+"""A study from its first session to its report, by the real command: twelve people, some of whom
+leave or get sick, rate a walk.
 
-The pictures are tiny and nobody looks; everything else is as it is in a laboratory: the loop, the store, export, analysis, withdrawal.
+The pictures are tiny and nobody looks; everything else is as it is in a laboratory: the loop, the
+store, export, analysis, withdrawal.
 """
 
 from __future__ import annotations
@@ -20,16 +22,15 @@ from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.design import Comparison, Design
 from hmdwarp.study.design.read import load_design
 from hmdwarp.study.power.simulation import differences
-from hmdwarp.study.respondents.cohort import Cohort, Population
-from hmdwarp.study.respondents.model import Model, SicknessModel
-from hmdwarp.study.respondents.simulated import load_model, person_of
+from hmdwarp.study.respondents import Cohort, Model, Population, SicknessModel, load_model, person_of
 from hmdwarp.study.store import SIMULATED, Contents, Store
 
 from . import tiny
 from .killing import Nursery, live
 
 pytestmark = pytest.mark.slow
-# These twelve, of the people this model makes up: of them one has enough after two trials and one gets sick.
+# These twelve, of the people this model makes up: of them one has enough after two trials and one
+# gets sick.
 CODES = [f"c{number}" for number in range(1, 13)]
 PEOPLE = {"missing": 0.05, "dropout": 0.03, "pause": 0.05, "again": 0.05, "sickening": 0.04, "easily_sick": 1.0}
 PILOT, WITHDRAWN = "trying-out", "c3"
@@ -168,14 +169,18 @@ def test_a_pilot_stays_apart(study):
 
 
 def test_codes_are_in_nothing_that_is_passed_on(study):
-    """They are what people have written down somewhere; c1 would be found in any picture's bytes, so the longest one is looked for."""
+    """They are what people have written down somewhere; c1 would be found in any picture's bytes,
+    so the longest one is looked for.
+    """
     assert holding(study.data, PILOT)  # the search finds what is there
     for table in (study.made / "export").glob("*.?sv"):
         assert not set(re.split(r"[,\t\n]", table.read_text())) & set(CODES)
 
 
 def test_of_who_withdraws_nothing_is_left(study, tmp_path):
-    """Neither in the store nor in a new export; the code stays, as a mark that it is not used again."""
+    """Neither in the store nor in a new export; the code stays, as a mark that it is not used
+    again.
+    """
     data = tmp_path / "tiny-data"
     shutil.copytree(study.data, data)
     sub = next(one.sub for one in study.contents.sessions if one.code == WITHDRAWN)

@@ -1,5 +1,7 @@
-"""What a laboratory does to a session, through the real command: two at once, a full disk, a folder that may not be written, an end by
-signal. Each time one clear line, nothing lost, and the session is gone on with."""
+"""What a laboratory does to a session, through the real command: two at once, a full disk, a folder
+that may not be written, an end by signal. Each time one clear line, nothing lost, and the session
+is gone on with.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,12 @@ import signal
 import subprocess
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
+from hmdwarp.errors import InputError
 from hmdwarp.study.store import Store
 
 from . import tiny
@@ -32,10 +36,9 @@ def until_showing(store: Path, process: subprocess.Popen, key: str = "trial/1") 
     until = time.monotonic() + tiny.PATIENCE_S
     while time.monotonic() < until:
         assert process.poll() is None, process.communicate()
-        if (store / "study.sqlite3").exists():
-            with Store(store) as opened:
-                if any(one.key == key for one in opened.contents().showings):
-                    return
+        with suppress(InputError), Store(store) as opened:  # the store is not there yet, or being made
+            if any(one.key == key for one in opened.contents().showings):
+                return
         time.sleep(0.05)
     raise AssertionError("no trial began")
 
@@ -48,7 +51,9 @@ def long_study(folder: Path) -> tuple[Path, Path]:
 
 
 def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
-    """The second is refused with who holds the study; the first does not notice. Ended in the middle of a trial it is gone on with."""
+    """The second is refused with who holds the study; the first does not notice. Ended in the
+    middle of a trial it is gone on with.
+    """
     study, model = long_study(tmp_path)
     data = tmp_path / "tiny-data"
     first = started(tiny.session(study, model, "one"))
@@ -89,7 +94,9 @@ def small_disk(tmp_path) -> Iterator[Path]:
 
 
 def test_a_disk_that_is_full_in_mid_session(small_disk, tmp_path):
-    """Half as much again each time: every stop is told in one line, and in the end nothing that was confirmed is missing."""
+    """Half as much again each time: every stop is told in one line, and in the end nothing that was
+    confirmed is missing.
+    """
     study, model = tiny.write(tmp_path)
     session = tiny.session(study, model, "person-1", "--store", str(small_disk / "data"))
     killed = Killed(tmp_path, 0, 0, codes=["person-1"], place=small_disk / "data")

@@ -1,4 +1,5 @@
-"""The whole program, killed at random moments: no confirmed answer is missing or doubled, and the session goes on where it was.
+"""The whole program, killed at random moments: no confirmed answer is missing or doubled, and the
+session goes on where it was.
 
 STUDY_KILLS (40) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
 """
@@ -23,7 +24,6 @@ def test_nothing_is_lost_however_often_the_program_is_killed(tmp_path, capsys):
     answers = sum(line[0] == "answer" for line in killed.told)
     with capsys.disabled():
         told = ", ".join(f"{count} {phase}" for phase, count in sorted(killed.tally.items()))
-        print(
-            f"\n{KILLS} kills, seed {SEED} ({told}): {len(killed.codes)} sessions, {answers} confirmed answers, all there once"
-        )
+        sessions = f"{len(killed.codes)} sessions, {answers} confirmed answers"
+        print(f"\n{KILLS} kills, seed {SEED} ({told}): {sessions}, all there once")
     assert killed.tally["starting"] < KILLS / 2, "most of them must hit a session, not the start of the program"

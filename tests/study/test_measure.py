@@ -13,9 +13,9 @@ from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
 from hmdwarp.run.replay import figures, replay
 from hmdwarp.run.rig import build_rig
+from hmdwarp.study.design import Show, steps_of
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
-from hmdwarp.study.steps import Show, steps_of
 from hmdwarp.study.store import PERSON, Store
 
 TEXT = """

@@ -22,8 +22,7 @@ from hmdwarp.study.power import people_for, power_of, share_of
 from hmdwarp.study.power.effects import planned_model, with_effect
 from hmdwarp.study.power.simulation import _holm, differences, significant
 from hmdwarp.study.power.told import sentences
-from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.read_model import load_model
+from hmdwarp.study.respondents import Population, load_model
 from hmdwarp.study.statistics import holm
 
 from . import tiny

@@ -1,4 +1,6 @@
-"""A study as small as one can be that has everything in it, its simulated people, and the real command that runs it: 1.5 s a session."""
+"""A study as small as one can be that has everything in it, its simulated people, and the real
+command that runs it: 1.5 s a session.
+"""
 
 from __future__ import annotations
 
@@ -110,7 +112,7 @@ def write(folder: Path, **people: float) -> tuple[Path, Path]:
 
 def session(study: Path, model: Path, code: str, *more: str) -> list[str]:
     """The arguments of one."""
-    display = ("--source", "offscreen", "--trace", "walk", "--desk", "none")
+    display = ("--source", "offscreen", "--trace", "walk", "--console", "none")
     return ["study", "run", str(study), "--participant", code, "--simulate", str(model), *display, *more]
 
 

@@ -1,10 +1,12 @@
-"""The real command line, with a witness: what the store has taken is told to a pipe before anything else happens.
+"""The real command line, with a witness: what the store has taken is told to a pipe before anything
+else happens.
 
     python -m tests.study.witness FD study run ...      the program as it is
-    python -m tests.study.witness SOCKET                 a nursery: programs forked from one that has everything imported
+    python -m tests.study.witness SOCKET                 a nursery: forks with all imports done
 
-A line is written when the store's call has returned, in one write, which a pipe takes whole or not at all; what was told stays in the
-pipe whatever becomes of this process. So what the witness has told is what somebody may rely on.
+A line is written when the store's call has returned, in one write, which a pipe takes whole or not
+at all; what was told stays in the pipe whatever becomes of this process. So what the witness has
+told is what somebody may rely on.
 """
 
 from __future__ import annotations
@@ -58,13 +60,14 @@ def program(fd: int, arguments: list[str]) -> None:
 
 
 def nursery(link: socket.socket) -> None:
-    """For each list of arguments that comes with two pipes, for the witness and for what is printed: a child that is the program; its
-    process id goes back at once, its status when it is dead. Nothing of OpenGL is open where it is forked from."""
+    """For each list of arguments that comes with two pipes, for the witness and for what is
+    printed: a child that is the program; its process id goes back at once, its status when it is
+    dead. Nothing of OpenGL is open where it is forked from.
+    """
     for name in (
         "cli._app",
-        "study.run.session",
-        "study.run.options",
-        "study.respondents.simulated",
+        "study.session.program",
+        "study.respondents",
         "display.offscreen",
     ):
         importlib.import_module(f"hmdwarp.{name}")

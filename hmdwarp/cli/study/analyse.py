@@ -100,7 +100,7 @@ def _columns(texts: _Texts) -> dict[str, str]:
 
 
 def _tell(data: dict[str, Any]) -> None:
-    from ...report.study_words import counted
+    from ...report import counted
     from .._show import console, paragraph
 
     screen = console()
@@ -145,8 +145,8 @@ def _tell_comparisons(screen: Any, scale: dict[str, Any]) -> None:
 
 
 def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
-    from ...report.study_tables import condition_lines
-    from ...report.study_words import counted
+    from ...report import counted
+    from ...report.study import condition_lines
 
     heads, lines = condition_lines(part["conditions"])
     return _table(
@@ -158,8 +158,8 @@ def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
 
 def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
     """What fits 80 columns; the page has the rest."""
-    from ...report.study_tables import pairs_text
-    from ...report.study_words import interval, p_text, pair_text, plain, signed
+    from ...report import interval, p_text, pair_text, plain, signed
+    from ...report.study import pairs_text
 
     heads = [(name, "") for name in ("compared", "pairs +/0/-", "mean", "BCa 95 %", "p", "Holm", "all", "r")]
     lines = [

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from ...study.design import Condition, Design, Family, Part
-    from ...study.orders import Order
+    from ...study.design import Condition, Design, Family, Order, Part
     from ...study.scales import Scale
 
 Study = Annotated[str, typer.Argument(help="A .toml file, or the name of a shipped study, such as thesis.")]
@@ -155,7 +154,7 @@ def _time(seconds: float) -> str:
 
 
 def _print_orders(design: Design, part: Part, all_of_them: bool) -> None:
-    from ...study.orders import rows_for
+    from ...study.design import rows_for
     from .._show import in_columns
 
     rows = rows_for(design, part.name)

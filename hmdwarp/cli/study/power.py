@@ -13,7 +13,7 @@ from .plan import Study
 if TYPE_CHECKING:
     from ...study.design import Design
     from ...study.power import Power
-    from ...study.respondents.model import Model
+    from ...study.respondents import Model
     from ...study.scales import Scale
 
 OWNED = ("power.csv", "power.png")
@@ -44,7 +44,7 @@ def power(
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate the whole study many times, people who leave and cannot answer included, and analyse each as `study analyse` does."""
-    from ...report.files import OutputFolder
+    from ...report import OutputFolder
     from ...study.design.read import load_design
     from ...study.power import power_of
     from .._show import steps
@@ -76,7 +76,7 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
 
     from ...errors import InputError
     from ...study.power.effects import planned_model, with_effect
-    from ...study.respondents.read_model import load_model, model_names
+    from ...study.respondents import load_model, model_names
 
     if effect is not None and not math.isfinite(effect):
         raise InputError(f"--effect {effect:g}: wanted a number, in units of '{scale.name}'")
@@ -100,7 +100,7 @@ def _counts(text: str, design: Design) -> list[int]:
     from math import lcm
 
     from ...errors import InputError
-    from ...study.orders import rows_for
+    from ...study.design import rows_for
     from ...study.statistics import MOST_PAIRS
 
     many = MOST_PAIRS  # a person is a pair at most
@@ -125,7 +125,7 @@ def _counts(text: str, design: Design) -> list[int]:
 
 
 def _write(folder, found: Power, wanted: float) -> None:
-    from ...report.power_chart import PowerLine, power_chart
+    from ...report.study import PowerLine, power_chart
     from ...study.power.told import COLUMNS, as_json, name_of, rows_of
 
     rows = rows_of(found)

@@ -1,4 +1,4 @@
-"""hmdwarp study run: a session."""
+"""Command `hmdwarp study run`: a session."""
 
 from __future__ import annotations
 
@@ -11,44 +11,41 @@ import typer
 from .._signals import Ended
 
 if TYPE_CHECKING:
-    from ...study.run.options import RunSession
+    from ...study.session import SessionOptions
     from ...study.store import Session
 
 INTERRUPTED = 130
 
 Study = Annotated[
     str,
-    typer.Argument(help="The study: a .toml file, or the name of one that came with the program.", show_default=False),
+    typer.Argument(help="Study: a .toml file, or the name of a shipped one.", show_default=False),
 ]
 Participant = Annotated[
-    str, typer.Option("--participant", help="A code, never a name; new draws one.", show_default=False)
+    str, typer.Option("--participant", help="Participant's code, never a name; new draws one.", show_default=False)
 ]
-Part = Annotated[
-    str | None, typer.Option("--part", help="Which part of the plan, where it has several.", show_default=False)
-]
-Resume = Annotated[
-    bool, typer.Option("--resume", help="Go on with an interrupted session, at the first step that is not done.")
-]
-NewSession = Annotated[bool, typer.Option("--new-session", help="A further session of somebody known.")]
-Pilot = Annotated[bool, typer.Option("--pilot", help="A rehearsal: kept apart from people, counted apart.")]
+Part = Annotated[str | None, typer.Option("--part", help="Part of the plan, where it has several.", show_default=False)]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted session at its first undone step.")]
+NewSession = Annotated[bool, typer.Option("--new-session", help="Begin a further session of a known participant.")]
+Pilot = Annotated[bool, typer.Option("--pilot", help="Rehearse: keep the session apart from people.")]
 Simulate = Annotated[
     str | None,
-    typer.Option("--simulate", help="A response model (.toml) answers in place of somebody.", show_default=False),
+    typer.Option("--simulate", help="Response model (.toml) that answers in place of a person.", show_default=False),
 ]
 Source = Annotated[
-    str, typer.Option("--source", help="openxr, desktop, offscreen (nobody looks), or auto: headset, else window.")
+    str, typer.Option("--source", help="openxr, desktop, offscreen (no display), or auto: headset, else window.")
 ]
 Trace = Annotated[
-    str, typer.Option("--trace", help="A recorded head leads the window or the offscreen display.", show_default=False)
+    str,
+    typer.Option("--trace", help="Recorded head that leads the window or the offscreen display.", show_default=False),
 ]
 Store = Annotated[
     Path | None,
     typer.Option("--store", help="Folder for the data; by default STUDY-data beside the file.", show_default=False),
 ]
-DeskKind = Annotated[
-    str, typer.Option("--desk", help="The experimenter's: terminal, lines, none, or auto: terminal where it can be.")
+ConsoleKind = Annotated[
+    str, typer.Option("--console", help="Experimenter's console: terminal, lines, none; auto: terminal if possible.")
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors, and a code that was drawn.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors and a drawn code.")]
 
 
 def run(
@@ -62,13 +59,13 @@ def run(
     source: Source = "auto",
     trace: Trace = "",
     store: Store = None,
-    desk: DeskKind = "auto",
+    console: ConsoleKind = "auto",
     quiet: Quiet = False,
 ) -> None:
-    """Run a session: show each condition, ask after it, store every answer before the next thing happens."""
-    from ...study.run.options import RunSession
+    """Run a session: show each condition, ask about it, store every answer at once."""
+    from ...study.session import SessionOptions
 
-    options = RunSession(
+    options = SessionOptions(
         study=study,
         participant=participant,
         part=part,
@@ -79,15 +76,17 @@ def run(
         source=source,
         trace=trace,
         store=store,
-        desk=desk,
+        console=console,
     )
     _run(options, quiet)
 
 
-def _run(options: RunSession, quiet: bool) -> None:
-    """Leaves the program where the session was interrupted. What it left is told by then; the line for commands that leave nothing behind
-    would be wrong."""
-    from ...study.run.session import run_session
+def _run(options: SessionOptions, quiet: bool) -> None:
+    """Run it, and exit with a status of its own where the session was interrupted.
+
+    The closing words are said by then; the usual line "nothing unfinished is left" would be wrong.
+    """
+    from ...study.session import run_session
 
     said: list[str] = []
     ends: list[Session] = []
@@ -99,7 +98,7 @@ def _run(options: RunSession, quiet: bool) -> None:
             typer.echo(session.code)
 
     try:
-        session = run_session(options, said.append if quiet else typer.echo, told=end)
+        session = run_session(options, said.append if quiet else typer.echo, on_end=end)
         if session.status != "interrupted":
             return
     except (KeyboardInterrupt, Ended) as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...registry import Registry
 from ._base import DEPTH, PACKED, PIXEL_BYTES, VIDEO, Layer
 from ._sizes import EyeSizes
+from ._surface import Surface
 
 layers: Registry[type[Layer]] = Registry("layer", __name__)
 
@@ -14,4 +15,4 @@ def readable_names() -> tuple[str, ...]:
     return tuple(f"rendered.{name}" for name in layers.names())
 
 
-__all__ = ["DEPTH", "PACKED", "PIXEL_BYTES", "VIDEO", "EyeSizes", "Layer", "layers", "readable_names"]
+__all__ = ["DEPTH", "PACKED", "PIXEL_BYTES", "VIDEO", "EyeSizes", "Layer", "Surface", "layers", "readable_names"]

@@ -41,8 +41,9 @@ class Layer:
     per_frame: ClassVar[bool] = False
     # Whether every frame has it, needed or not.
     always: ClassVar[bool] = False
-    # The amount in the needs of who needs none of it.
+    # The amount of plans that need none of it, and one that needs as much as there is, or some.
     nothing: ClassVar[Any] = 0
+    something: ClassVar[Any] = True
 
     @classmethod
     def readable(cls) -> str:

@@ -37,7 +37,7 @@ class OtherPictures(Layer):
 
     name = "others"
     summary = "the other eye's picture and older frames, which the client has already"
-    nothing = Others()
+    nothing, something = Others(), Others(past=1, other_eye=True)
 
     @classmethod
     def bytes(cls, amount: Others, sizes: EyeSizes) -> int:

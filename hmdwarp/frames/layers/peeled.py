@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from . import Layer, layers
+from . import Layer, Surface, layers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     import moderngl
-
-    from ._surface import Surface
 
 
 @layers.register
@@ -22,6 +20,7 @@ class Peeled(Layer):
     summary = "the surfaces behind the visible one, nearest first"
     formats = ("rgba16f", "r32f")
     drawn_by = "peeled"
+    something = 2
 
     @classmethod
     def only(cls, data: tuple[Surface, ...], amount: int) -> tuple[Surface, ...]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from . import EyeSizes, Layer, layers
+from . import EyeSizes, Layer, Surface, layers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     import moderngl
 
     from ...geometry import Mirror
-    from ._surface import Surface
 
 
 class Mirrored(enum.Flag):
@@ -48,6 +47,7 @@ class Reflections(Layer):
     summary = "what mirrors show, with the depth of the mirrored world"
     formats = ("rgba16f", "r32f", "rgba16f")
     drawn_by = "reflections"
+    something = Mirrored.PLANE | Mirrored.CURVED
 
     @classmethod
     def bytes(cls, amount: Mirrored, sizes: EyeSizes) -> int:

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from . import Layer, layers
+from . import Layer, Surface, layers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     import moderngl
-
-    from ._surface import Surface
 
 
 @attrs.frozen(eq=False)

@@ -1,4 +1,4 @@
-"""What frames weigh on the network, and what is left of them: colour through a video codec, depth through a code of its own."""
+"""Coding of frames for the network: colour by a video codec, depth by a code of its own."""
 
 from .codecs import Codec, check_codec, codecs
 from .coder import Decoder, Encoder, Packet, Picture
@@ -8,6 +8,17 @@ from .errors import Undecodable
 from .layers import packed_bytes
 
 __all__ = [
-    "codecs", "STEP", "Codec", "Coding", "Decoder", "DepthDecoder", "DepthEncoder", "Encoder", "Packet", "Picture", "Undecodable",
-    "check_codec", "packed_bytes",
-]  # fmt: skip
+    "STEP",
+    "Codec",
+    "Coding",
+    "Decoder",
+    "DepthDecoder",
+    "DepthEncoder",
+    "Encoder",
+    "Packet",
+    "Picture",
+    "Undecodable",
+    "check_codec",
+    "codecs",
+    "packed_bytes",
+]

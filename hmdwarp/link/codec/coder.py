@@ -21,27 +21,32 @@ from .stream import ColourDecoder, ColourEncoder
 
 @attrs.frozen
 class Packet:
-    """One eye's frame as it travels. number: 0 for the first of its stream. key: decodable without those before it."""
+    """One eye's frame on the network."""
 
+    # 0 for the first of its stream.
     number: int
+    # Whether it can be decoded without those before it.
     key: bool
     colour: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
     depth: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
 
     @property
     def size_bytes(self) -> int:
+        """The size of colour and depth."""
         return len(self.colour) + len(self.depth)
 
 
 @attrs.frozen(eq=False)
 class Picture:
-    """One eye's frame as it arrived: colour (h, w, 3) uint8 sRGB, inverse_depth (h, w) float32 in 1/m; a hole is (0, 0, 0) and -1."""
+    """One eye's frame as it arrived; a hole is (0, 0, 0) and -1."""
 
+    # (h, w, 3) sRGB.
     colour: NDArray[np.uint8]
+    # (h, w) in 1/m.
     inverse_depth: NDArray[np.float32]
 
     def rgba(self) -> NDArray[np.float16]:
-        """(h, w, 4) linear light with coverage in alpha, as textures hold it; a hole is (0, 0, 0, 0)."""
+        """Return (h, w, 4) linear light with coverage in alpha; a hole is (0, 0, 0, 0)."""
         out = np.empty((*self.colour.shape[:2], 4), np.float16)
         out[..., :3] = _half_of_byte()[self.colour]
         out[..., 3] = self.inverse_depth >= 0
@@ -51,10 +56,11 @@ class Picture:
 class Encoder:
     """Makes the packets of one eye.
 
-    size: (w, h) of its frames. crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of its colour; neither: the codec's
-    own crf. key_every_s: a key frame at least that often; None: the first, and those asked for. Depth has no part in the reference
-    chain: each is packed by itself.
-    Errors: InputError for numbers that cannot be meant, or codec "none", which encodes nothing; MachineError as ColourEncoder.
+    size: (w, h) of its frames. crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of
+    its colour; neither: the codec's own crf. key_every_s: a key frame at least that often; None:
+    the first, and those requested. Depth has no part in the reference chain: each is packed by
+    itself. Errors: InputError for numbers that cannot be meant, or codec "none", which encodes
+    nothing; MachineError as ColourEncoder.
     """
 
     def __init__(
@@ -78,11 +84,15 @@ class Encoder:
         self._key_wanted = True
 
     def request_key(self) -> None:
-        """Make the next frame one that needs none before it: something went missing."""
+        """Make the next frame a key frame: one before it went missing."""
         self._key_wanted = True
 
     def encode(self, colour_srgb: NDArray[np.uint8], inverse_depth: NDArray[np.float32]) -> Packet:
-        """The next frame: (h, w, 3) uint8 sRGB, (h, w) float32 in 1/m with holes below 0, rows in either order. Errors: ValueError."""
+        """Encode the next frame.
+
+        colour_srgb: (h, w, 3). inverse_depth: (h, w) in 1/m, holes below 0. Rows in either order.
+        Errors: ValueError.
+        """
         _check_shapes(self.size, colour_srgb, inverse_depth)
         number = self._number
         is_due = self._key_every is not None and number - self._last_key >= self._key_every
@@ -94,18 +104,22 @@ class Encoder:
 
 
 class Decoder:
-    """Makes pictures of one eye's packets, which must come in the order of encoding; some may be missing."""
+    """Makes pictures of one eye's packets.
+
+    They must come in the order of encoding; some may be missing.
+    """
 
     def __init__(self, codec: str | Codec, size: tuple[int, int]) -> None:
         self.size = size
         self._colour = ColourDecoder(_coding(codec), size)
         self._depth = DepthDecoder(size)
-        self._next: int | None = None  # None: only a key frame will do
+        self._next: int | None = None  # None: wait for a key frame
 
     def decode(self, packet: Packet) -> Picture:
-        """The frame as the client sees it.
+        """Return the frame as the client sees it.
 
-        Errors: Undecodable for one that builds on a frame that never came, from there to the next key frame, and for damaged bytes.
+        Errors: Undecodable for one that builds on a frame that never came, from there to the next
+        key frame, and for damaged bytes.
         """
         if packet.key:
             self._colour.restart()
@@ -123,7 +137,8 @@ def _coding(codec: str | Codec) -> Codec:
     codec = codecs.get(codec) if isinstance(codec, str) else codec
     if codec.is_none:
         raise InputError(
-            f"codec '{codec.name}' encodes nothing: wanted one of {', '.join(one.name for one in codecs if not one.is_none)}"
+            f"codec '{codec.name}' encodes nothing: "
+            f"wanted one of {', '.join(one.name for one in codecs if not one.is_none)}"
         )
     return codec
 

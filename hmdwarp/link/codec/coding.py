@@ -1,4 +1,4 @@
-"""Which codec a run uses, and how well."""
+"""Codec and quality of a run."""
 
 from __future__ import annotations
 
@@ -11,24 +11,27 @@ _CRFS = (0, 51)
 
 @attrs.frozen
 class Coding:
-    """codec: a name of codecs. crf: constant quality; or bitrate_mbit: Mbit/s of one eye's colour; neither: the codec's own quality.
+    """Codec and quality. With neither crf nor bitrate_mbit, the codec's own quality.
 
-    Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that is out of bounds.
+    Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that
+    is out of bounds.
     """
 
     codec: str = "none"
+    # Constant quality, 0 (best) to 51.
     crf: int | None = None
+    # Mbit/s of one eye's colour.
     bitrate_mbit: float | None = None
 
     def __attrs_post_init__(self) -> None:
         if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):
-            told = f"crf {self.crf}" if self.crf is not None else f"bitrate {self.bitrate_mbit:g} Mbit/s"
-            raise InputError(f"{told} without a codec: nothing is encoded; choose one with --codec, or leave it out")
+            found = f"crf {self.crf}" if self.crf is not None else f"bitrate {self.bitrate_mbit:g} Mbit/s"
+            raise InputError(f"{found} without a codec: nothing is encoded; choose one with --codec, or leave it out")
         check_quality(self.crf, self.bitrate_mbit)
 
 
 def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
-    """Errors: InputError for both at a time, or one that is out of bounds."""
+    """Check the numbers. Errors: InputError for both at a time, or one that is out of bounds."""
     if crf is not None and bitrate_mbit is not None:
         raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: wanted a quality or a rate, not both")
     if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:

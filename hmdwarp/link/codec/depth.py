@@ -1,15 +1,19 @@
-"""A 16-bit code of inverse depth, packed without further loss: no pixel ever takes anything from its neighbours.
+"""A 16-bit code of inverse depth, packed without further loss: no pixel borrows from another.
 
-The code of a pixel: 0 is infinitely far, 65535 no depth, and k between them the inverse depths in ((k - 1) step, k step], decoded as
-(k - 1/2) step. So what is infinitely far and what has no depth come back as such, nothing else does, and every other value within
-step / 2. step is 2^-10 per metre, up to 64 per metre (16 mm from the eye); a picture with nearer things doubles it until they fit.
+The code of a pixel: 0 is infinitely far, 65535 no depth, and k between them the inverse depths in
+((k - 1) step, k step], decoded as (k - 1/2) step. So what is infinitely far and what has no depth
+come back as such, nothing else does, and every other value within step / 2. step is 2^-10 per
+metre, up to 64 per metre (16 mm from the eye); a picture with nearer things doubles it until they
+fit.
 
-Equal steps of inverse depth, not of depth: an error of step / 2 moves a warped pixel by focal length * step / 2 * the way the eye
-went, the same wherever the pixel is. At 700 pixels per unit of tangent and 0.2 m that is 0.07 pixels.
+Equal steps of inverse depth, not of depth: an error of step / 2 moves a warped pixel by focal
+length * step / 2 * the way the eye went, the same wherever the pixel is. At 700 pixels per unit of
+tangent and 0.2 m that is 0.07 pixels.
 
-The codes travel as FFV1 (RFC 9043), version 3, 16-bit grey, each picture by itself, behind a header with a checksum of ours (FFmpeg's
-decoder would notice FFV1's own, and then fill what is damaged from the picture before). Of the scene `room` at 1280x800 it made 0.59
-bits a pixel in 4 ms; zlib of differences from left + below - below-left 0.88 in 6 ms, and with planes fitted to blocks in their
+The codes travel as FFV1 (RFC 9043), version 3, 16-bit grey, each picture by itself, behind a header
+with a checksum (FFmpeg's decoder would notice FFV1's own, and then fill what is damaged
+from the picture before). Of the scene `room` at 1280x800 it made 0.59 bits a pixel in 4 ms; zlib of
+differences from left + below - below-left 0.88 in 6 ms, and with planes fitted to blocks in their
 stead still 0.83, for nearly all of the bits are edges.
 """
 
@@ -31,18 +35,22 @@ STEP = 2.0**-10
 _EXPONENT = -10
 NO_DEPTH = 65535
 _MOST = NO_DEPTH - 1
-_HEADER = struct.Struct(
-    "<IHHbB"
-)  # CRC-32 of all after it, width, height, exponent of the step, bytes of FFV1's configuration: it is next
+# CRC-32 of all after it, width, height, exponent of the step, bytes of FFV1's configuration, which
+# is next.
+_HEADER = struct.Struct("<IHHbB")
 _CHECKED_FROM = 4
 _NAME, _FORMAT = "ffv1", "gray16le"
-_OPTIONS = {"level": "3", "slices": "4", "slicecrc": "0"}  # a fixed number of slices: the same bytes on any machine
+# A fixed number of slices: the same bytes on any machine.
+_OPTIONS = {"level": "3", "slices": "4", "slicecrc": "0"}
 _THREADS = 2
 _SMALLEST = 16  # 4 slices of a picture want some rows and columns each
 
 
 class DepthEncoder:
-    """Packs the inverse depth of one eye's frames, of `size` (w, h). Errors: MachineError if this PyAV has no FFV1."""
+    """Packs the inverse depth of one eye's frames, of `size` (w, h).
+
+    Errors: MachineError if this PyAV lacks FFV1.
+    """
 
     def __init__(self, size: tuple[int, int]) -> None:
         import av
@@ -52,7 +60,7 @@ class DepthEncoder:
         context: Any = av.CodecContext.create(_NAME, "w")
         context.width, context.height = (max(side, _SMALLEST) for side in size)
         context.pix_fmt, context.gop_size, context.thread_count = _FORMAT, 1, _THREADS
-        context.framerate, context.time_base = Fraction(60), Fraction(1, 60)  # it wants one, and does nothing with it
+        context.framerate, context.time_base = Fraction(60), Fraction(1, 60)  # required, unused
         context.options = dict(_OPTIONS)
         try:
             context.open()
@@ -64,7 +72,10 @@ class DepthEncoder:
         self._configuration = bytes(context.extradata)
 
     def encode(self, inverse_depth: NDArray[np.float32]) -> bytes:
-        """(h, w) float32 in 1/m; below 0 is no depth. The rows may run either way. Errors: ValueError for NaN or infinity."""
+        """Pack (h, w) float32 in 1/m; below 0 is no depth.
+
+        The rows may run either way. Errors: ValueError for NaN or infinity.
+        """
         import av
 
         codes, exponent = codes_of(inverse_depth)
@@ -82,7 +93,7 @@ class DepthEncoder:
 
 
 class DepthDecoder:
-    """Unpacks what a DepthEncoder of the same size made."""
+    """Unpacks the bytes of a DepthEncoder of the same size."""
 
     def __init__(self, size: tuple[int, int]) -> None:
         require("depth", _NAME, "r")
@@ -91,7 +102,10 @@ class DepthDecoder:
         self._configuration = b""
 
     def decode(self, data: bytes) -> NDArray[np.float32]:
-        """(h, w) float32 within half a step; no depth is -1. Errors: Undecodable for bytes that are damaged or of another size."""
+        """Return (h, w) float32 within half a step; no depth is -1.
+
+        Errors: Undecodable for bytes that are damaged or of another size.
+        """
         import av
 
         try:
@@ -122,7 +136,10 @@ class DepthDecoder:
 
 
 def codes_of(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], int]:
-    """The code of each pixel and the exponent of the step. Errors: as DepthEncoder.encode."""
+    """Return the code of each pixel and the exponent of the step.
+
+    Errors: as DepthEncoder.encode.
+    """
     values = np.asarray(inverse_depth, np.float32)
     largest = float(values.max(initial=0))
     if not np.isfinite(largest):
@@ -130,17 +147,17 @@ def codes_of(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], in
     exponent = _EXPONENT
     while largest > _MOST * 2.0**exponent:
         exponent += 1
-    codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(
-        np.uint16
-    )  # a power of 2: nothing is rounded
+    # A power of 2: nothing is rounded.
+    codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)
     if exponent > _EXPONENT:
-        codes[(values > 0) & (codes == 0)] = 1  # what is too small for a float beside something extremely near
+        # Too small for a float beside something extremely near.
+        codes[(values > 0) & (codes == 0)] = 1
     codes[values < 0] = NO_DEPTH
     return codes, exponent
 
 
 def inverse_depth_of(codes: NDArray[np.uint16], exponent: int) -> NDArray[np.float32]:
-    """1/m of each code; -1 for no depth."""
+    """Return 1/m of each code, -1 for no depth."""
     values = (codes.astype(np.float32) - np.float32(0.5)) * np.float32(2.0**exponent)
     values[codes == 0] = 0
     values[codes == NO_DEPTH] = -1

@@ -1,5 +1,8 @@
-"""What a decoder says when it cannot go on."""
+"""Errors of decoders."""
 
 
 class Undecodable(Exception):
-    """A frame that cannot be decoded: what it builds on is missing, or it is damaged. No fault of ours, nor of the user: it is counted."""
+    """A frame that cannot be decoded: it is damaged, or what it builds on is missing.
+
+    Neither the program nor the user is at fault: it is counted.
+    """

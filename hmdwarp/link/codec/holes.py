@@ -1,4 +1,4 @@
-"""What goes into the video where nothing was drawn."""
+"""Colours for the video where nothing was drawn."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 
 def covered(colour: NDArray[np.uint8], inverse_depth: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """The picture with each hole coloured like the last covered pixel before it in its row, or the first after it.
+    """Return the picture with each hole coloured like the covered pixel before it in its row.
 
-    A black hole would bleed into the pixels beside it, by the code's blocks and by chroma of half the resolution, and cost bytes. The
-    depth says where the holes are; the decoder empties them. Without holes the picture itself comes back.
+    At the start of a row, like the first after it. A black hole would bleed into the pixels beside
+    it, by the code's blocks and by chroma of half the resolution, and cost bytes. The depth says
+    where the holes are; the decoder empties them. Without holes the picture itself is returned.
     """
     hole = inverse_depth < 0
     if not hole.any():

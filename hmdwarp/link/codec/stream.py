@@ -1,8 +1,11 @@
-"""One stream of colour pictures through a video codec, by PyAV: a picture in, its bytes out at once; and back.
+"""One stream of colour pictures through a video codec, by PyAV.
 
-8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709, limited range (luma 16 to 235): what
-every decoder in hardware takes. Both ends say so instead of trusting defaults, which differ between programs. The values are sRGB's,
-and the stream's tags say that too.
+A picture in, its bytes out at once; and back.
+
+8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709,
+limited range (luma 16 to 235): what every decoder in hardware takes. Both ends say so instead of
+trusting defaults, which differ between programs. The values are sRGB's, and the stream's tags say
+that too.
 """
 
 from __future__ import annotations
@@ -19,19 +22,24 @@ from .errors import Undecodable
 
 _BT709, _SRGB, _LIMITED = 1, 13, 1  # FFmpeg's numbers: matrix and primaries, transfer, range
 _SMALLEST = 64  # x265 takes no picture smaller than a block
-_VBV_FRAMES = 4  # how many pictures' worth of bits the encoder may be ahead of its rate: the jitter that adds
+# How many pictures' worth of bits the encoder may be ahead of its rate: the jitter that adds.
+_VBV_FRAMES = 4
 
 
 def coded_size(size: tuple[int, int]) -> tuple[int, int]:
-    """(w, h) that is coded for a picture of `size`: even, as chroma has half the resolution, and no smaller than a block."""
-    return tuple(max(side + side % 2, _SMALLEST) for side in size)  # type: ignore[return-value]
+    """Return the (w, h) that is coded for a picture of `size`.
+
+    Even, as chroma has half the resolution, and no smaller than a block.
+    """
+    width, height = (max(side + side % 2, _SMALLEST) for side in size)
+    return width, height
 
 
 class ColourEncoder:
     """Pictures of one size in, bytes out, each before the next goes in.
 
-    crf: constant quality, lower is better; or bitrate_mbit: that many Mbit/s, kept to within 4 pictures.
-    Errors: MachineError if the encoder cannot be had or does not open.
+    crf: constant quality, lower is better; or bitrate_mbit: that many Mbit/s, kept to within 4
+    pictures. Errors: MachineError if the encoder cannot be had or does not open.
     """
 
     def __init__(
@@ -41,7 +49,7 @@ class ColourEncoder:
 
         codec.check()
         self.size, self._codec = size, codec
-        context = av.CodecContext.create(codec.encoder, "w")
+        context: Any = av.CodecContext.create(codec.encoder, "w")
         context.width, context.height = coded_size(size)
         context.pix_fmt = "yuv420p"
         rate = max(Fraction(rate_hz).limit_denominator(1001), Fraction(1, 1001))
@@ -61,7 +69,7 @@ class ColourEncoder:
         self._pts = 0
 
     def encode(self, picture: NDArray[np.uint8], key: bool) -> tuple[bytes, bool]:
-        """(bytes, whether it is a key frame) of an (h, w, 3) uint8 sRGB picture. key: make it one."""
+        """Return (bytes, whether it is a key frame) of (h, w, 3) uint8 sRGB. key: force one."""
         import av
         from av.video.frame import PictureType
 
@@ -75,7 +83,8 @@ class ColourEncoder:
             raise MachineError(f"encoder '{self._codec.encoder}' failed ({error})") from error
         if len(packets) != 1:  # the settings are for a picture at a time
             raise MachineError(
-                f"encoder '{self._codec.encoder}' gave {len(packets)} packets for one picture: it does not run without delay"
+                f"encoder '{self._codec.encoder}' gave {len(packets)} packets for one picture: "
+                "it does not run without delay"
             )
         return bytes(packets[0]), bool(packets[0].is_keyframe)
 
@@ -89,11 +98,12 @@ class ColourDecoder:
         codec.check()
         self.size = size
         context = av.CodecContext.create(codec.decoder, "r")
-        context.thread_type, context.thread_count = "SLICE", 2  # frame threads would hold pictures back
+        # Frame threads would hold pictures back.
+        context.thread_type, context.thread_count = "SLICE", 2
         self._context: Any = context
 
     def decode(self, data: bytes) -> NDArray[np.uint8]:
-        """(h, w, 3) uint8 sRGB. Errors: Undecodable."""
+        """Return (h, w, 3) sRGB. Errors: Undecodable."""
         import av
 
         try:
@@ -105,7 +115,7 @@ class ColourDecoder:
         return _from_yuv(frames[0], self.size)
 
     def restart(self) -> None:
-        """Forget all pictures: the next is a key frame."""
+        """Forget all pictures before a key frame."""
         self._context.flush_buffers()
 
 
@@ -148,9 +158,10 @@ def _from_yuv(frame: Any, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def _exact() -> Any:
-    """How chroma comes back to full resolution: 10 ms for 1280x800 instead of 5, 1.8 dB better, and right in the mean.
+    """Return how chroma is interpolated: 10 ms for 1280x800 instead of 5, 1.8 dB better, unbiased.
 
-    Without the two flags all colours come back 1 to 1.5 levels too dark. An older PyAV may lack them.
+    Without the two flags all colours come back 1 to 1.5 levels too dark. An older PyAV may lack
+    them.
     """
     from av.video.reformatter import Interpolation
 

@@ -1,4 +1,4 @@
-"""Delays spread around the latency like a bell."""
+"""Normally distributed delays around the latency."""
 
 from __future__ import annotations
 
@@ -11,18 +11,20 @@ import numpy as np
 
 from . import DelayModel, delay_models, milliseconds
 
-_REACH = 6.0  # standard deviations: one frame in 1e9 would lie beyond, and memory must have a bound
+_REACH = 6.0  # standard deviations: one frame in 1e9 lies beyond, and memory needs a bound
 
 
 @delay_models.register
 @attrs.frozen
 class NormalJitter(DelayModel):
-    """A normal distribution around the latency with this standard deviation, truncated at 0 and at 6 deviations above the latency.
+    """A normal distribution around the latency, truncated at 0 and at 6 deviations above it.
 
-    Truncated, not clipped: no delay is more likely for it. Where the latency is less than some deviations the mean is larger than it.
+    Truncated, not clipped: no delay becomes more likely. Where the latency is less than some
+    deviations the mean is larger.
     """
 
     name = "normal"
+    # Standard deviation.
     deviation_ms: float
 
     @classmethod

@@ -1,4 +1,4 @@
-"""Delays that were measured on a real network."""
+"""Delays measured on a real network."""
 
 from __future__ import annotations
 
@@ -19,18 +19,19 @@ _MOST_LINES = 10_000_000  # 80 MB; a day of frames at 90 Hz is 7.8 million
 @delay_models.register
 @attrs.frozen
 class DelayTrace(DelayModel):
-    """The delays of a file one after the other, a frame each, and from the start again when they end. The latency plays no part.
+    """The delays of a file, one for each frame, from the start again when they end.
 
-    delays_ms: what the file holds. path: where they come from, for messages.
+    The latency plays no part.
     """
 
     name = "trace"
     delays_ms: tuple[float, ...] = attrs.field(repr=lambda delays: f"<{len(delays)} delays>")
+    # The file, for messages.
     path: Path
 
     @classmethod
     def parse(cls, argument: str) -> DelayTrace:
-        """argument: the file; see `read_delays`."""
+        """Read the file `argument`, see `read_delays`."""
         if not argument:
             raise InputError("jitter 'trace': wanted a file of delays after it (--delay-trace FILE)")
         return cls(tuple(read_delays(Path(argument))), Path(argument))
@@ -46,9 +47,10 @@ class DelayTrace(DelayModel):
 
 
 def read_delays(path: Path) -> list[float]:
-    """The delays in ms of a text file with one number a line; # starts a comment, and the first line may be a heading.
+    """Read the delays in ms of a text file with one number a line.
 
-    Errors: InputError naming file, line and value.
+    # starts a comment; the first line may be a heading. Errors: InputError with file, line and
+    value.
     """
     try:
         with path.open(encoding="utf-8-sig") as file:
@@ -78,7 +80,7 @@ def _numbers(path: Path, lines: Iterator[str]) -> Iterator[float]:
 
 
 def _is_heading(text: str) -> bool:
-    """A word, and not a number that went wrong."""
+    """Return whether the line is a word, not a malformed number."""
     return text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
 
 

@@ -14,7 +14,7 @@ from . import DelayModel, delay_models, milliseconds
 @delay_models.register
 @attrs.frozen
 class UniformJitter(DelayModel):
-    """From latency - spread_ms to latency + spread_ms, each as likely; the mean is the latency."""
+    """From latency - spread_ms to latency + spread_ms, all equally likely."""
 
     name = "uniform"
     spread_ms: float

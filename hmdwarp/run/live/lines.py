@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ...errors import HmdwarpError, MachineError
-from ...report.files import write_error
+from ...report import write_error
 
 EVERY_S = 0.5  # with what the disk itself takes, well below the second that a crash may cost
 MOST_WAITING = 1 << 24  # characters: twenty minutes of poses at 90 Hz

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from ...display import Display, Tick
 from ...display.status import Status
-from ...report.files import OutputFolder
-from ...report.live_page import render_live_report
-from ...report.live_told import live_lines
+from ...report import OutputFolder, live_lines, render_live_report
 from ..log import stage_columns
 from ..outcome import OWNED
 from .changes import values

@@ -10,8 +10,8 @@ import attrs
 import numpy as np
 
 from ...link import ResponseTime
-from ...metrics.summary import aggregate_columns, middle_and_tail
-from ...report.schema import SCHEMA
+from ...metrics import aggregate_columns, middle_and_tail
+from ...report import SCHEMA
 from ...version import __version__
 from .facts import Facts
 from .rows import STAGE_COLUMNS

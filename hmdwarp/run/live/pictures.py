@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...colour import picture_from_linear
 from ...gpu.textures import download
-from ...report.files import OutputFolder
+from ...report import OutputFolder
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...poses import PoseSample, PoseSource, PoseTrack
-from ...poses.predict import predict
+from ...poses.prediction import predict
 
 KEPT_NS = 1_000_000_000
 

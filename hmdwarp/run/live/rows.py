@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import attrs
 
 from ...poses import Origin, PoseSample
-from ...report.schema import FRAME_COLUMNS, POSE_PARTS
+from ...report import FRAME_COLUMNS, POSE_PARTS
 
 _SHOWN = tuple(f"shown_{part}" for part in POSE_PARTS)
 _DRAWN = tuple(f"drawn_{part}" for part in POSE_PARTS)

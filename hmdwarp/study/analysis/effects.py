@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...report.study_words import counted
+from ...report import counted
 from ..extra import needed
 from .ratings import Rating
 

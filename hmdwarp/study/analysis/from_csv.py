@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...report.study_words import counted
+from ...report import counted
 from ..scales import RATING, load_scale, scale_names
 from .columns import MISSING, SETTINGS
 from .csv_lines import Line, lines_of, numbers_of, whole

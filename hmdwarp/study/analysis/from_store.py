@@ -8,13 +8,12 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...report.study_words import counted
-from ..design import Design
+from ...report import counted
+from ..design import Ask, Design, Show, steps_of
 from ..design._parts import ONLY_PART
 from ..export.rows import long_rows, of_origin, plan_of
 from ..export.words import nobody
 from ..scales import RATING, Scale
-from ..steps import Ask, Show, steps_of
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
 from .ratings import Felt, Measure, Rating, Ratings, Sitting
 

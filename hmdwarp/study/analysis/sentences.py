@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...report.study_words import ALPHA, counted, listed, p_is, plain, signed
+from ...report import ALPHA, counted, listed, p_is, plain, signed
 from .ratings import Measure
 
 Row = Mapping[str, Any]

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...report.files import OutputFolder
-from ...report.study_page import render_study_report
-from ...report.study_tables import csv_tables
+from ...report import OutputFolder
+from ...report.study import csv_tables, render_study_report
 
 REPORT, DATA = "report.html", "analysis.json"
 

@@ -1,4 +1,4 @@
-"""The plan of a study: what is shown to whom, in which order, and what is asked."""
+"""Plan of a study: conditions, their orders, and the steps of a session."""
 
 from .nouns import (
     BLIND,
@@ -18,6 +18,8 @@ from .nouns import (
     Part,
     Sickness,
 )
+from .orders import RANDOM_ROWS, Order, allot, rows_for, williams
+from .steps import Ask, Pause, Read, Show, Step, steps_of
 
 __all__ = [
     "BLIND",
@@ -27,13 +29,24 @@ __all__ = [
     "ORDERS",
     "PARTICIPANT",
     "RANDOM",
+    "RANDOM_ROWS",
     "WILLIAMS",
+    "Ask",
     "Breaks",
     "Comparison",
     "Condition",
     "Consent",
     "Design",
     "Family",
+    "Order",
     "Part",
+    "Pause",
+    "Read",
+    "Show",
     "Sickness",
+    "Step",
+    "allot",
+    "rows_for",
+    "steps_of",
+    "williams",
 ]

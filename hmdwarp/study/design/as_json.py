@@ -6,9 +6,9 @@ import math
 
 import attrs
 
-from ..orders import rows_for
 from ..scales import Scale
 from .nouns import Design, Part
+from .orders import rows_for
 from .outline import balance, every_scale, notes, stretches
 
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import attrs
 
-from ..orders import Order
 from ..scales import QUESTIONNAIRE, Scale
-from ..steps import Ask, Pause, Read, Show, Step, steps_of
 from .nouns import FIXED, RANDOM, WILLIAMS, Design, Part
+from .orders import Order
+from .steps import Ask, Pause, Read, Show, Step, steps_of
 
 # Guesses for a plan, in seconds: an answer given by keys after a look at the scale, an item of a list, a word of a text that is read.
 ANSWER_S, ITEM_S, WORD_S = 6.0, 4.0, 0.3

@@ -14,7 +14,7 @@ import attrs
 
 from ...errors import TraceError
 from ...poses import load_trace
-from ...report.files import OutputFolder
+from ...report import OutputFolder
 from ...version import __version__
 from ..design import Design
 from ..scales import Scale

@@ -8,9 +8,9 @@ from typing import Any
 
 import attrs
 
-from ...metrics import QUALITY
+from ...metrics import metrics_in_order
+from ..actual import NUMBERS, TEXTS
 from ..design.settings import DISPLAY, KINDS
-from ..run.actual import NUMBERS, TEXTS
 from ..scales import KINDS as SCALE_KINDS
 from ..store import ORIGINS, STATUSES
 
@@ -110,15 +110,6 @@ _TEXT_TOLD = {
     "size": "Pixels of one eye",
     "source": "Display",
 }
-_MEASURED_TOLD = {
-    "psnr_db": "Peak signal-to-noise ratio against a picture without latency",
-    "ssim": "Structural similarity to a picture without latency, 1 is the same",
-    "flip": "FLIP error against a picture without latency, 0 is the same",
-    "hole_share": "Pixels without anything after the warp and before the fill, of all",
-    "border_share": "Holes that lay outside of the late picture, of all pixels",
-    "flicker": "Change of the error from one picture to the next",
-}
-MEASURED = QUALITY
 
 
 def _actual(name: str) -> Column:
@@ -137,8 +128,8 @@ def _actual(name: str) -> Column:
 
 ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *TEXTS))
 MEASURED_COLUMNS = (
-    *(Column(f"measured_{name}", NUMBER, f"Afterwards, mean of the measured pictures: {_MEASURED_TOLD.get(name, name)}",
-             "dB" if name.endswith("_db") else "") for name in MEASURED),
+    *(Column(f"measured_{metric.name}", NUMBER, f"Afterwards, mean of the measured pictures: {metric.description}", metric.unit)
+      for metric in metrics_in_order()),
     Column("measured_refreshes", WHOLE, "How many refreshes were measured afterwards, both eyes of each"),
     Column("measured_every", WHOLE, "Every how many-th refresh was measured; figures of different steps are not to be compared"),
     Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; figures of different sizes are not to be compared"),

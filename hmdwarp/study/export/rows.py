@@ -9,11 +9,10 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ..design import Design
+from ..design import Ask, Design, Show, steps_of
 from ..design.read import design_from_text
 from ..design.settings import DISPLAY, FILES, live_options
 from ..scales import QUESTIONNAIRE, RATING, Scale, scored
-from ..steps import Ask, Show, steps_of
 from ..store import COMPLETE, PERSON, Answer, Contents, Session, Showing
 from .columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
 

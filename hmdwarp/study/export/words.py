@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...report.study_words import counted
+from ...report import counted
 from ...version import __version__
 from ..design import Design
 from ..scales import Scale

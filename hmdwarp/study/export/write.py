@@ -9,8 +9,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...report.files import OutputFolder
-from ...report.study_words import counted
+from ...report import OutputFolder, counted
 from ..design import Design
 from ..scales import QUESTIONNAIRE, RATING
 from ..store import PERSON, Contents

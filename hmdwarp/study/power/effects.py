@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ..design import Comparison, Design, Part
-from ..respondents.model import Model, RatingModel
+from ..respondents import Model, RatingModel
 from ..scales import Scale
 
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from ...errors import InputError
 from ..design import Comparison, Design
-from ..respondents.cohort import Cohort, Population
-from ..respondents.model import Floats, Model
+from ..respondents import Cohort, Floats, Model, Population
 from ..scales import Scale
 from ..statistics import wilcoxon_exact
 from .shares import Share, share_of

@@ -1,4 +1,4 @@
-"""What a respondent is, as a session sees it."""
+"""Respondent as a session sees it."""
 
 from __future__ import annotations
 
@@ -6,19 +6,22 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from ...display import Command
-from ..steps import Show, Step
+from ..design import Show, Step
 
 
 class Respondent(Protocol):
-    """Asked once a refresh."""
+    """Source of commands besides the participant's own input."""
 
-    def commands(self, step: Step, shown: Show | None, asked_s: float) -> Sequence[Command]:
-        """What it does, in the words of Desk.commands. shown: what was last shown. asked_s: how long this step has been on."""
+    def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
+        """Return what the respondent does at this refresh, in the words of Console.commands.
+
+        shown: the step shown last. elapsed_s: time since this step began.
+        """
 
 
-class Nobody:
-    """The participant's own hands answer."""
+class NoRespondent:
+    """Respondent that never answers; the participant does."""
 
-    def commands(self, step: Step, shown: Show | None, asked_s: float) -> Sequence[Command]:
-        """Nothing, ever."""
+    def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
+        """Return nothing."""
         return ()

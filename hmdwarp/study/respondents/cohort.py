@@ -1,43 +1,41 @@
-"""Whole studies of simulated participants at once, without pictures: orders are allotted, people get sick, stop, and cannot say."""
+"""Whole studies of simulated participants without pictures.
+
+Orders are allotted, people get sick, drop out, and leave questions unanswered.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Self
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..design import Design, Part
-from ..orders import Order, allot, rows_for
+from ..design import Design, Order, Part, allot, rows_for
 from ..scales import Scale
 from ..store import COMPLETE, SICK, STOPPED
-from .draws import table_of
-from .model import Floats, Model, of_share, on_scale
+from .random_draws import table_of
+from .response_model import Floats, Model, of_share, on_scale
 
 Ints = NDArray[np.intp]
 
 
 @attrs.frozen(eq=False)
 class Cohort:
-    """n people with T trials each. order: (n, T) numbers of the part's conditions, as each was shown them.
-
-    trials: (n) how many were shown and rated before the end. why: (n) the session's status. answers, latent: by scale, (n, T), with and
-    without the scale's steps and ends; NaN in both where there is no answer. sickness: (n, T + 1) answers, after the practice and after
-    each trial; NaN where not asked. susceptible: (n) the uniform draws of how easily each gets sick.
-    """
+    """Answers of n people with T trials each; NaN where there is no answer."""
 
     part: Part
-    order: Ints
-    trials: Ints
-    why: tuple[str, ...]
-    answers: dict[str, Floats]
-    latent: dict[str, Floats]
-    sickness: Floats
-    susceptible: Floats
+    order: Ints  # (n, T) numbers of the part's conditions in the order shown
+    trials: Ints  # (n) trials shown and rated before the end
+    why: tuple[str, ...]  # (n) status of the session
+    answers: dict[str, Floats]  # (n, T) by scale, rounded to the scale
+    latent: dict[str, Floats]  # (n, T) by scale, before steps and ends of the scale
+    sickness: Floats  # (n, T + 1) answers after the practice and after each trial
+    susceptible: Floats  # (n) uniform draws of how easily each gets sick
 
     def per_condition(self, scale: str, *, latent: bool = False, people: slice = slice(None)) -> Floats:
-        """(n, conditions) means of each person's answers over the repeats; NaN where there is none."""
+        """Compute (n, conditions) means of each person's answers over the repeats."""
         values, order = (self.latent if latent else self.answers)[scale][people], self.order[people]
         n, c = len(values), len(self.part.conditions)
         there = ~np.isnan(values)
@@ -48,23 +46,32 @@ class Cohort:
 
 
 class Population:
-    """All that many studies of one part have in common. Errors: InputError where the model lacks a scale or a condition of the study."""
+    """All that many simulated studies of one part have in common.
+
+    Errors: InputError where the model lacks a scale or a condition of the study.
+    """
 
     def __init__(self, model: Model, design: Design, part: str) -> None:
         self.model, self.design, self.part = model, design, design.part(part)
         self._rows = rows_for(design, part)
         self._names = {one.name: number for number, one in enumerate(self.part.conditions)}
         self._orders = np.array([self._flat(row) for row in self._rows])
-        self._means = {scale.name: means_of(model, self.part, scale) for scale in design.scales}
+        self._means = {
+            scale.name: model.rating(scale).means_of(self.part, f"{model.path}: [rating.{scale.name}.means]")
+            for scale in design.scales
+        }
 
     @property
     def balanced(self) -> int:
-        """So many people have each order once."""
+        """Number of people who together have each order once."""
         return len(self._rows)
 
     def of(self, persons: Sequence[int], seed: int, study: int = 0, orders: Sequence[Order] | None = None) -> Cohort:
-        """One study of these people, in the sequence they come. orders: everybody's; None allots them as the store does."""
-        drawn = _Drawn(self, persons, seed, study)
+        """Simulate one study of these people, in the sequence they come.
+
+        orders: of each person; None allots them as the store does.
+        """
+        drawn = _Draws.of(self, persons, seed, study)
         trials, why, sickness = self._ends(drawn)
         order = self._orders[self._allotted(why)] if orders is None else np.array([self._flat(one) for one in orders])
         over = np.arange(order.shape[1]) >= trials[:, None]
@@ -77,10 +84,10 @@ class Population:
         return Cohort(self.part, order, trials, why, answers, latent, sickness, drawn.susceptible)
 
     def _flat(self, order: Order) -> list[int]:
-        """Numbers of conditions, trial by trial, of all repeats."""
+        """Return the numbers of the conditions, trial by trial, over all repeats."""
         return [self._names[name] for repeat in order for name in repeat]
 
-    def _felt(self, drawn: _Drawn, number: int, order: Ints) -> Floats:
+    def _felt(self, drawn: _Draws, number: int, order: Ints) -> Floats:
         scale = self.design.scales[number]
         means = self._means[scale.name][order]
         before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
@@ -90,10 +97,10 @@ class Population:
             means, before, place, drawn.level[:, number, None], taste, drawn.noise[:, number]
         )
 
-    def _ends(self, drawn: _Drawn) -> tuple[Ints, tuple[str, ...], Floats]:
-        """(trials, why, sickness) as Cohort has them."""
+    def _ends(self, drawn: _Draws) -> tuple[Ints, tuple[str, ...], Floats]:
+        """Return (trials, why, sickness) as in Cohort."""
         count = self._orders.shape[1]
-        sickness, sick_after = sick(self.model, self.design, drawn.sickness, drawn.susceptible)
+        sickness, sick_after = _sickness(self.model, self.design, drawn.sickness, drawn.susceptible)
         leaves = drawn.dropout < self.model.dropout
         left_after = np.where(leaves.any(axis=1), leaves.argmax(axis=1) + 1, count)
         trials = np.minimum(np.minimum(sick_after, left_after), count)
@@ -104,7 +111,7 @@ class Population:
         return trials, why, np.where(later, np.nan, sickness)
 
     def _allotted(self, why: Sequence[str]) -> list[int]:
-        """Whoever did not come to the end leaves the order to the next."""
+        """Allot rows; an incomplete session leaves its order to the next."""
         filled, rows = [0] * len(self._rows), []
         for status in why:
             rows.append(allot(filled, self.design.seed))
@@ -112,25 +119,36 @@ class Population:
         return rows
 
 
-class _Drawn:
-    """Everybody's uniform draws, cut into what they are for; the table's length depends on the plan alone."""
+@attrs.frozen(eq=False)
+class _Draws:
+    """Uniform draws of n people; the length of a person's table depends on the plan alone."""
 
-    def __init__(self, population: Population, persons: Sequence[int], seed: int, study: int) -> None:
+    susceptible: Floats  # (n)
+    level: Floats  # (n, scales)
+    taste: Floats  # (n, scales, conditions)
+    sickness: Floats  # (n, T + 1)
+    dropout: Floats  # (n, T)
+    noise: Floats  # (n, scales, T)
+    missing: Floats  # (n, scales, T)
+
+    @classmethod
+    def of(cls, population: Population, persons: Sequence[int], seed: int, study: int) -> Self:
+        """Draw for these people."""
         design, part = population.design, population.part
         s, c = len(design.scales), len(part.conditions)
         t = c * design.repeats
-        shapes = {"susceptible": (), "level": (s,), "taste": (s, c), "sickness": (t + 1,), "dropout": (t,)}
-        shapes |= {"noise": (s, t), "missing": (s, t)}
-        ends = np.cumsum([int(np.prod(shape)) for shape in shapes.values()])
+        # In the order of the fields: the table is cut in this order, and that decides every answer.
+        shapes: list[tuple[int, ...]] = [(), (s,), (s, c), (t + 1,), (t,), (s, t), (s, t)]
+        ends = np.cumsum([int(np.prod(shape)) for shape in shapes])
         table = np.stack([table_of(seed, study, part.name, person, int(ends[-1])) for person in persons])
-        parts = np.split(table, ends[:-1], axis=1)
-        for (name, shape), cut in zip(shapes.items(), parts, strict=True):
-            setattr(self, name, cut.reshape(len(table), *shape))
+        cuts = np.split(table, ends[:-1], axis=1)
+        return cls(*(cut.reshape(len(table), *shape) for cut, shape in zip(cuts, shapes, strict=True)))
 
 
-def sick(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tuple[Floats, Ints]:
-    """(n, T + 1) answers, NaN where the plan does not ask; (n) after which trial the stop rule ends it, beyond T where it does not.
+def _sickness(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tuple[Floats, Ints]:
+    """Return (n, T + 1) answers and (n) the trial after which the stop rule ends the session.
 
+    Answers are NaN where the plan does not ask; the trial lies beyond T where no rule applies.
     noise: (n, T + 1) and susceptible: (n) uniform draws.
     """
     rule, trial = design.sickness, np.arange(noise.shape[1])
@@ -140,14 +158,14 @@ def sick(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tu
     asked = np.where(trial == 0, design.practice is not None, trial % rule.every == 0)
     felt = model.sickness.latent(trial, susceptible.reshape(-1, 1), noise)
     answers = np.where(asked, of_share(felt, rule.scale), np.nan)
-    over = asked & ends_it(answers, asked, rule.scale, rule.stop_at, rule.rise)
+    over = asked & _stops(answers, asked, rule.scale, rule.stop_at, rule.rise)
     return answers, np.where(over.any(axis=1), over.argmax(axis=1), never)
 
 
-def ends_it(
+def _stops(
     answers: Floats, asked: NDArray[np.bool_], scale: Scale, stop_at: float | None, rise: float | None
 ) -> NDArray[np.bool_]:
-    """(n, T + 1) whether each answer is one the session ends after."""
+    """Return (n, T + 1) whether the session ends after each answer."""
     bad = answers - scale.least if scale.low_is_good else scale.most - answers
     over = np.zeros(answers.shape, bool)
     if not asked.any():
@@ -157,8 +175,3 @@ def ends_it(
     if rise is not None:
         over |= bad - bad[:, [int(asked.argmax())]] >= rise
     return over
-
-
-def means_of(model: Model, part: Part, scale: Scale) -> Floats:
-    """(conditions) of the latent ratings. Errors: InputError where the model lacks one."""
-    return model.rating(scale).means_of(part, f"{model.path}: [rating.{scale.name}.means]")

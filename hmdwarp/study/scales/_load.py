@@ -1,4 +1,4 @@
-"""Scale files (.toml) to Scale objects."""
+"""Load scales from their .toml files."""
 
 from __future__ import annotations
 
@@ -7,22 +7,25 @@ from pathlib import Path
 
 from ...registry import unknown_name
 from ...tables import Table, parsed, text_of
-from ._model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
+from ._scale_model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
-_FOLDER = Path(__file__).parent
-_EXAMPLE = str(_FOLDER / "grade.toml")
-_MOST_VALUES = 10_000  # of one answer: more cannot be told apart on any plate
+FOLDER = Path(__file__).parent
+_EXAMPLE = str(FOLDER / "grade.toml")
+_MOST_VALUES = 10_000  # of one answer: no panel can tell more apart
 _MOST_ITEMS = 500
 
 
 def scale_names() -> list[str]:
-    """Names of the shipped scales, sorted."""
-    return sorted(p.stem for p in _FOLDER.glob("*.toml"))
+    """Return the names of the shipped scales, sorted."""
+    return sorted(p.stem for p in FOLDER.glob("*.toml"))
 
 
 def load_scale(name: str) -> Scale:
-    """A shipped scale by name, or one's own .toml file by path. Errors: InputError naming the file, the line and what is wrong there."""
-    path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
+    """Load a shipped scale by name, or any .toml file by path.
+
+    Errors: InputError naming the file, the line and the value.
+    """
+    path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and name not in scale_names():
         raise unknown_name("scale", name, scale_names())
     text = text_of(path, f"a .toml file, or one of {', '.join(scale_names())}")
@@ -47,8 +50,7 @@ def _scale(data: Table, name: str) -> Scale:
         source=data.line("source"),
         prompt=data.line("prompt", ""),
     )
-    scores = _scores(data, made)
-    return made.with_scores(scores)
+    return made.with_scores(_scores(data, made))
 
 
 def _items(data: Table) -> tuple[Item, ...]:

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...errors import InputError
-from ..design import Design
-from ..orders import Order, allot, rows_for
+from ..design import Design, Order, allot, rows_for
 from . import reading
 from ._json import from_json, to_json
 from .codes import NEW, check_code, draw_code, draw_sub

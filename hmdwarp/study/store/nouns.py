@@ -63,7 +63,7 @@ class Answer:
 class Showing:
     """A condition as it was really shown. key: of its step. presentation: 1, more where it had to be shown again. complete: whether it was
     shown to its end. trace: the head's recording, a file name within the store's `traces`, "" for none; of a showing that was cut off the
-    file may be missing. actual: what was measured meanwhile (study/run/actual.py says which keys). measured: what `study measure` found out
+    file may be missing. actual: what was measured meanwhile (study/actual.py says which keys). measured: what `study measure` found out
     afterwards, empty before."""
 
     id: int

@@ -17,8 +17,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ..design import Design
-from ..steps import Ask, Show
+from ..design import Ask, Design, Show
 from . import beginning, reading
 from ._json import clean, to_json
 from .clock import Clock, MachineClock

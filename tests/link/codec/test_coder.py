@@ -1,4 +1,7 @@
-"""Frames through real codecs: what comes back, what a lost one costs, and what is said where a codec is missing."""
+"""Frames through real codecs.
+
+What comes back, what a lost one costs, and what is said where a codec is missing.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,7 @@ def psnr(a, b) -> float:
 
 
 def patches(count: int = 48) -> tuple[np.ndarray, np.ndarray]:
-    """Flat squares of 32x32 in random colours and the corners of the cube of colours; which colours."""
+    """Flat squares of 32x32 in random colours and the corners of the colour cube; the colours."""
     rng = np.random.default_rng(5)
     corners = np.stack(np.meshgrid([0, 255], [0, 255], [0, 255]), -1).reshape(-1, 3)
     colours = np.concatenate([corners, rng.integers(0, 256, (count - 8, 3))]).astype(np.uint8)
@@ -44,9 +47,12 @@ def patches(count: int = 48) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(("crf", "bound", "lean"), [(1, 3.2, 0.75), (None, 5.2, 1.6)])
 def test_flat_colours_come_back(codec, crf, bound, lean):
-    """Limited range has 219 steps of luma and 224 of chroma: half a step of luma is 0.58 levels, of chroma at most 1.06 (blue), and
-    rounding back to bytes 0.5: 2.2 levels. The codec itself adds 1 at its best and 3 at its ordinary setting, where the step of a
-    flat block is 5 to 6 and less than half of it is lost. A mistaken matrix (BT.601) or range is off by 16 and more.
+    """The bound is that of limited range and of the codec.
+
+    219 steps of luma and 224 of chroma: half a step of luma is 0.58 levels, of chroma at most 1.06
+    (blue), and rounding back to bytes 0.5: 2.2 levels. The codec adds 1 at its best and 3 at its
+    ordinary setting, where the step of a flat block is 5 to 6 and less than half of it is lost. A
+    mistaken matrix (BT.601) or range is off by 16 and more.
     """
     picture, colours = patches()
     height, width = picture.shape[:2]
@@ -55,8 +61,9 @@ def test_flat_colours_come_back(codec, crf, bound, lean):
     got = Decoder(codec, (width, height)).decode(packet).colour
     middles = got[16::32, 16::32].reshape(-1, 3).astype(int)
     assert np.abs(middles - colours).max() <= bound
-    # Nor do they lean to the dark or the bright: each of the parts above is spread evenly, which has a deviation of 1/sqrt(3) of its
-    # bound; together 0.95 and 1.9 levels, and the mean of 40 colours is within 5 / sqrt(40) of that.
+    # Nor do they lean to the dark or the bright: each of the parts above is spread evenly, which
+    # has a deviation of 1/sqrt(3) of its bound; together 0.95 and 1.9 levels, and the mean of 40
+    # colours is within 5 / sqrt(40) of that.
     assert np.abs((middles - colours)[8:].mean(axis=0)).max() <= lean
 
 
@@ -74,7 +81,10 @@ def test_any_size_comes_back(codec, size):
 
 
 def test_each_frame_comes_out_before_the_next_goes_in(codec):
-    """No picture is held back by either side: the one decoded is the one just encoded, not one before."""
+    """No picture is held back by either side.
+
+    The one decoded is the one just encoded, not one before.
+    """
     encoder, decoder = Encoder(codec, (160, 120), 60), Decoder(codec, (160, 120))
     originals = [colour for colour, _ in frames()]
     for k, (colour, inverse) in enumerate(frames()):
@@ -97,7 +107,8 @@ def test_depth_and_holes_come_back(codec):
 
 
 def test_holes_do_not_darken_what_is_beside_them(codec):
-    """The ring around a black disc of holes on a bright wall keeps its brightness, to within what the codec does elsewhere."""
+    """The ring around a black disc of holes on a bright wall keeps its brightness, to within what
+    the codec does elsewhere."""
     colour = np.full((96, 96, 3), 200, np.uint8)
     inverse = np.ones((96, 96), np.float32)
     y, x = np.mgrid[:96, :96]
@@ -189,7 +200,10 @@ def test_the_same_frames_make_the_same_bytes(codec):
 
 
 def test_a_rate_is_kept(codec):
-    """Noise, which costs as much as it is given: after the first picture, within a quarter of the rate."""
+    """Noise, which costs as much as it is given.
+
+    After the first picture, within a quarter of the rate.
+    """
     rng = np.random.default_rng(2)
     encoder = Encoder(codec, (160, 120), 60, bitrate_mbit=1.0)
     depth = np.ones((120, 160), np.float32)

@@ -1,4 +1,7 @@
-"""The code of inverse depth: every pixel within half a step of itself, whatever lies beside it; sky and holes exactly."""
+"""The code of inverse depth.
+
+Every pixel within half a step of itself, whatever lies beside it; sky and holes exactly.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ def check(inverse: np.ndarray, step: float = STEP) -> None:
 @settings(max_examples=150, deadline=None)
 @given(ANYTHING)
 def test_each_pixel_by_itself(inverse):
-    """Random neighbours are nothing but edges: a code that took anything from beside a pixel would fail at once."""
+    """Random neighbours are nothing but edges.
+
+    A code that took anything from beside a pixel would fail at once.
+    """
     check(inverse, STEP * 2 if inverse.max(initial=0) > 65534 * STEP else STEP)
 
 
@@ -116,7 +122,10 @@ def test_planes_cost_next_to_nothing():
 
 
 def test_a_stream_of_pictures_each_by_itself():
-    """The last can be decoded without the others, and the encoder does not remember: equal pictures make equal bytes."""
+    """The last can be decoded without the others, and the encoder does not remember.
+
+    Equal pictures make equal bytes.
+    """
     rng = np.random.default_rng(4)
     pictures = [rng.uniform(0, 5, (20, 30)).astype(np.float32) for _ in range(3)]
     encoder, decoder = DepthEncoder((30, 20)), DepthDecoder((30, 20))

@@ -19,7 +19,7 @@ from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu.textures import download, flip_rows
 from hmdwarp.pipeline.options import RunOptions
-from hmdwarp.report.schema import FRAME_COLUMNS, validate_summary
+from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run.live import LiveOptions, log
 from hmdwarp.run.live.log import LiveLog
 from hmdwarp.run.live.thinned import Thinned

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study_page import render_study_report
+from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis import Given, from_csv
 from hmdwarp.study.analysis.from_store import from_contents
 from hmdwarp.study.analysis.whole import analyse
+from hmdwarp.study.design import Ask, Show, steps_of
 from hmdwarp.study.design.read import design_from_text
 from hmdwarp.study.export import ExportOptions, export
-from hmdwarp.study.scales._load import _FOLDER
-from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.store import PERSON, PILOT, SIMULATED, Store
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
@@ -203,7 +203,7 @@ def test_who_misses_the_reference_is_named_and_kept(contents, design):
 def test_scales_of_ones_own_are_told_as_the_shipped_ones_are(tmp_path):
     """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale of each trial."""
     for name in ("fms", "vrsq"):
-        (tmp_path / f"my-{name}.toml").write_text((_FOLDER / f"{name}.toml").read_text())
+        (tmp_path / f"my-{name}.toml").write_text((SCALES / f"{name}.toml").read_text())
     text = (
         TEXT.replace('"fms"', '"my-fms.toml"')
         .replace('["vrsq"]', '["my-vrsq.toml"]')

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.report.study_words import p_text, signed
+from hmdwarp.report import p_text, signed
 from hmdwarp.study.analysis import from_csv
 from hmdwarp.study.analysis.claims import load_claims
 from hmdwarp.study.analysis.from_csv import Given

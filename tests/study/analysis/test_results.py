@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study_tables import comparison_lines
+from hmdwarp.report.study import comparison_lines
 from hmdwarp.study.analysis import Measure, Rating, Ratings
 from hmdwarp.study.analysis.claims import load_claims
 from hmdwarp.study.analysis.copied import copied

@@ -6,11 +6,10 @@ from itertools import product
 
 import pytest
 
+from hmdwarp.study.design import Ask, Pause, Show, rows_for, steps_of
 from hmdwarp.study.design.as_json import design_as_json
 from hmdwarp.study.design.outline import balance, least_p, least_participants, notes, stretches
 from hmdwarp.study.design.read import design_from_text
-from hmdwarp.study.orders import rows_for
-from hmdwarp.study.steps import Ask, Pause, Show, steps_of
 
 from .plans import WHOLE
 

@@ -7,10 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.study.design import BOTH, WILLIAMS, Breaks, Comparison, Design
+from hmdwarp.study.design import BOTH, WILLIAMS, Breaks, Comparison, Design, rows_for, steps_of
 from hmdwarp.study.design.read import design_from_text, load_design, ready_names
-from hmdwarp.study.orders import rows_for
-from hmdwarp.study.steps import steps_of
 
 from .plans import WHOLE, line_of
 

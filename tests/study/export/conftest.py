@@ -10,8 +10,8 @@ import pytest
 
 from hmdwarp.poses import PoseTrack
 from hmdwarp.poses.formats.native import write_native
+from hmdwarp.study.design import Ask, Show, steps_of
 from hmdwarp.study.design.read import design_from_text
-from hmdwarp.study.steps import Ask, Show, steps_of
 from hmdwarp.study.store import PERSON, PILOT, Store
 
 TEXT = """

@@ -10,15 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.study.design import Sickness
+from hmdwarp.study.design import Ask, Show, Sickness, steps_of
 from hmdwarp.study.design.read import load_design
-from hmdwarp.study.respondents.cohort import Population
-from hmdwarp.study.respondents.model import RatingModel, SicknessModel
-from hmdwarp.study.respondents.read_model import load_model
-from hmdwarp.study.respondents.simulated import Simulated
-from hmdwarp.study.run.sickness import why_sick
+from hmdwarp.study.respondents import Population, RatingModel, SicknessModel, Simulated, load_model
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.steps import Ask, Show, steps_of
+from hmdwarp.study.session import why_sick
 from hmdwarp.study.store import Answer
 
 from ..made_up import simulate_study
@@ -44,8 +40,10 @@ def test_the_same_seed_gives_the_same_people_whoever_is_with_them():
 
 
 def test_the_parts_of_the_spread_are_those_of_the_model():
-    """Without ends, steps, drift and carry-over, of 4000 people with 3 repeats: each variance by its own mean squares. The standard error
-    of a standard deviation is sd / sqrt(2 x degrees of freedom), below 0.012 sd for all of them; 4 of those."""
+    """Without ends, steps, drift and carry-over, of 4000 people with 3 repeats: each variance by
+    its own mean squares. The standard error of a standard deviation is sd / sqrt(2 x degrees of
+    freedom), below 0.012 sd for all of them; 4 of those.
+    """
     design = attrs.evolve(DESIGN, repeats=3, sickness=None)
     values = {"people_sd": 0.5, "condition_sd": 0.4, "noise_sd": 0.6, "drift": 0.0, "carry_over": 0.0, "missing": 0.0}
     made = cohort(4000, design=design, ratings=rating(**values), dropout=0.0)

@@ -13,9 +13,20 @@ from scipy.stats import kstest, norm
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design.read import load_design
-from hmdwarp.study.respondents.draws import draw_for, person_of, table_of
-from hmdwarp.study.respondents.model import RatingModel, SicknessModel, normal, of_share, on_scale
-from hmdwarp.study.respondents.read_model import load_model, model_from_text, model_names
+from hmdwarp.study.respondents import (
+    Population,
+    RatingModel,
+    SicknessModel,
+    draw_for,
+    load_model,
+    model_from_text,
+    model_names,
+    normal,
+    of_share,
+    on_scale,
+    person_of,
+    table_of,
+)
 from hmdwarp.study.scales import load_scale, scale_names
 
 TEXT = """schema = 1
@@ -67,7 +78,9 @@ def test_the_least_draw_is_a_number():
 
 
 def test_draws_are_uniform_and_belong_to_their_person():
-    """20,000 values; a right generator gives p below 1e-4 once in 10,000 seeds, and this seed is fixed."""
+    """20,000 values; a right generator gives p below 1e-4 once in 10,000 seeds, and this seed is
+    fixed.
+    """
     tables = np.concatenate([table_of(1, 0, "run", person, 20) for person in range(1000)])
     assert kstest(tables, "uniform").pvalue > 1e-4
     assert (
@@ -139,8 +152,6 @@ def test_what_the_study_needs_and_the_model_lacks_is_named():
     with pytest.raises(
         InputError, match=r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"
     ):
-        from hmdwarp.study.respondents.cohort import Population
-
         Population(model, design, design.parts[0].name)
     with pytest.raises(InputError, match=r"no \[rating.acr\]"):
         model.rating(load_scale("acr"))

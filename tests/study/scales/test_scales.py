@@ -1,4 +1,6 @@
-"""Scales: the shipped ones are as published, one's own is checked line by line, scores are what the papers say."""
+"""Scales: the shipped ones are as published, one's own is checked line by line, scores are what the
+papers say.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import hmdwarp.study.scales
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.study.scales import KINDS, QUESTIONNAIRE, Scale, load_scale, most_scored, scale_names, scored
+from hmdwarp.study.scales import FOLDER, KINDS, QUESTIONNAIRE, Scale, load_scale, most_scored, scale_names, scored
 
-FOLDER = Path(hmdwarp.study.scales.__file__).parent
 SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
@@ -34,7 +34,9 @@ def test_a_shipped_scale_is_whole(name):
 
 
 def test_directions_and_ranges_as_published():
-    """ACR: ITU-T P.910, 5 is excellent. FMS: Keshavarz 2011, 0 to 20. MISC: Bos 2005, 0 to 10. Grades: 1 is very good."""
+    """ACR: ITU-T P.910, 5 is excellent. FMS: Keshavarz 2011, 0 to 20. MISC: Bos 2005, 0 to 10.
+    Grades: 1 is very good.
+    """
     grade, acr, fms, misc = map(load_scale, ("grade", "acr", "fms", "misc"))
     assert (grade.least, grade.most, grade.step, grade.low_is_good) == (1, 6, 0.25, True)
     assert grade.anchors[1] == "very good" and grade.anchors[6] == "insufficient"
@@ -43,11 +45,13 @@ def test_directions_and_ranges_as_published():
     assert (misc.least, misc.most, misc.low_is_good, misc.kind) == (0, 10, True, "sickness") and len(misc.anchors) == 11
 
 
-# --- scores ------------------------------------------------------------------------------------------------------------
+# --- scores -------------------------------------------------------------------------------------
 
 
 def test_the_most_an_ssq_can_come_to():
-    """Kennedy and others 1993: all 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x 3.74)."""
+    """Kennedy and others 1993: all 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x
+    3.74).
+    """
     wanted = {"nausea": 200.34, "oculomotor": 159.18, "disorientation": 292.32, "total": 235.62}
     assert most_scored(load_scale("ssq")) == pytest.approx(wanted)
 
@@ -102,7 +106,7 @@ def test_answers_that_cannot_be_are_refused():
         scored(load_scale("ssq"), {"nausea": 4})
 
 
-# --- files -------------------------------------------------------------------------------------------------------------
+# --- files --------------------------------------------------------------------------------------
 
 
 def load_text(folder: Path, text: str | bytes) -> Scale:

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.study.design import WILLIAMS
-from hmdwarp.study.orders import rows_for
+from hmdwarp.study.design import WILLIAMS, rows_for
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, PILOT, RUNNING, SICK, SIMULATED, STOPPED, Store, store_folder
 from hmdwarp.study.store import _json as json_
 

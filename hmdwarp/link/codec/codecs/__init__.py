@@ -1,4 +1,4 @@
-"""Video codecs by name, one file each: which encoder and decoder of FFmpeg, and the low-delay settings."""
+"""Video codecs, one file each: encoder and decoder of FFmpeg, and low-delay settings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ codecs: Registry[Codec] = Registry("codec", __name__)
 
 
 def check_codec(name: str) -> Codec:
-    """The codec, once it is known to run here. Errors: InputError for a name that is none, MachineError if this PyAV lacks it."""
+    """Return the codec if it runs here.
+
+    Errors: InputError for an unknown name, MachineError if this PyAV lacks it.
+    """
     codec = codecs.get(name)
     codec.check()
     return codec

@@ -1,0 +1,16 @@
+from .errors import HmdwarpError as HmdwarpError
+from .errors import InputError as InputError
+from .errors import MachineError as MachineError
+from .geometry import DepthLayer as DepthLayer
+from .geometry import Fov as Fov
+from .geometry import Pose as Pose
+from .geometry import View as View
+from .geometry import WarpMap as WarpMap
+from .geometry import inverse_depth_from_clip as inverse_depth_from_clip
+from .image.warping import WarpedImage as WarpedImage
+from .image.warping import warp_image as warp_image
+from .pipeline.options import RunOptions as RunOptions
+from .poses import PoseTrack as PoseTrack
+from .poses import load_trace as load_trace
+from .run.replay import replay as replay
+from .version import __version__ as __version__

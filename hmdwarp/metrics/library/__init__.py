@@ -1,0 +1,1 @@
+"""Metrics of one eye's picture: one file each, registered by name."""

@@ -1,0 +1,56 @@
+"""PSNR: peak signal-to-noise ratio of a picture against the truth, over all pixels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..metric import METRICS, Metric
+from ..pictures import check_pair
+
+PSNR_CAP_DB = 100.0  # JSON has no infinity; one grey level in one byte of a 640x400 picture would be 107 dB
+
+
+def psnr_db(shown: NDArray, truth: NDArray) -> float:
+    """Return the ratio in dB over all pixels and channels, at most 100 dB (identical pictures too).
+
+    shown, truth: (h, w, 3), as metrics.pictures. For uint8 the squared error is summed in integers,
+    so the figure is exact and independent of the order of summation.
+    Errors: InputError for pictures that cannot be compared.
+    """
+    check_pair(shown, truth)
+    if shown.dtype == np.uint8:
+        difference = shown.astype(np.int32) - truth
+        mean_square = int(np.sum(difference * difference, dtype=np.int64)) / shown.size / 255**2
+    else:
+        mean_square = float(np.mean((shown.astype(np.float64) - truth) ** 2))
+    return db_of(mean_square)
+
+
+def db_of(mean_square: float) -> float:
+    """Return a mean squared error, 0..1, in dB, at most 100 dB."""
+    return min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB
+
+
+METRICS.register(
+    Metric(
+        name="psnr_db",
+        order=10,
+        compute=lambda m: psnr_db(m.now.shown, m.now.truth),
+        higher_is_better=True,
+        label="PSNR",
+        unit="dB",
+        digits=2,
+        short_digits=2,
+        bench_rank=5,
+        tile_note="higher is better, identical pictures count as 100",
+        chart="PSNR",
+        chart_from_zero=False,
+        description="Peak signal-to-noise ratio against a picture without latency",
+        explanation="Squared error in dB; higher is better. Means are means of the dB of single pictures. "
+        "A shift by one pixel costs a lot in fine texture.",
+        study_title="error (PSNR)",
+    )
+)

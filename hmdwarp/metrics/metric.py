@@ -1,0 +1,98 @@
+"""What a metric declares, and the registry of metrics: one file each in metrics/library."""
+
+from __future__ import annotations
+
+import enum
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ..registry import Registry
+from .figure import Figure
+
+if TYPE_CHECKING:
+    from .job import Measurement
+
+
+class Input(enum.Flag):
+    """What a metric is computed from."""
+
+    TRUTH = enum.auto()  # the picture without latency
+    COVERAGE = enum.auto()  # which pixels the warp covered, before the fill
+    DEPTH = enum.auto()  # inverse depth of the truth
+    RENDERED = enum.auto()  # the view the late frame was rendered for
+    PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
+
+
+@attrs.frozen(kw_only=True)
+class Metric:
+    """A figure of one eye's picture, and all that files, tables, charts and pages must know of it.
+
+    This is the only declaration of a metric: everything else reads it from here.
+    """
+
+    # Key in summary.json and bench.json, column of frames.csv and stem of its file.
+    name: str
+    # Place among the metrics in every file, table and page.
+    order: int
+    compute: Callable[[Measurement], float | None]
+    # Without one of these there is no figure (None). A live run has no truth.
+    needs: Input = Input.TRUTH
+    higher_is_better: bool = False
+    # Whether the better of two runs is marked. No for holes: a warp that does nothing leaves none.
+    is_contest: bool = True
+
+    # --- how the number is written ---
+    label: str
+    unit: str = ""  # of the stored number
+    percent_of: str = ""  # for a share, stored as 0..1 and written in percent: of what
+    digits: int = 4
+    # In the tables of a bench, which are narrow.
+    short_label: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
+    short_digits: int = 3
+
+    # --- where it is shown ---
+    # Columns of a low rank leave a bench's table first where the terminal is narrow; None: never in it.
+    bench_rank: float | None = 0
+    tile_note: str = ""  # note under its tile at the top of a report; "": no tile
+    chart: str = ""  # heading of its chart over time; "": no chart
+    chart_from_zero: bool = True
+
+    # --- what it is ---
+    description: str  # one phrase, for the data dictionary of a study's export
+    explanation: str = ""  # sentences for the readers of a report
+    # As a possible predictor of ratings, in the middle of a sentence.
+    study_title: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
+
+    @property
+    def scale(self) -> float:
+        """Factor from the stored number to the written one."""
+        return 100 if self.percent_of else 1
+
+    @property
+    def figure(self) -> Figure:
+        """How reports write it."""
+        return Figure(self.name, self.label, "%" if self.percent_of else self.unit, self.digits, self.scale)
+
+    @property
+    def short_figure(self) -> Figure:
+        """How the tables of a bench write it."""
+        return attrs.evolve(self.figure, label=self.short_label, digits=self.short_digits)
+
+    @property
+    def chart_unit(self) -> str:
+        """Unit at the axis of its chart."""
+        return f"% of {self.percent_of}" if self.percent_of else self.unit
+
+
+METRICS: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library")
+# Decides which pictures are the worst and, unless another one is chosen, which method is the best.
+PRIMARY = "flip"
+
+
+@functools.cache
+def metrics_in_order() -> tuple[Metric, ...]:
+    """Return all metrics in the order of files, tables and pages."""
+    return tuple(sorted(METRICS, key=lambda metric: metric.order))

@@ -1,0 +1,124 @@
+"""The tables of a study's analysis, as text, for the page, the terminal and CSV files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from ..words import interval, p_text, pair_text, plain, signed
+
+Row = Mapping[str, Any]
+Heads = tuple[tuple[str, str], ...]
+
+CONDITION_COLUMNS = (
+    "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "sd", "q1", "q3", "least", "most",
+)  # fmt: skip
+COMPARISON_COLUMNS = (
+    "scale", "part", "family", "a", "b", "n", "better", "equal", "worse", "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p",
+    "holm", "holm_of", "holm_all", "holm_all_of", "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
+)  # fmt: skip
+RATING_COLUMNS = ("scale", "part", "participant", "condition", "value")
+DIFFERENCE_COLUMNS = ("scale", "part", "a", "b", "participant", "difference")
+MISSING_COLUMNS = ("scale", "part", "participant", "session", "condition", "why")
+
+
+def condition_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
+    """Return the heads and cells of the table of a part's conditions."""
+    names = ("condition", "n", "missing", "median", "mean", "sd", "quartiles", "range")
+    lines = []
+    for row in rows:
+        counts = [str(row["n"]), str(row["missing"])]
+        middle = [plain(row["median"]), plain(row["mean"]), plain(row["sd"])]
+        ranges = [_range(row["q1"], row["q3"]), _range(row["least"], row["most"])]
+        lines.append([condition_text(row), *counts, *middle, *ranges])
+    return tuple((name, "") for name in names), lines
+
+
+def condition_text(row: Row) -> str:
+    """Return a condition's name, marked as the hidden reference unless the name says so."""
+    unmarked = not row["reference"] or "reference" in row["condition"].lower()
+    return row["condition"] if unmarked else f"{row['condition']} (reference)"
+
+
+def _range(low: float | None, high: float | None) -> str:
+    return "–" if low is None else f"{plain(low)} .. {plain(high)}"
+
+
+def comparison_lines(rows: Sequence[Row]) -> tuple[Heads, list[list[str]]]:
+    """Return the heads and cells of the table of comparisons, as a paper prints it."""
+    heads = (
+        ("compared", ""), ("pairs", "+/0/-"), ("mean", ""), ("BCa 95 %", ""), ("shift", ""), ("exact interval", ""), ("W+/W-", ""),
+        ("exact p", ""), ("Holm", "family"), ("Holm", "all"), ("r", ""),
+    )  # fmt: skip
+    return heads, [_comparison(row) for row in rows]
+
+
+def _comparison(row: Row) -> list[str]:
+    name = ": ".join([*filter(None, [row["part"]]), pair_text(row["a"], row["b"])])
+    if not row["n"]:
+        return [name, "0", *["–"] * 9]
+    return [
+        name,
+        pairs_text(row),
+        signed(row["mean"], 3),
+        interval(row["low"], row["high"]),
+        signed(row["shift"]),
+        _exact(row["shift_low"], row["shift_high"], row["shift_level"]),
+        f"{row['w_plus']:g}/{row['w_minus']:g}",
+        p_text(row["p"]),
+        p_text(row["holm"]),
+        p_text(row["holm_all"]),
+        signed(row["rank_biserial"]),
+    ]
+
+
+def _exact(low: float | None, high: float | None, level: float | None, digits: int = 2) -> str:
+    """Return an interval with its true level: levels come in steps."""
+    return interval(low, high, digits) + ("" if level is None else f" ({100 * level:.1f} %)")
+
+
+def pairs_text(row: Row) -> str:
+    """Return "12 (6/1/5)": pairs, of them rated better, the same, worse."""
+    return f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})"
+
+
+def felt_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
+    """Return the heads and cells of the table of questionnaires."""
+    names = ("score", "pairs", "before", "after", "change", "exact interval", "exact p")
+    heads = tuple((name, "median" if name in ("before", "after") else "") for name in names)
+    lines = []
+    for row in rows:
+        middle = [plain(row["before"], 1), plain(row["after"], 1), signed(row.get("change"), 1)]
+        exact = _exact(row.get("low"), row.get("high"), row.get("level"), 1)
+        lines.append([f"{row['scale']} {row['score']}", str(row["n"]), *middle, exact, p_text(row.get("p"))])
+    return heads, lines
+
+
+def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:
+    """Return (columns, rows) by file name: every number of the analysis, unrounded."""
+    conditions: list[dict[str, Any]] = []
+    comparisons: list[dict[str, Any]] = []
+    ratings: list[dict[str, Any]] = []
+    differences: list[dict[str, Any]] = []
+    missing: list[dict[str, Any]] = []
+    for scale in data["scales"]:
+        named = {"scale": scale["measure"]["name"]}
+        for part in scale["parts"]:
+            for row in part["conditions"]:
+                own = named | {"part": part["part"], "condition": row["condition"]}
+                conditions.append({key: (row | own).get(key) for key in CONDITION_COLUMNS})
+                ratings += [own | {"participant": who, "value": value} for who, value in row["ratings"].items()]
+        for row in scale["comparisons"]:
+            comparisons.append({key: row[key] for key in COMPARISON_COLUMNS})
+            own = named | {key: row[key] for key in ("part", "a", "b")}
+            differences += [
+                own | {"participant": who, "difference": value} for who, value in row["differences"].items()
+            ]
+        missing += [named | row for row in scale["missing"]]
+    return {
+        "conditions.csv": (CONDITION_COLUMNS, conditions),
+        "comparisons.csv": (COMPARISON_COLUMNS, comparisons),
+        "ratings.csv": (RATING_COLUMNS, ratings),
+        "differences.csv": (DIFFERENCE_COLUMNS, differences),
+        "missing.csv": (MISSING_COLUMNS, missing),
+    }

@@ -1,0 +1,175 @@
+"""How charts look: the colours, dashes and markers that tell warps, fills and regions apart.
+
+Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter, reds
+gather, greens draw triangles, purples know more than one layer. Colour is never alone: points and lines
+carry their names, lines of one hue differ in their dashes, fills in the marker, regions in the hatching.
+
+Charts of a page take their colours and font from the page around them, so that one chart serves light
+and dark: Matplotlib writes stand-in colours, and svg_text() replaces them by the page's CSS variables.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import re
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# name: (on light paper, on dark paper, dash). Each has a contrast of 3 or more to its paper: a test computes it.
+_WARPS: dict[str, tuple[str, str, int]] = {
+    "none": ("#6b7280", "#9aa3ad", 0),
+    "rotation": ("#a87400", "#e3b341", 0),
+    "planar": ("#7a5200", "#f5d78a", 1),
+    "environment": ("#c08a00", "#b98a1e", 2),
+    "forward_raster": ("#4f93d8", "#4b8fd6", 3),
+    "forward": ("#0b63c5", "#6db3ff", 0),
+    "forward_ordered": ("#0a3d80", "#b3d7ff", 1),
+    "splat": ("#00869c", "#45cfe0", 2),
+    "backward": ("#c2410c", "#ff8a4c", 0),
+    "iterative": ("#e0561f", "#ffb38a", 1),
+    "search": ("#7c2d12", "#e86a3c", 2),
+    "mesh": ("#1b7a3d", "#4fc274", 0),
+    "mesh_adaptive": ("#3f9a5d", "#a6e6b8", 1),
+    "multi": ("#b0309b", "#f08fdf", 0),
+    "layered": ("#5b2a9c", "#b79cff", 1),
+}
+_OTHERS = (("#8a3b5c", "#e8a0bf", 3), ("#4d6b00", "#b9d94e", 3), ("#005f5f", "#5fd0c0", 3), ("#3d3d8f", "#a3a8f5", 3))
+_REGIONS = (("#2b3440", "#eef1f4"), ("#7d8a99", "#94a1b0"), ("#c3ccd6", "#4a5563"))
+HATCHES = ("", "////", "")
+DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
+_MARKERS = {"none": "o", "interpolate": "s"}
+_MORE_MARKERS = ("^", "D", "v", "P", "X", "p", "<", ">", "h", "*")
+
+
+def warp_of(spec: str) -> str:
+    """Return the registered name in a spec with settings: "mesh:cut=slope" is a mesh."""
+    return spec.partition(":")[0]
+
+
+def _key(spec: str) -> str:
+    """Return the key of a warp's colour: its name, or one of a few for warps that this table lacks."""
+    name = warp_of(spec)
+    return name if name in _WARPS else f"other-{zlib.crc32(name.encode()) % len(_OTHERS)}"
+
+
+_TONES = {**_WARPS, **{f"other-{number}": tone for number, tone in enumerate(_OTHERS)}}
+# Stand-in colours, all of one length, and the CSS variables that replace them.
+INK, GRID = "#010101", "#020202"
+SERIES = ("#030303", "#040404")
+_STAND_INS = {key: f"#0500{number:02x}" for number, key in enumerate(_TONES)}
+_REGION_STAND_INS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
+_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid", SERIES[0]: "--series-1", SERIES[1]: "--series-2"}
+_VARIABLES |= {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
+_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(_REGION_STAND_INS)}
+
+
+@attrs.frozen
+class Palette:
+    """The colours of a chart: stand-ins for a page, which is light or dark, or real ones for a picture."""
+
+    ink: str
+    grid: str
+    regions: tuple[str, ...]
+    is_page: bool
+
+    def warp(self, spec: str) -> str:
+        """Return the colour of a warp, whatever its settings are."""
+        return _STAND_INS[_key(spec)] if self.is_page else _TONES[_key(spec)][0]
+
+
+PAGE = Palette(INK, GRID, _REGION_STAND_INS, True)
+PAPER = Palette("#30373f", "#e2e6ea", tuple(light for light, _ in _REGIONS), False)
+
+
+def css_variables(dark: bool) -> str:
+    """Return the CSS declarations of the colours of warps and regions, for light or dark paper."""
+    values = [(f"--warp-{key.replace('_', '-')}", tones[dark]) for key, tones in _TONES.items()]
+    values += [(f"--region-{number}", tones[dark]) for number, tones in enumerate(_REGIONS)]
+    return " ".join(f"{name}: {value};" for name, value in values)
+
+
+def dashes_of(specs: Iterable[str]) -> dict[str, Any]:
+    """Return a dash for the line of each spec; the settings of one warp, which share its colour, differ."""
+    chosen: dict[str, Any] = {}
+    seen: dict[str, int] = {}
+    for spec in specs:
+        if spec not in chosen:
+            name = warp_of(spec)
+            chosen[spec] = DASHES[(_TONES[_key(spec)][2] + seen.get(name, 0)) % len(DASHES)]
+            seen[name] = seen.get(name, 0) + 1
+    return chosen
+
+
+def markers_of(fills: Iterable[str]) -> dict[str, str]:
+    """Return a marker for each fill; fills that the table lacks get theirs in the order of their names."""
+    fills = set(fills)
+    unknown = sorted(fills - set(_MARKERS))
+    chosen = {fill: _MARKERS[fill] for fill in sorted(fills & set(_MARKERS))}
+    return chosen | {fill: _MORE_MARKERS[number % len(_MORE_MARKERS)] for number, fill in enumerate(unknown)}
+
+
+@contextmanager
+def drawing(content: object, font_size: float = 9) -> Iterator[None]:
+    """Set Matplotlib up for a chart of `content`.
+
+    The same content gives the same text, and two charts of one page share no ids.
+    """
+    import warnings
+
+    from matplotlib import rc_context
+
+    salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
+    settings = {
+        "svg.fonttype": "none", "svg.hashsalt": salt, "font.size": font_size, "font.sans-serif": ["DejaVu Sans"],
+        "hatch.linewidth": 0.7, "text.parse_math": False, "axes.unicode_minus": True,
+    }  # fmt: skip
+    with rc_context(settings), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a file name may hold any letter
+        yield
+
+
+def dress(axes: Axes, palette: Palette = PAGE, *, grid: str = "both") -> None:
+    """Draw no box, a pale grid behind, everything else in ink; grid: the axis whose lines are drawn."""
+    axes.patch.set_visible(False)
+    axes.grid(True, axis=grid, color=palette.grid, linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side == "bottom")
+        spine.set_color(palette.ink)
+    axes.tick_params(colors=palette.ink, which="both", length=0)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_color(palette.ink)
+
+
+def not_measured(axes: Axes, palette: Palette = PAGE) -> None:
+    """Say in the middle of empty axes that there is nothing to draw."""
+    axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
+
+
+def svg_text(figure: Figure) -> str:
+    """Return a figure drawn in PAGE's colours as an <svg> element to stand in the page.
+
+    It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
+    """
+    figure.patch.set_visible(False)
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    for stand_in, variable in _VARIABLES.items():
+        text = text.replace(stand_in, f"var({variable})")
+    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every chart.
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
+    text = re.sub(r'<g id="[^"]*"', "<g", text)
+    head, rest = text.split(">", 1)
+    parts = [part for part in head.split('" ') if not part.startswith(("width=", "height="))]
+    return '" '.join(parts) + ">" + rest

@@ -1,0 +1,91 @@
+"""The frames in transit and the holes each fill closed, as text for the page and the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .tables import Summary
+
+Pairs = list[tuple[str, str]]
+
+_RESPONSE = {
+    "render_ms": "drawing, both eyes",
+    "encode_ms": "encoding",
+    "queue_ms": "waiting for earlier frames",
+    "transfer_ms": "size over bandwidth",
+    "round_trip_ms": "the network, both ways",
+    "decode_ms": "decoding",
+    "warp_ms": "warp to lens, both eyes",
+    "total_ms": "response time",
+}
+_FRAMES = {
+    "drawn": "drawn",
+    "sent": "sent",
+    "dropped": "dropped before a full queue",
+    "lost": "lost on the network",
+    "undecodable": "arrived, but built on a lost one",
+    "late": "arrived after a newer one was shown",
+    "superseded": "superseded by a newer one in the same refresh",
+    "shown": "shown",
+    "under_way": "in transit at the end",
+}
+_CODING = (
+    ("encode_ms", "encoding a frame", "ms"),
+    ("decode_ms", "decoding a frame", "ms"),
+    ("coded_psnr_db", "colour after coding", "dB PSNR"),
+)
+_TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
+
+
+def filled_rows(summary: Summary) -> Pairs:
+    """Return (fill, share of all pixels) of each step of the chain, then the pixels left empty.
+
+    The list is empty if the summary does not say.
+    """
+    filled: Mapping[str, float] = summary.get("filled") or {}
+    return [
+        ("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()
+    ]
+
+
+def response_rows(summary: Summary) -> Pairs:
+    """Return (part, median ms) of the response time, without parts that took no time."""
+    response = (summary.get("link") or {}).get("response_ms") or {}
+    return [(part, f"{response[name]:.2f} ms") for name, part in _RESPONSE.items() if response.get(name)]
+
+
+def frame_rows(summary: Summary) -> Pairs:
+    """Return (outcome, number of frames), without outcomes of no frame."""
+    frames = (summary.get("link") or {}).get("frames") or {}
+    return [(outcome, str(frames[name])) for name, outcome in _FRAMES.items() if frames.get(name)]
+
+
+def coding_rows(summary: Summary) -> Pairs:
+    """Return the data rate, and the time and loss of the codec."""
+    link = summary.get("link") or {}
+    if "mbit_s" not in link:
+        return []
+    rows = [("rate, both eyes", f"{link['mbit_s']:.1f} Mbit/s{' uncompressed' if link['codec'] == 'none' else ''}")]
+    if link["codec"] != "none":
+        rows.append(("codec", link["codec"]))
+        rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
+    return rows
+
+
+def _with_unit(value: float | None, unit: str) -> str:
+    return "–" if value is None else f"{value:.1f} {unit}"
+
+
+def transit_lines(summary: Summary) -> list[str]:
+    """Return lines for the terminal, after the table: none for a plain link and a single fill."""
+    lines = []
+    filled = filled_rows(summary)
+    if len(filled) > 2:
+        lines.append("holes: " + ", ".join(f"{name} {share}" for name, share in filled))
+    link = summary.get("link") or {}
+    counts = link.get("frames") or {}
+    if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
+        lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
+        rows = (*coding_rows(summary), *response_rows(summary)[-1:])
+        lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
+    return lines

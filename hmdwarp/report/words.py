@@ -1,0 +1,69 @@
+"""Numbers as papers print them, and lists as sentences need them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from decimal import ROUND_HALF_UP, Decimal
+
+ALPHA = 0.05
+
+
+def p_text(p: float | None) -> str:
+    """Return p as ".226", ".0098" or "3e-7".
+
+    Three digits after the point, four below .01, one digit and the power of ten below .0001.
+    """
+    if p is None or math.isnan(p):
+        return "–"
+    if p < 1e-4:
+        digit, _, power = f"{p:.0e}".partition("e")
+        return f"{digit}e{int(power)}"
+    # Exact p are dyadic fractions that often end in 5: .3125 is printed as .313, not to the even digit.
+    text = str(Decimal(p).quantize(Decimal("0.001" if p >= 0.01 else "0.0001"), ROUND_HALF_UP))
+    return text.removeprefix("0") if p < 0.9995 else text
+
+
+def p_is(p: float) -> str:
+    """Return p as "p = .0098"."""
+    return f"p = {p_text(p)}"
+
+
+def signed(value: float | None, digits: int = 2) -> str:
+    """Return "+1.30", "-0.56" or "0.00"; a dash for None."""
+    if value is None or math.isnan(value):
+        return "–"
+    text = f"{value:+.{digits}f}"
+    return text[1:] if float(text) == 0 else text
+
+
+def interval(low: float | None, high: float | None, digits: int = 2) -> str:
+    """Return "-0.16 .. +0.75"; a dash if an end is None."""
+    return "–" if low is None or high is None else f"{signed(low, digits)} .. {signed(high, digits)}"
+
+
+def plain(value: float | None, digits: int = 2) -> str:
+    """Return "2.62"; a dash for None."""
+    return "–" if value is None or math.isnan(value) else f"{value:.{digits}f}"
+
+
+def counted(number: int, word: str) -> str:
+    """Return "1 person" or "3 ratings"."""
+    return f"{number} {word if number == 1 else {'person': 'people'}.get(word, word + 's')}"
+
+
+def listed(names: Sequence[str], word: str = "and") -> str:
+    """Return "a, b and c"; "" for no names."""
+    return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def pair_text(a: str, b: str) -> str:
+    """Return "none → forward, 200 ms": two conditions, with their common end said once."""
+    head, comma, tail = a.rpartition(", ")
+    return f"{head} → {b}" if comma and b.endswith(f", {tail}") else f"{a} → {b}"
+
+
+def name_pieces(text: str) -> list[str]:
+    """Split a long name where it may break: after the colon, comma or blank between its parts."""
+    return re.split(r"(?<=[:, ])(?=\S)", text)

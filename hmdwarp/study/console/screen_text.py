@@ -1,0 +1,202 @@
+"""Texts of the full-screen console, from the state alone: no terminal, no clock.
+
+What an experimenter looks for in the dark, beside a participant under a headset, stands at the top
+and does not move: which trial, the phase, what to do, how long it takes, and what is wrong.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+
+import attrs
+from rich.cells import cell_len
+from rich.text import Text
+
+from ..scales import number_text, range_text
+from ._base import ConsoleState, Question
+from .console_commands import clock
+from .key_entry import LINES, KeyEntry
+
+STALE_S = 3.0  # without a new state
+HINTS = {
+    "reading": "g once they agree to the text, s if they do not.",
+    "waiting": "The participant goes on when ready; c does it for them.",
+    "showing": "The participant looks. Nothing to do.",
+    "asking": "The participant answers. Said aloud: type it.",
+    "break": "A break. c ends it.",
+    "paused": "Everything waits. c continues.",
+    "over": "The session is over.",
+}
+KEYS = "p:pause  c:continue  b:break  r:repeat  a:answer  k:skip  m:remark  g:agree  s:stop  ?:help"
+LINE_KEYS = "Enter:sends  Esc:leaves the line  Ctrl-U:empties it"
+HELP = (
+    ("p c", "pause, and continue; what was on is shown or asked again"),
+    ("b", "a break as soon as there may be one; c ends it"),
+    ("r", "ask the last question again; the old answer is kept beside the new"),
+    ("a, digits", "type the answer that the participant says; Enter, then Enter"),
+    ("k", "leave the question without an answer"),
+    ("m", "a remark for the journal of the session"),
+    ("g", "the participant has read the text and agrees"),
+    ("s", "stop now, without a reason; nothing is lost"),
+    ("Ctrl-C", "stop the program; Esc: leave a line or this help"),
+)
+# The terminal's own sixteen colours, readable on any background. Black is never bold: xterm and
+# others draw bold black as dark grey, which on cyan or yellow cannot be read.
+PLAIN = {
+    "loud": "bold reverse", "refused": "bold underline", "bar": "", "dim": "",
+    **dict.fromkeys(("showing", "paused", "break", "asking", "reading", "waiting"), "bold reverse"),
+}  # fmt: skip
+COLOURED = {
+    "loud": "bold white on red", "refused": "bold red", "bar": "green", "dim": "bright_black",
+    "showing": "black on green", **dict.fromkeys(("paused", "break"), "black on yellow"),
+    **dict.fromkeys(("asking", "reading", "waiting"), "black on cyan"),
+}  # fmt: skip
+_ESCAPES = re.compile(r"\x1b(\[[0-9;?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)?|.)")
+_LOUD = re.compile(r"\b(PILOT|REHEARSAL|SIMULATED)\b")
+_TICKS = (0.25, 0.5, 1, 2, 5, 10, 20, 25, 50, 100)
+_CELLS_PER_TICK = 5  # a number of three digits, and room
+
+
+@attrs.frozen
+class Scene:
+    """All that the screen shows."""
+
+    state: ConsoleState
+    entry: KeyEntry
+    heard_s: float = 0.0  # since the state came
+    width: int = 80
+    styles: Mapping[str, str] = attrs.field(factory=lambda: COLOURED)
+
+    def parts(self) -> dict[str, Text]:
+        """Return the text of every part of the screen by its name."""
+        state = self.state
+        return {**self._top(), **self._head(), **self._question(state.question), **self._bottom()}
+
+    def _top(self) -> dict[str, Text]:
+        state = self.state
+        heading = plain(state.heading)
+        loud = list(dict.fromkeys(_LOUD.findall(heading)))
+        rest = re.sub(r"\s{2,}", " ", _LOUD.sub("", heading)).strip(" ,;:·-|()[]") if loud else heading
+        # A break without a time ends at the experimenter's word.
+        left_s = None if state.phase == "break" and not state.left_s else state.left_s
+        left = f"   {clock(left_s)} left of this step" if left_s is not None else ""
+        style = self.styles.get(state.phase, "bold reverse")
+        return {
+            "heading": Text(f" {rest}"),
+            "loud": _styled(f" {' '.join(loud)} " if loud else "", self.styles["loud"]),
+            "progress": self._progress(),
+            "times": Text.assemble(f" {clock(state.elapsed_s)} since the start", (left, "bold")),
+            "condition": Text(f"condition: {plain(state.condition)} " if state.condition else ""),
+            "phase": _styled(f" {state.phase.upper() or 'STARTING'} ", style),
+            "hint": Text(HINTS.get(state.phase, "")),
+            "notice": self._notice(),
+        }
+
+    def _progress(self) -> Text:
+        state = self.state
+        share = min(1.0, max(0.0, state.done)) if math.isfinite(state.done) else 0.0
+        step = plain(state.step)
+        room = max(4, self.width - cell_len(step) - 12)
+        full = math.floor(room * share)
+        # The rest is not in the bar's green, in which it would look done.
+        bar = (("█" * full, self.styles["bar"]), ("░" * (room - full), self.styles["dim"]))
+        return Text.assemble((f" {step}  ", "bold"), *bar, f"  {math.floor(100 * share):3d} %")
+
+    def _notice(self) -> Text:
+        state = self.state
+        if self.heard_s >= STALE_S and state.phase not in ("", "over"):
+            why = "the pictures stand still, or the program is busy"
+            return Text.assemble(" ", (f" NO NEWS FOR {clock(self.heard_s)}: {why} ", self.styles["loud"]))
+        notice = plain(state.notice)
+        return Text.assemble(" ", (f" {notice.upper()} ", self.styles["loud"])) if notice else Text()
+
+    def _head(self) -> dict[str, Text]:
+        state = self.state
+        pictures = Text(f" pictures {state.rate_hz:5.1f}/s  missed {state.missed}")
+        if state.position_m is None or state.angles_deg is None:
+            return {"pictures": pictures, "head": Text(), "gauges": Text(" head: none yet")}
+        x, y, z = state.position_m
+        room = max(5, (self.width - 47) // 3 | 1)
+        gauges = Text()
+        # Turns to the left are positive, and stand on the left.
+        for name, degrees, most in zip(("yaw", "pitch", "roll"), state.angles_deg, (-180.0, 90.0, -90.0), strict=True):
+            gauges.append(f" {name} {degrees:+4.0f}° ").append(gauge(degrees, most, room), self.styles["bar"])
+        return {"pictures": pictures, "head": Text(f"head {x:+.2f} {y:+.2f} {z:+.2f} m "), "gauges": gauges}
+
+    def _question(self, question: Question | None) -> dict[str, Text]:
+        if question is None:
+            return {"question": Text("none now"), "scale": Text(), "entered": Text(), "anchors": Text()}
+        entered = f"entered {number_text(question.entered)}" if question.entered is not None else "nothing entered"
+        anchors = "; ".join(f"{number_text(value)} {plain(text)}" for value, text in question.anchors)
+        return {
+            "question": _styled(plain(question.text), "bold"),
+            "scale": Text(" ") + scale_line(question, self.width - 20),
+            "entered": _styled(f" {entered} ", "bold"),
+            "anchors": Text(anchors or range_text(question)),
+        }
+
+    def _bottom(self) -> dict[str, Text]:
+        entry, line = self.entry, Text()
+        if entry.mode not in ("keys", "help"):
+            prompt = f"{entry.prompt(self.state.question)} "
+            line = _styled(prompt + end_of(entry.text, max(1, self.width - cell_len(prompt) - 3)), "bold")
+            line.append(" ", "reverse")
+        keys = Text(LINE_KEYS if entry.mode in LINES else KEYS)
+        keys.highlight_regex(r"\S+(?=:)", "bold")
+        note = _styled(plain(entry.note), self.styles["refused"] if entry.loud else "bold")
+        return {"note": note, "line": line, "keys": keys}
+
+
+def help_text() -> Text:
+    """Return all keys with what they do."""
+    return Text("\n").join(Text.assemble((f" {keys:<10}", "bold"), words) for keys, words in HELP)
+
+
+def plain(text: str) -> str:
+    """Return the text without colours, bells and cursor movements, its blanks as spaces."""
+    text = _ESCAPES.sub("", text)
+    return "".join(" " if c in "\t\n\r" else c for c in text if c.isprintable() or c in "\t\n\r")
+
+
+def end_of(text: str, width: int) -> str:
+    """Return the last `width` cells: a line that is being typed shows its end."""
+    if cell_len(text) <= width:
+        return text
+    while text and cell_len(text) > width - 1:
+        text = text[1:]
+    return f"…{text}"
+
+
+def gauge(value: float, most: float, cells: int) -> str:
+    """Draw a bar of `cells` (odd) from -most to most with a mark at the value.
+
+    `most` may be negative; the mark of a value beyond the ends stays there.
+    """
+    place = round((min(1.0, max(-1.0, value / most)) + 1.0) / 2.0 * (cells - 1)) if math.isfinite(value) else -1
+    return "".join("█" if k == place else "┼" if k == cells // 2 else "·" for k in range(cells))
+
+
+def scale_line(question: Question, cells: int) -> Text:
+    """Draw 1────2────3────4 with the entered value's cell in reverse."""
+    span = question.most - question.least
+    if span <= 0 or cells < 4:
+        return Text()
+    least = max(question.step, 1.0 if span >= 3 else 0.0)
+    tick = next((t for t in _TICKS if t >= least and (cells - 1) * t / span >= _CELLS_PER_TICK), span)
+    line = ["─"] * cells
+    for k in range(math.floor(span / tick + 1e-9) + 1):
+        text = number_text(question.least + k * tick)
+        place = max(0, min(round(k * tick / span * (cells - 1)), cells - len(text)))
+        line[place : place + len(text)] = text
+    drawn = Text("".join(line))
+    if question.entered is not None:
+        at = round(min(1.0, max(0.0, (question.entered - question.least) / span)) * (cells - 1))
+        drawn.stylize("reverse bold", at, at + 1)
+    return drawn
+
+
+def _styled(text: str, style: str) -> Text:
+    # A span and not the style of the whole text: of that, textual takes "red" for a colour of CSS.
+    return Text.assemble((text, style))

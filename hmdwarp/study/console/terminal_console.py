@@ -1,0 +1,202 @@
+"""Full-screen console, as the session has it, and the choice of a console.
+
+Another program keeps the terminal. Why a program and not a thread: drawing a screen takes some ten
+milliseconds of Python, and a thread would hold the interpreter's lock, which the frames need, ten
+times a second. And a program outlives this one: after a crash, a SIGKILL or a driver's abort it
+restores the terminal and prints the last lines.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import termios
+from collections import deque
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Self
+
+from ...display import Command
+from ...errors import InputError, MachineError
+from ._base import Console, ConsoleState, NoConsole
+from .console_commands import Subject, is_bound, subject_of
+from .line_console import LineConsole
+from .message_socket import LONGEST_LINE, MessageSocket, PeerGone
+from .output_capture import OutputCapture
+
+KINDS = (AUTO, TERMINAL, LINES, NONE) = ("auto", "terminal", "lines", "none")
+LEAVING_S = 3.0  # for the console to restore the terminal
+# Signals of the session's program alone; the console ends when that program does.
+BLOCKED = {signal.SIGINT, signal.SIGTERM, signal.SIGTTOU}
+CODE = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from hmdwarp.study.console.terminal_app import main; main(*map(int, sys.argv[2:]))"
+)
+# After a console that died: colours, pasting, reports of focus and size, page, cursor, wrapping.
+RESTORE = b"\x1b[0m\x1b[?2004l\x1b[?1004l\x1b[?2048l\x1b[?1049l\x1b[?25h\x1b[?7h"
+
+
+class TerminalConsole:
+    """Full-screen console; stdin and stdout must be a terminal.
+
+    A LineConsole replaces a console program that dies, and the session goes on.
+    """
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._state = ConsoleState(heading=title)
+        self._commands: deque[Command] = deque()
+        self._bound: deque[tuple[str, object, Subject]] = deque()  # commands that belong to their subject
+        self._told = True  # since a bound one was returned: only then is the next one's subject known
+        self._lines: LineConsole | None = None
+
+    def __enter__(self) -> Self:
+        self._modes = termios.tcgetattr(0)
+        here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        capture = self._capture = OutputCapture()
+        passed = (there.fileno(), capture.read, capture.err)
+        masked = signal.pthread_sigmask(signal.SIG_BLOCK, BLOCKED)  # the new program inherits the mask
+        try:
+            self.program = subprocess.Popen(
+                [sys.executable, "-c", CODE, json.dumps(sys.path), *map(str, passed), str(os.getpid())],
+                stdin=0,
+                stdout=capture.out,
+                stderr=capture.out,  # textual draws on stderr
+                pass_fds=passed,
+                env={**os.environ, "TEXTUAL_DISABLE_KITTY_KEY": "1"},  # a mode that a killed program would leave on
+            )
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, masked)
+            there.close()
+        self.messages = MessageSocket(here)
+        capture.begin()
+        self.tell(self._state)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._lines is not None:
+            self._lines.__exit__()
+            return
+        self.messages.leave()
+        self._end()
+
+    def tell(self, state: ConsoleState) -> None:
+        """Show a new state."""
+        self._state, self._told = state, True
+        if self._lines is not None:
+            self._lines.tell(state)
+        else:
+            try:
+                self.messages.send_state(state)
+            except PeerGone:
+                self._continue_with_lines()
+
+    def say(self, text: str) -> None:
+        """Add a line to the journal."""
+        if self._lines is not None:
+            self._lines.say(text)
+        else:
+            try:
+                self.messages.send("say", text[:LONGEST_LINE])
+            except PeerGone:
+                self._continue_with_lines()
+                self.say(text)
+
+    def commands(self) -> Sequence[Command]:
+        """Return the commands since the last call."""
+        if self._lines is None:
+            try:
+                self.messages.flush()
+                for _, name, value, subject in self.messages.received():
+                    if is_bound(name):
+                        self._bound.append((name, value, subject))
+                    else:
+                        self._commands.append(Command(name, value))
+                self._release_bound()
+            except PeerGone:
+                self._continue_with_lines()
+        more = self._lines.commands() if self._lines is not None else ()
+        if not self._commands:
+            return more
+        commands = [*self._commands, *more]
+        self._commands.clear()
+        return commands
+
+    def _release_bound(self) -> None:
+        """Release one bound command at a time.
+
+        A second answer to the same question must not become an answer to the next one.
+        """
+        while self._bound and self._told:
+            name, value, subject = self._bound.popleft()
+            if subject != subject_of(self._state):
+                self.messages.send("say", f"{name!r} came too late and was dropped: that question is over")
+            else:
+                self._commands.append(Command(name, value))
+                self._told = False
+
+    def _continue_with_lines(self) -> None:
+        """Replace a console program that ended, whatever it left of the terminal."""
+        status = self._end()
+        why = f"the full-screen console ended (exit status {status}); the session goes on"
+        self._lines = LineConsole(self._title, why)
+        self._lines.__enter__()
+        self._lines.tell(self._state)
+
+    def _end(self) -> int:
+        """Take the terminal back. Returns the exit status of the console program."""
+        self._capture.end()
+        try:
+            status = self.program.wait(LEAVING_S)
+        except subprocess.TimeoutExpired:
+            self.program.kill()
+            status = self.program.wait()
+        finally:
+            if self.program.returncode != 0:
+                self.program.kill()
+                with suppress(OSError):
+                    os.write(self._capture.out, RESTORE)
+            with suppress(termios.error):
+                termios.tcsetattr(0, termios.TCSANOW, self._modes)
+            self.messages.close()
+            self._capture.close()
+        return status
+
+
+def make_console(kind: str, title: str) -> Console:
+    """Make a console. kind: one of KINDS; "auto" is the terminal where possible, else lines.
+
+    title: shown until the first state comes.
+    Errors: InputError for another kind; MachineError where "terminal" is impossible.
+    """
+    if kind not in KINDS:
+        raise InputError(f"--console {kind!r}: there are {', '.join(KINDS)}")
+    why = _why_no_terminal() if kind in (AUTO, TERMINAL) else ""
+    if kind == TERMINAL and why:
+        raise MachineError(f"--console terminal: {why}; or use --console lines")
+    if kind == NONE:
+        return NoConsole()
+    if kind == LINES or why:
+        return LineConsole(title, f"no full-screen console: {why}" if why else "")
+    return TerminalConsole(title)
+
+
+def _why_no_terminal() -> str:
+    """Return why there can be no full-screen console, "" where there can."""
+    for name, stream in (("stdin", sys.stdin), ("stdout", sys.stdout)):
+        if stream is None or stream.closed or not stream.isatty():
+            return f"{name} is not a terminal"
+    if os.environ.get("TERM", "dumb") in ("", "dumb"):
+        return "TERM says that this terminal cannot place text (dumb, or not set)"
+    if importlib.util.find_spec("textual") is None:
+        return "textual is not installed: pip install 'hmdwarp[study]'"
+    if sys.stdin.fileno() != 0 or sys.stdout.fileno() != 1:
+        return "stdin and stdout are other files than the program was started with"
+    if os.tcgetpgrp(0) != os.getpgrp():
+        return "the program runs in the background"
+    return ""

@@ -1,0 +1,147 @@
+"""Balanced orders of conditions, and the choice of the order that the next session gets."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+
+from ...errors import InputError
+from .nouns import FIXED, RANDOM, WILLIAMS, Design, Part
+
+Order = tuple[tuple[str, ...], ...]  # names of conditions, one tuple per repeat
+RANDOM_ROWS = 1000  # more than there are participants, so that no two share a row
+
+
+def williams(n: int) -> tuple[tuple[int, ...], ...]:
+    """Return the rows of a Williams design over 0 .. n-1: n for even n, 2n for odd n.
+
+    Over all rows every number stands in each place equally often, and every ordered pair of
+    different numbers stands side by side equally often. For n = 6 it is the square of Williams'
+    table: 1 2 6 3 5 4 and its shifts.
+
+    Errors: InputError for n below 1.
+    Source: Williams 1949, Experimental designs balanced for the estimation of residual effects of
+    treatments, Aust J Sci Res A 2(2).
+    """
+    if n < 1:
+        raise InputError(f"a Williams design of {n} conditions: wanted 1 or more")
+    first = _zigzag(n)
+    rows = [tuple((one + shift) % n for one in first) for shift in range(n)]
+    if n % 2 and n > 1:
+        rows += [row[::-1] for row in rows]
+    return tuple(rows)
+
+
+def _zigzag(n: int) -> tuple[int, ...]:
+    """Return 0, 1, n-1, 2, n-2, ..
+
+    Neighbours differ by every number of 1 .. n-1 once (n even), or by it and its opposite (n odd).
+    """
+    return tuple((k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n))
+
+
+def rows_for(design: Design, part: str) -> tuple[Order, ...]:
+    """Return all orders of a part; each participant gets one of them.
+
+    williams: the rows of the square; the seed draws which condition gets which number. Every repeat
+    goes through the whole square, in other rows each time, so that each repeat is balanced over all
+    orders. Between two repeats pairs are spread as evenly as possible over the orders, and no
+    condition follows itself (unless it is the only one).
+    random: RANDOM_ROWS orders; each repeat is its own permutation, and does not begin with the last
+    condition of the repeat before.
+    fixed: one order, that of the file.
+    The same file gives the same orders on every machine and with every version of Python.
+    """
+    conditions = design.part(part)
+    names = tuple(one.name for one in conditions.conditions)
+    if design.order == FIXED:
+        return ((names,) * design.repeats,)
+    if design.order == RANDOM:
+        return tuple(_random_order(design, conditions, row) for row in range(RANDOM_ROWS))
+    assert design.order == WILLIAMS
+    drawn = _shuffled(names, design.seed, "williams", part)
+    shifts = _seam_shifts(len(names), design.repeats)
+    square = williams(len(names))
+    return tuple(_rows_of(square, row, shifts, drawn) for row in range(len(square)))
+
+
+def _rows_of(square: tuple[tuple[int, ...], ...], row: int, shifts: Sequence[int], names: Sequence[str]) -> Order:
+    """Return the order that begins with that row of the square.
+
+    The mirrored half of an odd square moves the other way: see _seam_shifts.
+    """
+    n = len(names)
+    half, place = divmod(row, n)
+    rows = [square[half * n + (place + (-shift if half else shift)) % n] for shift in shifts]
+    return tuple(tuple(names[number] for number in one) for one in rows)
+
+
+def _seam_shifts(n: int, repeats: int) -> tuple[int, ...]:
+    """Return how far each repeat's row lies from the row of the first repeat.
+
+    Rows are shifts of one sequence. Where the row moves by s from one repeat to the next, the last
+    number before the seam and the first after it differ by d = s - reach in all orders at once
+    (reach: from the first to the last number of a row). Over all orders that is each pair of
+    distance d once; in the mirrored half, which moves by -s, each pair of distance -d. So d = 0 is
+    never chosen; the least used d is, and of several the one whose row was used least.
+    """
+    first = _zigzag(n)
+    reach, mirrored = first[-1], n % 2 == 1
+    shifts, seams, rows = [0], [0] * n, [0] * n
+    rows[0] = 1
+    for _ in range(repeats - 1):
+        steps = [step for step in range(n) if (step - reach) % n] or [0]
+        step = min(steps, key=lambda s: (seams[(s - reach) % n], rows[(shifts[-1] + s) % n], (s - reach) % n))
+        for distance in {(step - reach) % n, (reach - step) % n} if mirrored else {(step - reach) % n}:
+            seams[distance] += 1
+        shifts.append((shifts[-1] + step) % n)
+        rows[shifts[-1]] += 1
+    return tuple(shifts)
+
+
+def _random_order(design: Design, part: Part, row: int) -> Order:
+    names = tuple(one.name for one in part.conditions)
+    order: list[tuple[str, ...]] = []
+    for repeat in range(design.repeats):
+        drawn = _shuffled(names, design.seed, "random", part.name, row, repeat)
+        again = 0
+        while order and len(names) > 1 and drawn[0] == order[-1][-1]:
+            again += 1
+            drawn = _shuffled(names, design.seed, "random", part.name, row, repeat, again)
+        order.append(drawn)
+    return tuple(order)
+
+
+def allot(filled: Sequence[int], seed: int) -> int:
+    """Return the row for the next session: one of those filled least often.
+
+    filled: how many complete or running sessions each row has.
+    Among several rows a draw from the seed and from `filled` decides, never the number of a
+    participant: the next order cannot be guessed, and gaps left by drop-outs are filled first.
+
+    Errors: InputError where there are no rows.
+    """
+    if not filled:
+        raise InputError("there is no order to allot: the part has no conditions")
+    least = min(filled)
+    tied = [row for row, count in enumerate(filled) if count == least]
+    return tied[_draw(len(tied), seed, "allot", *filled)]
+
+
+def _shuffled(names: Sequence[str], seed: int, *words: object) -> tuple[str, ...]:
+    """Return a permutation that the seed and these words decide (Fisher and Yates)."""
+    out = list(names)
+    for last in range(len(out) - 1, 0, -1):
+        chosen = _draw(last + 1, seed, *words, last)
+        out[last], out[chosen] = out[chosen], out[last]
+    return tuple(out)
+
+
+def _draw(below: int, seed: int, *words: object) -> int:
+    """Draw from 0 .. below-1, decided by seed and words alone.
+
+    NumPy's and Python's generators may change what a seed gives; SHA-256 does not. With 256 bits
+    every number is equally likely to 70 places.
+    """
+    text = "\x1f".join(map(str, (seed, *words)))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest(), "big") % below

@@ -1,0 +1,221 @@
+"""Dialogs with buttons: the menu, the consent and a break."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
+
+from ...display import Command
+from .buttons import KEYS, Choices, InputHints, picking_hint
+from .canvas import PAD, TEXT, WIDTH, wrapped
+from .dialog_panels import MessagePanel, message_panel
+
+CONTINUE, BREAK, AGAIN, SKIP, STOP = "continue", "break", "again", "skip", "stop"
+TEXTS = {
+    CONTINUE: "go on",
+    BREAK: "have a break",
+    AGAIN: "answer the last question again",
+    SKIP: "leave this question unanswered",
+    STOP: "stop for today",
+}
+OFFERED = (CONTINUE, BREAK, AGAIN, STOP)
+SURE = (("no", "no, go on"), ("yes", "yes, stop"))
+
+ROWS = 9  # of a page; a headset's eye cannot see more at once (display/notice.py)
+ON, BACK, AGREE, REFUSE = "on", "back", "agree", "refuse"
+FIRST: Choices = ((ON, "next page"),)
+BETWEEN: Choices = ((BACK, "page before"), (ON, "next page"))
+LAST: Choices = ((REFUSE, "I do not agree"), (AGREE, "I agree"))
+LAST_OF_SEVERAL: Choices = ((BACK, "page before"), *LAST)
+
+
+class ButtonPicker:
+    """One of several buttons, while it is being chosen."""
+
+    def __init__(self, choices: Choices, marked: int | None, panel: Callable[[], MessagePanel]) -> None:
+        self.choices = choices
+        self.marked = marked  # the current choice, None for none yet
+        self.picked = ""  # name of the confirmed choice
+        self._panel = panel  # what is shown now, for the mouse
+
+    def handle(self, command: Command) -> bool:
+        """Carry out the command. Returns whether it was one for buttons."""
+        action = self._ACTIONS.get(command.control)
+        if action is not None and not self.picked:
+            action(self, command.value)
+        return action is not None
+
+    def _back(self, _: object) -> None:
+        self._step(-1)
+
+    def _on(self, _: object) -> None:
+        self._step(1)
+
+    def _step(self, steps: int) -> None:
+        """Mark another button; a held key stops at the end instead of starting over."""
+        last = len(self.choices) - 1
+        first = 0 if steps > 0 else last
+        self.marked = first if self.marked is None else min(max(self.marked + steps, 0), last)
+
+    def _confirm(self, _: object) -> None:
+        if self.marked is not None:
+            self.picked = self.choices[self.marked][0]
+
+    def _point(self, place: tuple[float, float]) -> None:
+        name = self._panel().button_at(*place)
+        if name:
+            self.marked = [one for one, _ in self.choices].index(name)
+
+    def _press(self, place: tuple[float, float]) -> None:
+        self.picked = self._panel().button_at(*place)
+
+    _ACTIONS: ClassVar[Mapping[str, Callable[[ButtonPicker, Any], None]]] = {
+        "left": _back,
+        "right": _on,
+        "up": _back,
+        "down": _on,
+        "confirm": _confirm,
+        "point": _point,
+        "press": _press,
+    }
+
+
+class MenuDialog:
+    """Participant's menu: continue, a break, the last question again, or the end without a reason.
+
+    Stopping is asked twice, as the first may be a slip; answers are kept either way.
+    """
+
+    def __init__(self, offered: Sequence[str] = OFFERED, hints: InputHints = KEYS) -> None:
+        self.chosen = ""  # one of `offered`, "" before
+        self._offered, self._hints = tuple(offered), hints
+        self._open()
+
+    @property
+    def over(self) -> bool:
+        """Whether something is chosen."""
+        return bool(self.chosen)
+
+    def _open(self) -> None:
+        self._stopping = False
+        self._picker = ButtonPicker(tuple((name, TEXTS[name]) for name in self._offered), 0, self.panel)
+
+    def panel(self) -> MessagePanel:
+        """Return the panel that shows the menu."""
+        hint = picking_hint(self._hints)
+        if self._stopping:
+            lines = ("Your answers so far are kept.", "You need not say why.")
+            return MessagePanel("Stop now?", lines, SURE, self._picker.marked, hint)
+        return MessagePanel("Menu", (), self._picker.choices, self._picker.marked, hint, column=True)
+
+    def handle(self, commands: Sequence[Command]) -> None:
+        """Carry out the commands; the name of a choice acts at once, and "menu" continues."""
+        for command in commands:
+            if self.over:
+                return
+            if command.control in self._offered:
+                self.chosen = command.control
+            elif command.control == "menu":
+                self.chosen = CONTINUE
+            elif self._picker.handle(command) and self._picker.picked:
+                self._take(self._picker.picked)
+
+    def _take(self, name: str) -> None:
+        if name == STOP:
+            self._stopping, self._picker = True, ButtonPicker(SURE, 0, self.panel)
+        elif name == "no":
+            self._open()
+        else:
+            self.chosen = STOP if name == "yes" else name
+
+
+class ConsentDialog:
+    """Text that the participant agrees to or refuses, page by page.
+
+    On the last page nothing is chosen beforehand.
+    """
+
+    def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
+        rows = wrapped(text.strip(), TEXT, WIDTH - 2 * PAD)
+        self._pages = [rows[k : k + ROWS] for k in range(0, len(rows), ROWS)] or [()]
+        self._hints, self._title, self._note = hints, title, ""
+        self.agreed = self.refused = False
+        self._turn(0)
+
+    @property
+    def over(self) -> bool:
+        """Whether the participant has agreed or refused."""
+        return self.agreed or self.refused
+
+    def _turn(self, page: int) -> None:
+        self._page, several = page, len(self._pages) > 1
+        if page == len(self._pages) - 1:
+            self._picker = ButtonPicker(LAST_OF_SEVERAL if several else LAST, None, self.panel)
+        else:
+            choices = BETWEEN if page else FIRST
+            self._picker = ButtonPicker(choices, len(choices) - 1, self.panel)
+
+    def panel(self) -> MessagePanel:
+        """Return the panel that shows the current page."""
+        pages = len(self._pages)
+        return MessagePanel(
+            title=f"{self._title} ({self._page + 1} of {pages})" if pages > 1 else self._title,
+            lines=self._pages[self._page],
+            choices=self._picker.choices,
+            marked=self._picker.marked,
+            hint=picking_hint(self._hints),
+            note=self._note,
+            least_lines=ROWS if pages > 1 else 0,
+        )
+
+    def handle(self, commands: Sequence[Command]) -> None:
+        """Carry out the commands; "agree" from the console counts as the participant's word."""
+        for command in commands:
+            if self.over:
+                return
+            if command.control == AGREE:
+                self.agreed = True
+            elif self._picker.handle(command):
+                nothing = command.control == "confirm" and not self._picker.picked
+                self._note = f"Choose one first: {self._hints.pick}" if nothing else ""
+                self._take(self._picker.picked)
+
+    def _take(self, name: str) -> None:
+        if name in (ON, BACK):
+            self._turn(self._page + (1 if name == ON else -1))
+        self.agreed, self.refused = name == AGREE, name == REFUSE
+
+
+class BreakDialog:
+    """Break of at least `seconds`, then for as long as the participant likes.
+
+    The panel changes once a second, not at each refresh.
+    """
+
+    def __init__(
+        self, seconds: float, now_s: Callable[[], float], hints: InputHints = KEYS, title: str = "A break"
+    ) -> None:
+        self._until_s, self._now_s, self._hints, self._title = now_s() + seconds, now_s, hints, title
+        self.over = False
+
+    @property
+    def left_s(self) -> float:
+        """Seconds until it may be over."""
+        return max(0.0, self._until_s - self._now_s())
+
+    def panel(self) -> MessagePanel:
+        """Return the panel that shows the time left."""
+        left = math.ceil(self.left_s)
+        text = (
+            f"Rest your eyes. It goes on in {left // 60}:{left % 60:02d} at the earliest."
+            if left
+            else f"Go on whenever you like: {self._hints.confirm}."
+        )
+        return message_panel(self._title, text, f"{self._hints.menu}: menu")
+
+    def handle(self, commands: Sequence[Command]) -> None:
+        """End the break by "confirm" or "continue", once its time is over."""
+        for command in commands:
+            if command.control in ("confirm", "continue") and self.left_s <= 0:
+                self.over = True

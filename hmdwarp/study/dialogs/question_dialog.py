@@ -1,0 +1,196 @@
+"""Question while it is being answered, by the participant's input, the console or a respondent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
+
+from ...display import Command
+from ..console import Question
+from ..design import Ask
+from ..scales import number_text, range_text
+from .buttons import KEYS, InputHints
+from .dialog_panels import BACK, SKIP, YES, QuestionPanel
+from .scale_layout import ScaleForm, layout_of
+from .typed_numbers import middle, moved, number_of, typed_on, value_of
+
+NOTED_S = 5.0  # how long a note stays
+
+
+class QuestionDialog:
+    """Question with its answer so far.
+
+    Nothing is chosen beforehand: a default would draw answers to itself. A repeated question says
+    so, or the participant wonders what is different.
+    """
+
+    def __init__(self, ask: Ask, now_s: Callable[[], float], hints: InputHints = KEYS, again: bool = False) -> None:
+        self.ask = ask
+        self.value: float | None = None  # where the marker is, None for nowhere
+        self.confirmed = False  # whether it is over
+        self.skipped = False  # whether it is over without an answer; `value` is None then
+        self._now_s, self._hints = now_s, hints
+        self._form = _form_of(ask)
+        self._heading = _heading_of(ask, again)
+        self._skipping = False
+        self._typed = ""
+        self._note, self._note_until_s = "", 0.0
+
+    def panel(self) -> QuestionPanel:
+        """Return the panel that shows the question."""
+        value = None if self._skipping else self.value
+        return QuestionPanel(
+            self._heading, self.ask.item.text, self._form, value, self._typed, self._skipping, self.note, self._hints
+        )
+
+    def question(self) -> Question:
+        """Return the question for the console."""
+        scale = self.ask.scale
+        return Question(self.ask.item.text, scale.least, scale.most, scale.step, self._form.anchors, self.value)
+
+    @property
+    def over(self) -> bool:
+        """Whether it is confirmed."""
+        return self.confirmed
+
+    @property
+    def note(self) -> str:
+        """What was wrong with the last command, "" for nothing; it goes after some seconds."""
+        return self._note if self._now_s() < self._note_until_s else ""
+
+    def handle(self, commands: Sequence[Command]) -> None:
+        """Carry out the commands; unknown ones do nothing, nor does any after the confirmation."""
+        for command in commands:
+            action = self._ACTIONS.get(command.control)
+            if action is not None and not self.confirmed:
+                self._note = ""
+                action(self, command.value)
+
+    def _left(self, _: object) -> None:
+        self._step(-1)
+
+    def _right(self, _: object) -> None:
+        self._step(1)
+
+    def _up(self, _: object) -> None:
+        self._step(-1 if layout_of(self._form).downwards else 1)
+
+    def _down(self, _: object) -> None:
+        self._step(1 if layout_of(self._form).downwards else -1)
+
+    def _step(self, steps: int) -> None:
+        """Move the marker; the first step puts it in the middle, or takes a skip back."""
+        if self._skipping:
+            self._skipping = False
+        elif self.value is None:
+            self._set(middle(self.ask.scale, upper=steps > 0))
+        else:
+            self._set(moved(self.ask.scale, self.value, steps))
+
+    def _digit(self, value: object) -> None:
+        self._skipping = False
+        self._type(typed_on(self.ask.scale, self._typed, str(value)))
+
+    def _erase(self, _: object) -> None:
+        """Erase the last digit; a marker that was not typed goes as a whole."""
+        if self._skipping:
+            self._skipping = False
+        else:
+            self._type(self._typed[:-1])
+
+    def _type(self, typed: str) -> None:
+        self._typed = typed
+        self.value = number_of(self.ask.scale, typed)
+
+    def _set(self, value: float) -> None:
+        self._typed, self.value = "", value
+
+    def _point(self, place: tuple[float, float]) -> None:
+        """Move the marker to the mouse, unless a number is typed: a sleeve may push the mouse."""
+        value = self.panel().value_at(*place)
+        if value is not None and not self._typed:
+            self._set(value)
+
+    def _press(self, place: tuple[float, float]) -> None:
+        """Confirm the value under a click, or do what its button says."""
+        panel = self.panel()
+        button, value = panel.button_at(*place), panel.value_at(*place)
+        if button == SKIP:
+            self._skipping = True
+        elif button == BACK:
+            self._skipping = False
+        elif button == YES:
+            self._leave()
+        elif value is not None:
+            self._take(value)
+
+    def _confirm(self, _: object) -> None:
+        if self._skipping:
+            self._leave()
+        elif self.value is not None:
+            self._take(self.value)
+        elif self._typed:
+            self._refuse(self._typed)
+        else:
+            self._say(f"Choose an answer first: {self._hints.choose}")
+
+    def _skip(self, _: object) -> None:
+        """Leave the question unanswered at the second command, or after a confirmation."""
+        if self._skipping:
+            self._leave()
+        self._skipping = True
+
+    def _answer(self, value: object) -> None:
+        """Take a number of the scale at once; None is "cannot say"."""
+        if value is None:
+            self._leave()
+            return
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        number = value_of(self.ask.scale, value) if is_number else None  # type: ignore[arg-type]
+        if number is None:
+            self._refuse(number_text(value) if isinstance(value, float) else value)
+        else:
+            self._take(number)
+
+    def _take(self, value: float) -> None:
+        self._set(value)
+        self._skipping, self.confirmed = False, True
+
+    def _leave(self) -> None:
+        self._typed, self.value = "", None
+        self.skipped = self.confirmed = True
+
+    def _refuse(self, answer: object) -> None:
+        self._say(f"{answer} is no answer here: wanted {range_text(self.ask.scale)}")
+
+    def _say(self, note: str) -> None:
+        self._note, self._note_until_s = note, self._now_s() + NOTED_S
+
+    _ACTIONS: ClassVar[Mapping[str, Callable[[QuestionDialog, Any], None]]] = {
+        "left": _left,
+        "right": _right,
+        "up": _up,
+        "down": _down,
+        "digit": _digit,
+        "erase": _erase,
+        "point": _point,
+        "press": _press,
+        "confirm": _confirm,
+        "skip": _skip,
+        "answer": _answer,
+    }
+
+
+def _form_of(ask: Ask) -> ScaleForm:
+    scale = ask.scale
+    anchors = sorted((float(value), words) for value, words in scale.anchors.items())
+    return ScaleForm(scale.least, scale.most, scale.step, tuple(anchors))
+
+
+def _heading_of(ask: Ask, again: bool) -> str:
+    """Return which trial the question is about, or which item of how many it is."""
+    items, more = ask.scale.items, ", once more" if again else ""
+    if len(items) > 1:
+        heading = f"{ask.scale.title}: item {items.index(ask.item) + 1} of {len(items)}{more}"
+        return f"{heading}\n{ask.scale.prompt}" if ask.scale.prompt else heading
+    return (f"trial {ask.trial}" if ask.trial else ask.scale.title) + more

@@ -1,0 +1,129 @@
+"""Response model: how simulated participants answer.
+
+A few numbers, and formulas that turn uniform draws into answers. Nothing here draws: the caller
+brings single draws for a session, or whole tables for a thousand studies, and both get the same
+answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
+
+from ...errors import InputError
+from ..design import Part
+from ..scales import Scale
+
+Floats = NDArray[np.float64]
+# Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.
+TINY = 2.0**-54
+
+
+@attrs.frozen
+class RatingModel:
+    """Model of the ratings on one scale, in the unit and the direction of that scale."""
+
+    # Latent rating by condition, or a table of them by part, where the parts differ.
+    means: Mapping[str, object] = attrs.field(factory=dict, hash=False)
+    people_sd: float = 0.0  # of a person's own level
+    condition_sd: float = 0.0  # of a person's opinion of a condition, beyond that level
+    noise_sd: float = 0.0  # from one showing to the next
+    drift: float = 0.0  # per trial after the first
+    # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
+    carry_over: float = 0.0
+    missing: float = 0.0  # share of trials answered with "cannot say"
+
+    def means_of(self, part: Part, where: str) -> Floats:
+        """Return the (conditions) means of a part.
+
+        where: the place in the file, for the error. Errors: InputError for a condition without one.
+        """
+        own = self.means.get(part.name)
+        table = own if isinstance(own, Mapping) else self.means
+        lacking = [one.name for one in part.conditions if not isinstance(table.get(one.name), float)]
+        if lacking:
+            raise InputError(
+                f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': wanted one for each condition"
+            )
+        return np.array([table[one.name] for one in part.conditions])
+
+    def latent(
+        self, mean: ArrayLike, before: ArrayLike, place: ArrayLike, level: ArrayLike, taste: ArrayLike, noise: ArrayLike
+    ) -> Floats:
+        """Compute the rating before steps and ends of the scale apply. All arguments broadcast.
+
+        mean: of the condition. before: mean of the condition shown before, or of the same one in
+        the first trial. place: of the trial, from 0. level, taste, noise: uniform draws of the
+        person, of the person and the condition, and of the trial.
+        """
+        mean = np.asarray(mean, float)
+        spread = self.people_sd * normal(level) + self.condition_sd * normal(taste) + self.noise_sd * normal(noise)
+        return mean + spread + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+
+
+@attrs.frozen
+class SicknessModel:
+    """Model of sickness, as a share of the scale from its best (0) to its worst (1)."""
+
+    start: float = 0.0  # before the first trial
+    per_trial: float = 0.0  # increase per trial of the median person
+    people_sd: float = 0.0  # of the logarithm of a person's susceptibility
+    noise_sd: float = 0.0  # of an answer
+
+    def state(self, trial: ArrayLike, person: ArrayLike) -> Floats:
+        """Compute the sickness after that many trials, not cut at 1. person: a uniform draw."""
+        return self.start + self.per_trial * np.asarray(trial) * np.exp(self.people_sd * normal(person))
+
+    def latent(self, trial: ArrayLike, person: ArrayLike, noise: ArrayLike) -> Floats:
+        """Compute the sickness felt at a question. noise: a uniform draw."""
+        return self.state(trial, person) + self.noise_sd * normal(noise)
+
+
+@attrs.frozen
+class Model:
+    """Response model of a study's participants."""
+
+    path: str  # its file
+    title: str = ""
+    ratings: Mapping[str, RatingModel] = attrs.field(factory=dict, hash=False)  # by scale name
+    sickness: SicknessModel = SicknessModel()
+    dropout: float = 0.0  # probability of leaving after a trial and its questions
+    pause: float = 0.0  # probability of a pause in a trial
+    again: float = 0.0  # probability of repeating the last question of a trial
+    # Time to an answer, log-normal: its median, and the standard deviation of its logarithm.
+    median_s: float = 2.0
+    spread_s: float = 0.5
+
+    def rating(self, scale: Scale) -> RatingModel:
+        """Return the model of that scale. Errors: InputError where there is none."""
+        if scale.name not in self.ratings:
+            known = ", ".join(self.ratings) or "none"
+            raise InputError(
+                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}"
+            )
+        return self.ratings[scale.name]
+
+    def seconds(self, draw: float) -> float:
+        """Return the time to an answer for a uniform draw."""
+        return float(self.median_s * np.exp(self.spread_s * normal(draw)))
+
+
+def normal(uniform: ArrayLike) -> Floats:
+    """Turn uniform draws in [0, 1) into standard normal ones."""
+    return ndtri(np.maximum(uniform, TINY))
+
+
+def on_scale(latent: ArrayLike, scale: Scale) -> Floats:
+    """Round to the nearest answer of the scale, within its ends."""
+    steps = np.rint((np.asarray(latent, float) - scale.least) / scale.step)
+    return np.clip(np.round(scale.least + steps * scale.step, 9), scale.least, scale.most)
+
+
+def of_share(share: ArrayLike, scale: Scale) -> Floats:
+    """Return the answer nearest to a share of the scale, from its best (0) to its worst (1)."""
+    way = (scale.most - scale.least) * np.asarray(share)
+    return on_scale(scale.least + way if scale.low_is_good else scale.most - way, scale)

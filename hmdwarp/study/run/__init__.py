@@ -1,1 +1,0 @@
-"""A session through the live loop: shown, asked, and stored before the next thing happens."""

@@ -1,0 +1,121 @@
+"""Scales with their items and scores: a rating, a sickness score or a questionnaire."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol, Self
+
+import attrs
+
+from ...errors import InputError
+from ...registry import unknown_name
+
+KINDS = (RATING, SICKNESS, QUESTIONNAIRE) = ("rating", "sickness", "questionnaire")
+OF = (SUMS, SCORES) = ("sums", "scores")
+
+
+@attrs.frozen
+class Item:
+    """One question of a scale."""
+
+    key: str  # its name in tables
+    text: str  # the question in words
+
+
+@attrs.frozen
+class Score:
+    """A score of a questionnaire: a weighted sum of answers, or of other scores."""
+
+    name: str
+    items: tuple[int, ...] = ()  # numbers of the items that are summed, counted from 1
+    of: tuple[str, ...] = ()  # names of the scores that are summed instead of items
+    weight: float = 1.0
+    of_what: str = SUMS  # what `of` sums: "sums" before their weights, or weighted "scores"
+    title: str = ""
+
+
+@attrs.frozen
+class Scale:
+    """A rating scale, a sickness scale or a questionnaire."""
+
+    name: str  # the stem of its file
+    title: str
+    kind: str  # one of KINDS
+    items: tuple[Item, ...]  # exactly one for a rating
+    least: float  # lowest answer
+    most: float  # highest answer
+    step: float  # distance between two answers
+    low_is_good: bool
+    anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)  # words for some answers
+    scores: tuple[Score, ...] = ()  # of a questionnaire
+    units: str = ""  # for tables; "" for a plain number
+    source: str = ""  # the paper or standard it comes from
+    prompt: str = ""  # the question about every item; "" where the items are questions themselves
+
+    def values(self) -> tuple[float, ...]:
+        """Return every possible answer, from least to most."""
+        count = round((self.most - self.least) / self.step) + 1
+        return tuple(round(self.least + k * self.step, 9) for k in range(count))
+
+    def badness(self, answer: float) -> float:
+        """Return how bad an answer is, in units of the scale: 0 is the best answer, high is bad."""
+        return answer - self.least if self.low_is_good else self.most - answer
+
+    def with_scores(self, scores: tuple[Score, ...]) -> Self:
+        """Return a copy with these scores."""
+        return attrs.evolve(self, scores=scores)
+
+
+class AnswerRange(Protocol):
+    """Anything with a least and a most answer and a step between two."""
+
+    @property
+    def least(self) -> float: ...
+
+    @property
+    def most(self) -> float: ...
+
+    @property
+    def step(self) -> float: ...
+
+
+def number_text(number: float) -> str:
+    """Return the number as people write it, without trailing zeros."""
+    return f"{number:.9f}".rstrip("0").rstrip(".")
+
+
+def range_text(answers: AnswerRange) -> str:
+    """Return which answers there are: "1 to 6 in steps of 0.25"."""
+    steps = f" in steps of {number_text(answers.step)}" if answers.step != 1 else ""
+    return f"{number_text(answers.least)} to {number_text(answers.most)}{steps}"
+
+
+def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float | None]:
+    """Compute every score of the scale from answers by item key; None where an answer is missing.
+
+    Errors: InputError for an unknown item, or an answer outside the scale.
+    """
+    known = [item.key for item in scale.items]
+    for key, value in answers.items():
+        if key not in known:
+            raise unknown_name(f"item of scale '{scale.name}'", key, known)
+        if value is not None and not scale.least <= value <= scale.most:
+            where = f"scale '{scale.name}', item '{key}'"
+            raise InputError(f"{where}: {value:g}: wanted an answer from {scale.least:g} to {scale.most:g}")
+    values = [answers.get(key) for key in known]
+    sums: dict[str, float | None] = {}
+    scores: dict[str, float | None] = {}
+    for score in scale.scores:
+        of = scores if score.of_what == SCORES else sums
+        parts = [of[name] for name in score.of] if score.of else [values[n - 1] for n in score.items]
+        present = [part for part in parts if part is not None]
+        total = sum(present) if len(present) == len(parts) else None
+        sums[score.name] = total
+        scores[score.name] = None if total is None else total * score.weight
+    return scores
+
+
+def most_scored(scale: Scale) -> dict[str, float]:
+    """Compute every score for the highest answer to every item."""
+    highest = scored(scale, {item.key: scale.most for item in scale.items})
+    return {name: score for name, score in highest.items() if score is not None}

@@ -1,0 +1,198 @@
+"""Program of a session: what it opens, always leaves in the store, and says last."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, closing, suppress
+from typing import Any
+
+import attrs
+
+from ...display import Closed, Display
+from ...errors import HmdwarpError, InputError
+from ...run.live import LiveOptions
+from ...run.live.driver import Driver
+from ...run.live.ending import Ending
+from ...run.live.openings import open_display
+from ...run.live.watchdog import Watchdog
+from ...scenes import load_scene
+from ..console import Console, make_console
+from ..design import Ask, Design, Show, steps_of
+from ..design.read import design_from_text, load_design
+from ..design.settings import live_options
+from ..dialogs import CONTROLS, hints_for
+from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
+from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
+from .closing_words import ClosingWords
+from .runner import Interrupted, SessionRunner
+from .session_context import CommandSources, SessionContext
+from .session_facts import facts_of
+from .session_options import SessionOptions
+from .trial_runner import TrialRunner, first_picture_wait_s
+
+Say = Callable[[str], None]
+
+
+def run_session(
+    options: SessionOptions,
+    say: Say = lambda text: None,
+    *,
+    console: Console | None = None,
+    respondent: Respondent | None = None,
+    on_end: Callable[[Session], None] = lambda session: None,
+) -> Session:
+    """Run a session until it is over or interrupted, and return it with its status.
+
+    Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
+
+    say: gets the closing words, and messages from before there is a console. console, respondent:
+    None for those of the options. on_end: gets the session after the closing words, before the
+    signal that ended it is raised once more; not where an error says it all.
+
+    Errors: InputError for wrong options, before anything is opened; MachineError for what the
+    machine lacks, and for a display that does not come back. Each says how to resume.
+    """
+    design = load_design(options.study)
+    with ExitStack() as stack:
+        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
+        store = stack.enter_context(Store(store_folder(design, options.store), create=True, study=design.name, say=say))
+        part, design = _planned(options, design, store)
+        answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
+        words = ClosingWords(options, design, store, say, on_end)
+        stack.callback(words.say)
+        console = stack.enter_context(console or make_console(options.console, f"study {design.name}"))
+        first = design.part(part).conditions[0]
+        live = live_options(first.settings, source=options.source, trace=options.trace)
+        watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))
+        display = stack.enter_context(
+            closing(open_display(live, watchdog.watching, console.say, CONTROLS, briefly=True))
+        )
+        return _Program(options, design, part, ending, store, console, words, display, live, answers_for).run()
+
+
+def _planned(options: SessionOptions, design: Design, store: Store) -> tuple[str, Design]:
+    """Return the part and the plan; a resumed session keeps the plan it began with."""
+    if not options.resume:
+        store.would_begin(design, options.part, options.participant, options.origin, options.new_session)
+        return options.part or design.parts[0].name, design
+    session = store.would_resume(options.participant, options.part)
+    if session.origin != options.origin:  # simulated answers must not get into a person's session
+        how = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}.get(
+            session.origin, "leave --pilot and --simulate away"
+        )
+        raise InputError(
+            f"participant {session.code} is a {session.origin} here, not a {options.origin}: {how} to resume"
+        )
+    began_with = design if session.plan == design.text else design_from_text(session.plan, design.path)
+    store.check_same(session, began_with)
+    return session.part, began_with
+
+
+def _respondent(options: SessionOptions, design: Design, part: str) -> Callable[[Session], Respondent]:
+    """Return who answers in a session besides the participant.
+
+    Errors: InputError for a model that lacks something, before there is a session.
+    """
+    if options.simulate is None:
+        return lambda session: NoRespondent()
+    model = load_model(options.simulate)
+    Population(model, design, part)  # raises where the model has no answer to what the study asks
+    return lambda session: Simulated(model, design, part, design.seed, person_of(session.code), session.order)
+
+
+@attrs.frozen(eq=False)
+class _Program:
+    """One run of the program, with everything open that it needs."""
+
+    options: SessionOptions
+    design: Design
+    part: str
+    ending: Ending
+    store: Store
+    console: Console
+    words: ClosingWords
+    display: Display
+    live: LiveOptions  # between trials there is no pipeline, but the driver asks for these options
+    answers_for: Callable[[Session], Respondent]
+
+    def run(self) -> Session:
+        """Begin or resume, and leave the session as it ended."""
+        session = self.words.session = self._session()
+        try:
+            runner = self._runner(session)
+            status = runner.run()
+            self.words.session = self.store.end(session, status, runner.why)
+        except (Interrupted, Closed) as ended:
+            try:
+                self._interrupt(session, str(ended))
+            except HmdwarpError as error:
+                self._give_up(session, ended)
+                raise self.words.explained(error) from error
+        except HmdwarpError as error:
+            self._give_up(session, error)
+            raise self.words.explained(error) from error
+        except BaseException as error:
+            self._give_up(session, error)
+            raise
+        else:
+            runner.farewell(status)
+        return self.words.session
+
+    def _session(self) -> Session:
+        options, facts = self.options, facts_of(self.display, self.design, self.options.trace)
+        if options.resume:
+            return self.store.resume(options.participant, options.part, facts)
+        return self.store.begin(
+            self.design, options.part, options.participant, options.origin, options.new_session, facts
+        )
+
+    def _interrupt(self, session: Session, why: str) -> None:
+        self.words.session = self.store.end(session, INTERRUPTED, why)
+
+    def _give_up(self, session: Session, error: BaseException) -> None:
+        """Mark the session as interrupted; it can be resumed even where that cannot be written."""
+        why = str(error) or type(error).__name__
+        self.words.session = attrs.evolve(session, status=INTERRUPTED, why=why)
+        with suppress(HmdwarpError):
+            self._interrupt(session, why)
+
+    def _runner(self, session: Session) -> SessionRunner:
+        store, display = self.store, self.display
+        steps = steps_of(self.design, session.order, session.part)
+        sources = CommandSources(self.console, self.answers_for(session))
+        context = SessionContext(self.design, session, store, display, sources, steps, store.done(session))
+        every = self._all_options()
+        scenes = {name: load_scene(name) for name in {one.scene for one in every}}
+        wait_s = first_picture_wait_s([one.latency_ms for one in every])
+        trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
+        self.words.recording = lambda: trials.recording
+        no_pipeline: Any = _NoPipeline(self.live)
+        answers = store.answers(session)
+        asks = {step.key: step for step in steps if isinstance(step, Ask)}
+        last = max(answers, key=lambda one: one.id, default=None)
+        showings = {one.id: one for one in store.contents(pilot=session.origin == PILOT).showings}
+        return SessionRunner(
+            context,
+            trials,
+            Driver(display, no_pipeline, self.ending, self.console.say),
+            self.ending,
+            hints_for(display.name),
+            resumed=self.options.resume,
+            answered=asks.get(last.key) if last is not None else None,
+            about={one.key: showings[one.showing] for one in answers if one.showing is not None},
+        )
+
+    def _options_of(self, step: Show) -> LiveOptions:
+        return live_options(step.condition.settings, source=self.options.source, trace=self.options.trace)
+
+    def _all_options(self) -> list[LiveOptions]:
+        """Return the options of everything that is shown."""
+        practice = [self.design.practice] if self.design.practice is not None else []
+        return [live_options(one.settings) for one in (*self.design.part(self.part).conditions, *practice)]
+
+
+@attrs.frozen
+class _NoPipeline:
+    """Stands for the driver's stage where nothing is drawn."""
+
+    options: LiveOptions

@@ -1,0 +1,279 @@
+"""Runner of a session: its steps one after the other, with everything that may come in between."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TypeVar
+
+import attrs
+
+from ...display import Closed
+from ...run.live.driver import Driver
+from ...run.live.ending import Ending
+from ..design import Ask, Pause, Read, Show, Step
+from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
+from ..store import COMPLETE, SICK, STOPPED, Showing
+from .session_context import PAUSE, SessionContext
+from .sickness import why_sick
+from .step_handlers import (
+    LOST,
+    BreakHandler,
+    ConfirmHandler,
+    ConsentHandler,
+    MenuHandler,
+    PanelHandler,
+    QuestionHandler,
+    StepHandler,
+)
+from .trial_runner import TrialRunner
+from .wording import (
+    END,
+    MENU,
+    READY,
+    REQUESTED_BREAK,
+    STOP_RULE,
+    farewell_panel,
+    number_panel,
+    ready_panel,
+    sick_panel,
+    step_name,
+)
+
+FAREWELL_S = 3.0
+# Before a pipeline is built, which takes a while: a double-buffered window shows the second panel.
+PANEL_REFRESHES = 2
+
+H = TypeVar("H", bound=StepHandler)
+
+
+class Over(Exception):  # noqa: N818 (nothing went wrong)
+    """The session ends for good. args: its status, as in the store."""
+
+    @property
+    def status(self) -> str:
+        return self.args[0]
+
+
+class Interrupted(Exception):  # noqa: N818 (nothing went wrong)
+    """The session ends for now, and can be resumed. args: why, in words."""
+
+
+@attrs.define(eq=False)
+class SessionRunner:
+    """Runs the steps of a session that are not done."""
+
+    context: SessionContext
+    trials: TrialRunner
+    driver: Driver  # for everything without pictures
+    ending: Ending
+    hints: InputHints
+    resumed: bool = False  # whether the session began in another run of the program
+    answered: Ask | None = None  # the question answered last, in other runs too
+    about: dict[str, Showing] = attrs.field(factory=dict)  # showing that a question was about, by key
+    seen: dict[str, Showing] = attrs.field(factory=dict)  # showing seen to its end in this run, by key
+    why: str = ""  # why the session ended, where that needs words
+    _asking_again: bool = False
+    _is_sick: bool = False
+
+    def run(self) -> str:
+        """Run all steps. Returns the status that the session ends with: COMPLETE, STOPPED or SICK.
+
+        Errors: Interrupted; Closed, Lost, as Driver.run; InputError and MachineError.
+        """
+        try:
+            self._end_if_sick()  # the last run of the program may have died at the stop rule
+            self._begin()
+            for step in self._undone():
+                if self.context.break_due and not (isinstance(step, Ask) and step.about):
+                    self._rest(Pause(REQUESTED_BREAK, 0.0))
+                self._do(step)
+        except Over as over:
+            return over.status
+        return COMPLETE
+
+    def _undone(self) -> list[Step]:
+        return [step for step in self.context.steps if step.key not in self.context.done]
+
+    def _begin(self) -> None:
+        """Wait until the participant is ready, unless a consent does so."""
+        undone = self._undone()
+        if undone and not isinstance(undone[0], Read):
+            panel = ready_panel(undone[0], self.context.steps, self.resumed, self.hints)
+            self._pursue(lambda: ConfirmHandler(self.context, Read(READY, ""), panel))
+
+    def farewell(self, status: str) -> None:
+        """Show the last panel. Everything is stored by now: an error here no longer matters."""
+        with suppress(Closed, Exception):
+            panel = farewell_panel(status)
+            self.driver.run(PanelHandler(self.context, Read(END, ""), panel, seconds=FAREWELL_S, phase="over"))
+
+    # --- steps ---
+
+    def _do(self, step: Step) -> None:
+        match step:
+            case Read():
+                self._read(step)
+            case Show():
+                self._show(step)
+            case Ask():
+                self._ask(step)
+            case Pause():
+                self._rest(step)
+                self._finish(step)
+
+    def _read(self, step: Read) -> None:
+        handler = self._pursue(lambda: ConsentHandler(self.context, step))
+        if handler.dialog.refused:
+            self.context.record("refused", step, by=handler.by)
+            raise Over(STOPPED)
+        self._finish(step)
+
+    def _finish(self, step: Step) -> None:
+        self.context.store.finish_step(self.context.session, step.key)
+        self.context.done.add(step.key)
+
+    def _show(self, step: Show) -> None:
+        """Show a condition until it was seen undisturbed."""
+        context = self.context
+        while True:
+            panel_ns = context.display.now_ns()
+            panel = number_panel(step, context.steps)
+            self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
+            showing, handler = self.trials.run(step, panel_ns)
+            context.shown = step
+            self._refuse_signal()
+            if showing.complete:
+                break
+            if handler.interrupt != LOST:
+                self._between(handler.interrupt, step)
+            context.say(f"{step_name(step, context.steps)}: shown again, from its start")
+        context.done.add(step.key)
+        self.seen[step.key] = showing
+
+    def _ask(self, step: Ask) -> None:
+        """Ask a question; a trial not seen in this run of the program is shown again first."""
+        if step.about and step.about not in self.seen:
+            shown = next(one for one in self.context.steps if one.key == step.about)
+            assert isinstance(shown, Show)
+            self._show(shown)
+        if step.about:
+            self.about[step.key] = self.seen[step.about]
+        self._answer(step)
+
+    def _answer(self, step: Ask) -> None:
+        context = self.context
+        handler = self._pursue(lambda: QuestionHandler(context, step, self._asking_again))
+        answer = context.store.answer(
+            context.session, step, handler.dialog.value, handler.seconds, handler.by, self.about.get(step.key)
+        )
+        context.done.add(step.key)
+        self.answered = step
+        said = "left unanswered" if answer.value is None else f"{answer.value:g}"
+        name = step_name(step, context.steps)
+        about = f"{name}, {step.scale.title}" if step.about else name
+        context.say(f"{about}: {said}" + (" (answered again)" if answer.revision > 1 else ""))
+        rule = context.design.sickness
+        if rule is not None and step.scale.name == rule.scale.name:
+            self._end_if_sick()
+
+    # --- between the steps ---
+
+    def _drive(self, handler: StepHandler | PanelHandler) -> None:
+        self.driver.run(handler)
+        self._refuse_signal()
+
+    def _refuse_signal(self) -> None:
+        if self.ending.asked is not None:
+            raise Interrupted(f"ended by {signal.Signals(self.ending.asked).name}")
+
+    def _pursue(self, make: Callable[[], H]) -> H:
+        """Run a step to its end, anew after each interrupt.
+
+        A question that the menu leaves unanswered has come to its end.
+        """
+        while True:
+            handler = make()
+            self._drive(handler)
+            if not handler.interrupt:
+                return handler
+            if self._between(handler.interrupt, handler.step) == SKIP and isinstance(handler, QuestionHandler):
+                handler.leave_unanswered()
+                return handler
+
+    def _between(self, interrupt: str, step: Step) -> str:
+        """Do what an interrupt requests. Returns what was done."""
+        chosen = self._menu(step) if interrupt == PAUSE else interrupt
+        if chosen == STOP:
+            raise Over(STOPPED)
+        if chosen == BREAK:
+            self._rest(Pause(REQUESTED_BREAK, 0.0))
+        elif chosen == AGAIN:
+            self._ask_again()
+        return chosen
+
+    def _menu(self, step: Step) -> str:
+        offers = {
+            CONTINUE: True,
+            BREAK: not isinstance(step, Pause),
+            AGAIN: self.answered is not None and not self._asking_again,
+            SKIP: isinstance(step, Ask),
+            STOP: True,
+        }
+        offered = [name for name, is_offered in offers.items() if is_offered]
+        handler = MenuHandler(self.context, Pause(MENU, 0.0), offered, step)
+        self._drive(handler)
+        return handler.dialog.chosen
+
+    def _rest(self, step: Pause) -> None:
+        """Have a break; the menu does not stop its time."""
+        self.context.break_due = False
+        until_ns = self.context.display.now_ns() + round(step.seconds * 1e9)
+        self._pursue(lambda: BreakHandler(self.context, step, until_ns))
+
+    def _ask_again(self) -> None:
+        if self.answered is None:
+            self.context.say("nothing has been answered yet")
+        elif not self._asking_again:
+            self._asking_again = True
+            try:
+                self._answer(self.answered)
+            finally:
+                self._asking_again = False
+
+    # --- the stop rule ---
+
+    def _end_if_sick(self) -> None:
+        """End the session at the stop rule, after the last questions, which may be left out.
+
+        An answer that was a slip can be corrected before.
+        """
+        if self._is_sick or not self._why_sick():
+            return
+        try:
+            while why := self._why_sick():
+                self._tell_sick(why)
+                panel = sick_panel(bool(self._after()), self.hints)
+                handler = ConfirmHandler(self.context, Read(STOP_RULE, ""), panel)
+                self._drive(handler)
+                if not handler.interrupt:
+                    self._is_sick = True
+                    for step in self._after():
+                        self._do(step)
+                    raise Over(SICK)
+                self._between(handler.interrupt, handler.step)
+            self.why = ""  # the slip is corrected
+        except Over:
+            raise Over(SICK) from None
+
+    def _why_sick(self) -> str:
+        return why_sick(self.context.design.sickness, self.context.store.answers(self.context.session))
+
+    def _tell_sick(self, why: str) -> None:
+        self.context.record(STOP_RULE, Read(STOP_RULE, ""), why=why)
+        self.context.say(f"the stop rule: {why}")
+        self.why = why
+
+    def _after(self) -> list[Step]:
+        return [step for step in self._undone() if isinstance(step, Ask) and step.phase == "after"]

@@ -1,0 +1,152 @@
+"""Context that all steps of a session share: participant, display, journal, console."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import attrs
+
+from ...display import Command, Display
+from ...display.status import Status
+from ...geometry import Pose
+from ...poses import Origin, PoseSample
+from ..console import Console, ConsoleState
+from ..design import NOBODY as BLIND_TO_NOBODY
+from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
+from ..design import Design, Show, Step
+from ..respondents import Respondent
+from ..store import PILOT, SIMULATED, Session, Store
+from .wording import step_name
+
+PARTICIPANT, EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"  # who sends commands
+# Why a step ends before its time, by the command that requests it.
+PAUSE, AGAIN, STOP = "pause", "again", "stop"
+INTERRUPTS = {"menu": PAUSE, "pause": PAUSE, "again": AGAIN, "stop": STOP}
+BREAK, REMARK = "break", "remark"  # the first waits for the end of the trial, the second changes nothing
+TELL_NS = 200_000_000  # between two states for the console
+TRACKING_LOST = "tracking lost"
+
+
+@attrs.define
+class CommandSources:
+    """Everything that sends commands: the participant's input, the console, a respondent."""
+
+    console: Console
+    respondent: Respondent
+    # (sender, command) that came when its step had just ended, for the next one.
+    late: list[tuple[str, Command]] = attrs.field(factory=list)
+
+    def received(
+        self, commands: Sequence[Command], step: Step, shown: Show | None, elapsed_s: float
+    ) -> list[tuple[str, Command]]:
+        """Return (sender, command) since the last call. commands: those of the display."""
+        late, self.late = self.late, []
+        return [
+            *late,
+            *((PARTICIPANT, one) for one in commands),
+            *((EXPERIMENTER, one) for one in self.console.commands()),
+            *((RESPONDENT, one) for one in self.respondent.commands(step, shown, elapsed_s)),
+        ]
+
+
+@attrs.define(eq=False)
+class SessionContext:
+    """Context that all steps of a session share."""
+
+    design: Design
+    session: Session  # as it was begun or resumed
+    store: Store
+    display: Display
+    sources: CommandSources
+    steps: tuple[Step, ...]  # all of the session
+    done: set[str]  # keys of the steps that are over
+    shown: Show | None = None  # the step shown last
+    break_due: bool = False  # whether a requested break waits for the end of the trial
+    head: PoseSample | None = None  # as it was last seen, None before
+    _begun_ns: int = attrs.field(init=False)
+    _told_ns: int | None = None  # when the console got its last state
+
+    def __attrs_post_init__(self) -> None:
+        self._begun_ns = self.display.now_ns()
+
+    @property
+    def tells_condition(self) -> bool:
+        """Whether the experimenter may know the condition."""
+        return self.design.blind in (BLIND_TO_PARTICIPANT, BLIND_TO_NOBODY)
+
+    def now_s(self) -> float:
+        """Return the time of the display's clock in seconds."""
+        return self.display.now_ns() * 1e-9
+
+    def title(self, step: Step) -> str:
+        """Return the title of the window, which never tells a condition."""
+        return f"study {self.design.name} - {step_name(step, self.steps)}"
+
+    def say(self, text: str) -> None:
+        """Add a line to the experimenter's console."""
+        self.sources.console.say(text)
+
+    def record(self, kind: str, step: Step, **data: object) -> None:
+        """Write to the journal of the session; on the disk when this returns."""
+        self.store.record(self.session, kind, step.key, **data)
+
+    def remark(self, by: str, command: Command, step: Step) -> None:
+        """Keep a remark."""
+        text = str(command.value or "").strip()
+        if text:
+            self.record("remark", step, by=by, text=text)
+            self.say("the remark is kept")
+
+    def plan_break(self, by: str, step: Step) -> None:
+        """Plan a requested break for the end of the trial and its questions."""
+        self.record("break", step, by=by)
+        self.break_due = True
+        self.say("a break comes after this trial")
+
+    def begin_step(self, step: Step) -> None:
+        """Set the title of the window; the console gets a state at the next refresh."""
+        self._told_ns = None
+        self.display.tell(Status(heading=self.title(step)))
+
+    def tell(self, step: Step, describe: Callable[[], Mapping[str, Any]], *, looks: bool = True) -> None:
+        """Tell the console a few times a second.
+
+        describe: returns fields of ConsoleState. looks: whether to ask for the head, as no frame
+        did.
+        Errors: Lost.
+        """
+        now_ns = self.display.now_ns()
+        if self._told_ns is not None and now_ns - self._told_ns < TELL_NS:
+            return
+        self._told_ns = now_ns
+        if looks:
+            self.head = self.display.source.head_at(now_ns)
+        self.sources.console.tell(self._state(step, describe()))
+
+    def _state(self, step: Step, described: Mapping[str, Any]) -> ConsoleState:
+        head, session = self.head, self.session
+        origin = {PILOT: " - PILOT", SIMULATED: " - SIMULATED"}.get(session.origin, "")
+        return ConsoleState(
+            heading=f"study {self.design.name}, participant {session.code}, session {session.number}{origin}",
+            step=step_name(step, self.steps),
+            done=len(self.done.intersection(one.key for one in self.steps)) / max(len(self.steps), 1),
+            elapsed_s=(self.display.now_ns() - self._begun_ns) * 1e-9,
+            position_m=None if head is None else _triple(head.pose.position_m),
+            angles_deg=None if head is None else head_angles_deg(head.pose),
+            notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
+            **described,
+        )
+
+
+def head_angles_deg(pose: Pose) -> tuple[float, float, float]:
+    """Return yaw (left), pitch (up) and roll (left): the head turns, then nods, then tilts."""
+    m = pose.rotation_matrix
+    angles = math.atan2(m[0][2], m[2][2]), math.asin(min(max(-m[1][2], -1.0), 1.0)), math.atan2(m[1][0], m[1][1])
+    return _triple(map(math.degrees, angles))
+
+
+def _triple(values: Any) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z

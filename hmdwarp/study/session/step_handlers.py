@@ -1,0 +1,268 @@
+"""Handlers of the steps: what each shows at a refresh, and what commands do in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+
+from ...display import Command, Label
+from ...run.live.driver import FrameHandler
+from ..design import Ask, Pause, Read, Step
+from ..dialogs import BreakDialog, ConsentDialog, MenuDialog, MessagePanel, QuestionDialog, hints_for
+from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
+
+if TYPE_CHECKING:
+    from ...pipeline.loop import Refresh
+
+LOST = "lost"
+CONFIRMS = frozenset({"confirm", "agree", "continue"})
+
+
+class StepHandler(FrameHandler):
+    """Refreshes that belong to one step, and the commands that every step knows.
+
+    An interrupt is in the journal before it has effect. Subclasses say which other commands they
+    take, when they are finished, and what lies over the picture.
+    """
+
+    pictures = False
+    phase = ""  # as in ConsoleState
+
+    def __init__(self, context: SessionContext, step: Step, during: Step | None = None) -> None:
+        self.context, self.step = context, step
+        self._named = during or step  # the step that title and console name: the menu names the interrupted one
+        self.interrupt = ""  # why it ended before its time: a value of INTERRUPTS, or LOST
+        self.by = ""  # who ended it
+        self.began_ns = context.display.now_ns()
+        context.begin_step(self._named)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Time since the step began."""
+        return (self.context.display.now_ns() - self.began_ns) * 1e-9
+
+    def finished(self) -> bool:
+        """Return whether the step came to its end."""
+        raise NotImplementedError
+
+    def take(self, by: str, command: Command) -> None:
+        """Carry out a command of this step alone."""
+        raise NotImplementedError
+
+    def describe(self) -> Mapping[str, Any]:
+        """Return the fields of ConsoleState that belong to the step."""
+        return {"phase": self.phase}
+
+    def over(self) -> bool:
+        """Return whether the step is finished or interrupted."""
+        return bool(self.interrupt) or self.finished()
+
+    def obey(self, commands: Sequence[Command]) -> bool:
+        """Carry out all commands; never changes the options of the run.
+
+        Commands after the end of a step belonged to it, and are dropped, except stop, menu and
+        break: they are kept for the next step.
+        """
+        context = self.context
+        for by, command in context.sources.received(commands, self.step, context.shown, self.elapsed_s):
+            if command.control == REMARK:
+                context.remark(by, command, self.step)
+            elif not self.over():
+                self.hear(by, command)
+            else:
+                self._hear_late(by, command)
+        context.tell(self._named, self.describe, looks=not self.pictures)
+        return False
+
+    def _hear_late(self, by: str, command: Command) -> None:
+        """Keep a command that came after the end; a closed menu does not open again."""
+        if command.control == BREAK:
+            self.context.plan_break(by, self.step)
+        elif command.control == STOP or (
+            command.control in INTERRUPTS and not self.interrupt and self.phase != "paused"
+        ):
+            self.context.sources.late.append((by, command))
+
+    def hear(self, by: str, command: Command) -> None:
+        """Carry out a command that came during the step."""
+        if command.control in INTERRUPTS:
+            self.interrupt, self.by = INTERRUPTS[command.control], by
+            self.context.record(self.interrupt, self.step, by=by, after_s=self.elapsed_s)
+        elif command.control == BREAK:
+            self.context.plan_break(by, self.step)
+        else:
+            self.take(by, command)
+
+    def arrived(self, refresh: Refresh) -> None:
+        """Remember the head of the frame."""
+        self.context.head = refresh.head
+
+    def on_display_lost(self, why: str) -> None:
+        """Record the loss."""
+        self.context.record(LOST, self.step, why=why)
+
+
+class Dialog(Protocol):
+    """Dialog with the participant."""
+
+    @property
+    def over(self) -> bool: ...
+
+    def panel(self) -> Label: ...
+
+    def handle(self, commands: Sequence[Command]) -> None: ...
+
+
+D = TypeVar("D", bound=Dialog)
+
+
+class DialogHandler(StepHandler, Generic[D]):
+    """Step that is a dialog."""
+
+    def __init__(self, context: SessionContext, step: Step, dialog: D, during: Step | None = None) -> None:
+        super().__init__(context, step, during)
+        self.dialog = dialog
+        self.seconds = 0.0  # until it was over
+
+    def finished(self) -> bool:
+        """Return whether the dialog is over."""
+        return self.dialog.over
+
+    def label(self) -> Label:
+        """Return the panel of the dialog."""
+        return self.dialog.panel()
+
+    def take(self, by: str, command: Command) -> None:
+        """Pass the command to the dialog."""
+        self.dialog.handle((command,))
+        if self.finished():
+            self.by, self.seconds = by, self.elapsed_s
+
+
+class QuestionHandler(DialogHandler[QuestionDialog]):
+    """Question. again: whether it was asked before."""
+
+    phase = "asking"
+
+    def __init__(self, context: SessionContext, ask: Ask, again: bool = False) -> None:
+        super().__init__(context, ask, QuestionDialog(ask, context.now_s, hints_for(context.display.name), again))
+
+    def leave_unanswered(self) -> None:
+        """Leave the question unanswered, as the menu offers."""
+        self.take(self.by or PARTICIPANT, Command("answer", None))
+
+    def take(self, by: str, command: Command) -> None:
+        """Pass the command to the question; the experimenter has confirmed a skip already."""
+        if command.control == "skip" and by != PARTICIPANT:
+            command = Command("answer", None)
+        super().take(by, command)
+
+    def describe(self) -> Mapping[str, Any]:
+        """Return the phase and the question."""
+        return {"phase": self.phase, "question": self.dialog.question()}
+
+
+class ConsentHandler(DialogHandler[ConsentDialog]):
+    """Text that the participant agrees to or refuses."""
+
+    phase = "reading"
+
+    def __init__(self, context: SessionContext, read: Read) -> None:
+        super().__init__(context, read, ConsentDialog(read.text, hints_for(context.display.name)))
+
+
+class BreakHandler(DialogHandler[BreakDialog]):
+    """Break. until_ns: when it may end, on the display's clock."""
+
+    phase = "break"
+
+    def __init__(self, context: SessionContext, pause: Pause, until_ns: int) -> None:
+        left_s = max(0.0, (until_ns - context.display.now_ns()) * 1e-9)
+        super().__init__(context, pause, BreakDialog(left_s, context.now_s, hints_for(context.display.name)))
+
+    def hear(self, by: str, command: Command) -> None:
+        """Ignore a request for a break within a break."""
+        if command.control != BREAK:
+            super().hear(by, command)
+
+    def describe(self) -> Mapping[str, Any]:
+        """Return the phase and the time left."""
+        return {"phase": self.phase, "left_s": self.dialog.left_s}
+
+
+class MenuHandler(DialogHandler[MenuDialog]):
+    """Menu, which the experimenter's pause opens too. during: the interrupted step."""
+
+    phase = "paused"
+
+    def __init__(self, context: SessionContext, pause: Pause, offered: Sequence[str], during: Step) -> None:
+        super().__init__(context, pause, MenuDialog(offered, hints_for(context.display.name)), during)
+
+    def hear(self, by: str, command: Command) -> None:
+        """Pass every command to the menu; the choice is in the journal before it has effect."""
+        if command.control != "pause":
+            self.take(by, command)
+            if self.finished():
+                self.context.record(self.dialog.chosen, self.step, by=by)
+
+
+class ConfirmHandler(StepHandler):
+    """Panel that stays until it is confirmed."""
+
+    phase = "waiting"
+
+    def __init__(self, context: SessionContext, read: Read, panel: MessagePanel) -> None:
+        super().__init__(context, read)
+        self._panel, self._confirmed = panel, False
+
+    def finished(self) -> bool:
+        """Return whether it is confirmed."""
+        return self._confirmed
+
+    def label(self) -> Label:
+        """Return the panel."""
+        return self._panel
+
+    def take(self, by: str, command: Command) -> None:
+        """Confirm."""
+        if command.control in CONFIRMS:
+            self.by, self._confirmed = by, True
+
+
+class PanelHandler(FrameHandler):
+    """Panel that stays for some refreshes or seconds; commands wait for the next step."""
+
+    pictures = False
+
+    def __init__(
+        self,
+        context: SessionContext,
+        step: Step,
+        panel: MessagePanel,
+        refreshes: int = 1,
+        seconds: float = 0.0,
+        phase: str = "showing",
+    ) -> None:
+        self._context, self._step, self._panel, self._left, self._phase = context, step, panel, refreshes, phase
+        self._until_ns = context.display.now_ns() + round(seconds * 1e9)
+        context.begin_step(step)
+
+    def over(self) -> bool:
+        """Return whether both the refreshes and the seconds are over."""
+        return self._left <= 0 and self._context.display.now_ns() >= self._until_ns
+
+    def label(self) -> Label:
+        """Return the panel; called once a refresh."""
+        self._left -= 1
+        return self._panel
+
+    def obey(self, commands: Sequence[Command]) -> bool:
+        """Tell the console; the commands do nothing."""
+        self._context.tell(self._step, lambda: {"phase": self._phase})
+        return False
+
+    def arrived(self, refresh: Refresh) -> None:
+        """Do nothing."""
+
+    def on_display_lost(self, why: str) -> None:
+        """Do nothing: the step itself has not begun."""

@@ -1,0 +1,186 @@
+"""Trials: one condition each, on a pipeline built for it alone, with log, recording and store."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from ...display import Command, Label
+from ...errors import InputError
+from ...run.live import LiveOptions
+from ...run.live.driver import Driver
+from ...run.live.ending import Ending
+from ...run.live.host import Stage
+from ...run.live.log import LiveLog
+from ...run.live.recorder import Recorder
+from ...scenes import Scene
+from ..actual import actual_of
+from ..design import Show
+from ..store import Showing
+from .session_context import SessionContext
+from .step_handlers import LOST, StepHandler
+from .wording import number_panel
+
+if TYPE_CHECKING:
+    from ...pipeline.loop import Refresh
+
+BY = "hmdwarp study"
+# Least time of black with the number, before frames get under way: eyes rest, and building a
+# pipeline seldom takes longer.
+LEAD_S = 1.0
+SETTLED_S = 0.25  # beyond the longest latency: some frames come later
+PATIENCE_S = 30.0  # for the first frame
+
+
+def first_picture_wait_s(latencies_ms: Sequence[float]) -> float:
+    """Return how long frames are under way before the first picture, the same for all trials.
+
+    A wait as long as the latency, or as building the pipeline, would tell the condition.
+    """
+    return max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S
+
+
+class TrialHandler(StepHandler):
+    """One condition: black with its number, then the pictures, with nothing written over them.
+
+    In the black the server draws already, so that frames are under way at the first picture as in
+    the middle of a run; a recorded head starts anew that long before. The time of the trial counts
+    from its first picture, on the display's clock.
+
+    panel: lies over the black, since panel_ns. wait_s: see first_picture_wait_s.
+    Errors, out of the driver: InputError where no frame arrives.
+    """
+
+    ahead = True
+    phase = "showing"
+
+    def __init__(
+        self, context: SessionContext, step: Show, panel: Label, panel_ns: int, log: LiveLog, wait_s: float
+    ) -> None:
+        super().__init__(context, step)
+        self._show, self._panel, self._panel_ns, self._log, self._wait_s = step, panel, panel_ns, log, wait_s
+        self._arrived = False
+        self._restarted_ns: int | None = None
+        self._first_ns: int | None = None
+
+    @property
+    def seen_s(self) -> float:
+        """Time since the first picture."""
+        return self._since_s(self._first_ns)
+
+    def _since_s(self, instant_ns: int | None) -> float:
+        return 0.0 if instant_ns is None else (self.context.display.now_ns() - instant_ns) * 1e-9
+
+    def finished(self) -> bool:
+        """Return whether the trial's seconds are over."""
+        return self._first_ns is not None and self.seen_s >= self._show.seconds
+
+    def label(self) -> Label:
+        """Return the panel with the number, and nothing over pictures."""
+        return "" if self.pictures else self._panel
+
+    def arrived(self, refresh: Refresh) -> None:
+        """Start the trial's time at its first picture."""
+        super().arrived(refresh)
+        self._arrived = True
+        if self.pictures and self._first_ns is None:
+            self._first_ns = self.context.display.now_ns()
+
+    def take(self, by: str, command: Command) -> None:
+        """Do nothing: no command changes a trial."""
+
+    def obey(self, commands: Sequence[Command]) -> bool:
+        """Carry out the commands, and lead from the black to the pictures."""
+        super().obey(commands)
+        if not self.pictures:
+            self._lead()
+        return False
+
+    def _lead(self) -> None:
+        if self._restarted_ns is None:
+            if self._since_s(self._panel_ns) >= LEAD_S:
+                self.context.display.restart()
+                self._restarted_ns, self._arrived = self.context.display.now_ns(), False
+            return
+        over_s = self._since_s(self._restarted_ns) - self._wait_s
+        self.pictures = self._arrived and over_s >= 0
+        if not self._arrived and over_s >= PATIENCE_S:
+            raise InputError(
+                f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through"
+            )
+
+    def on_display_lost(self, why: str) -> None:
+        """End the trial; it is shown again, as a rating must be about an undisturbed one."""
+        super().on_display_lost(why)
+        self.interrupt = LOST
+
+    def describe(self) -> Mapping[str, Any]:
+        """Return the time left and the frame rate; the age of frames would tell the condition."""
+        status = self._log.status
+        return {
+            "phase": self.phase,
+            "left_s": self._show.seconds - self.seen_s,
+            "rate_hz": status.rate_hz,
+            "missed": status.missed,
+            "condition": self._show.condition.name if self.context.tells_condition else "",
+        }
+
+
+@attrs.define(eq=False)
+class TrialRunner:
+    """Runs trials, one at a time."""
+
+    context: SessionContext
+    ending: Ending
+    options_of: Callable[[Show], LiveOptions]  # of the live run that a step is
+    wait_s: float  # see first_picture_wait_s
+    scenes: Mapping[str, Scene]  # all that are shown, by name
+    recording: Recorder | None = None  # the one under way, None between trials
+
+    def run(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
+        """Run a trial from the black before it to its last picture, or to what ended it before.
+
+        panel_ns: since when the panel before it is shown. The showing is in the store when this
+        returns, and also, as incomplete, when an error leaves it.
+
+        Errors: Closed, Lost, as Driver.run; InputError and MachineError of store, recorder and
+        pipeline.
+        """
+        context = self.context
+        showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
+        path = context.store.traces / showing.trace
+        log = LiveLog(attrs.evolve(self.options_of(step), record=path, seconds=None, frames=None, out=None))
+        complete = False
+        try:
+            with ExitStack() as stack:
+                stack.enter_context(log)
+                recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
+                stage = self._stage(step)
+                stack.callback(stage.close)
+                stack.callback(log.leave)
+                recorder.begin(context.display)
+                log.begin(context.display, stage)
+                panel = number_panel(step, context.steps)
+                handler = TrialHandler(context, step, panel, panel_ns, log, self.wait_s)
+                log.status.heading = context.title(step)
+                Driver(context.display, stage, self.ending, context.say).run(handler, log, recorder)
+            complete = handler.finished() and not handler.interrupt
+        except BaseException:
+            with suppress(Exception):  # the first error is the one to report
+                self._end(showing, log, complete=False)
+            raise
+        finally:
+            self.recording = None
+        return self._end(showing, log, complete), handler
+
+    def _stage(self, step: Show) -> Stage:
+        """Build a new pipeline, even for the same settings: it must remember nothing."""
+        options = self.options_of(step)
+        return Stage(self.context.display, options, self.scenes[options.scene])
+
+    def _end(self, showing: Showing, log: LiveLog, complete: bool) -> Showing:
+        actual = actual_of(log.result().summary, log.column)
+        return self.context.store.end_showing(self.context.session, showing, actual, complete)

@@ -1,0 +1,63 @@
+"""Names of steps, and the panels between them; none of it tells a condition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..design import Ask, Pause, Read, Show, Step
+from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
+from ..store import COMPLETE, SICK, STOPPED
+
+# Keys of what comes between the steps.
+READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", "sick", "end")
+_FAREWELL = {
+    COMPLETE: ("Thank you", "That was all. You may take off the headset."),
+    STOPPED: ("Thank you", "The session has ended. What you answered is kept."),
+    SICK: ("Thank you", "The session has ended. Take your time, have some water, and tell us how you feel."),
+}
+
+
+def step_name(step: Step, steps: Sequence[Step]) -> str:
+    """Return "trial 3 of 12", and the like."""
+    if isinstance(step, Pause):
+        return "break"
+    if isinstance(step, Read):
+        return {READY: "about to begin", STOP_RULE: "the session ends", END: "over"}.get(step.key, "consent")
+    if isinstance(step, Ask) and not step.about:
+        items, title = step.scale.items, step.scale.title
+        return title if len(items) == 1 else f"{title}, item {items.index(step.item) + 1} of {len(items)}"
+    return f"trial {step.trial} of {_trials(steps)}" if step.trial else "practice"
+
+
+def ready_panel(next_step: Step, steps: Sequence[Step], resumed: bool, hints: InputHints) -> MessagePanel:
+    """Make the first panel: nothing begins before the participant sits right."""
+    next_name = "a break" if isinstance(next_step, Pause) else step_name(next_step, steps)
+    resumes = f"We go on with {next_name}. " if resumed else ""
+    menu = f"{hints.menu} opens a menu at any time: to have a break, or to stop without a reason."
+    return message_panel("Ready?", f"{resumes}Sit comfortably. {menu}", f"{hints.confirm}: begin")
+
+
+def number_panel(step: Show, steps: Sequence[Step]) -> MessagePanel:
+    """Make the panel before a trial."""
+    return trial_panel(step.trial, _trials(steps))
+
+
+def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:
+    """Make the panel that the stop rule shows in place of the next trial."""
+    rest = (
+        "A few questions are left, if you like; each may be left out." if asks_after else "There is nothing more to do."
+    )
+    keys = f"{hints.confirm}: go on · {hints.menu}: menu"
+    return message_panel(
+        "We stop here", f"You do not feel well enough to go on, so this is the last of it. {rest}", keys
+    )
+
+
+def farewell_panel(status: str) -> MessagePanel:
+    """Make the last panel."""
+    return message_panel(*_FAREWELL[status])
+
+
+def _trials(steps: Sequence[Step]) -> int:
+    """Count the trials, without the practice."""
+    return max((step.trial for step in steps if isinstance(step, Show)), default=0)

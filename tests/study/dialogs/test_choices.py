@@ -1,0 +1,164 @@
+"""The menu, a text to agree to, a break: nothing by a slip, nothing lost, and every way the hands
+have leads there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.study.dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, BreakDialog, ConsentDialog, MenuDialog
+
+from .made_scales import said
+
+LONG = "This study asks how good pictures are that come late. " * 40
+commands = st.lists(
+    st.one_of(
+        st.sampled_from(said("left", "right", "up", "down", "confirm", "menu", "erase", ("digit", "3"), "quit")),
+        st.tuples(st.sampled_from(["point", "press"]), st.tuples(st.floats(0, 1), st.floats(0, 1))).map(
+            lambda one: said(one)[0]
+        ),
+    ),
+    max_size=30,
+)
+
+
+def pressed(panel, name: str) -> tuple[float, float]:
+    """The middle of that button, by trying."""
+    found = [(u, v) for u in np.linspace(0, 1, 40) for v in np.linspace(0, 1, 120) if panel.button_at(u, v) == name]
+    assert found, name
+    return tuple(float(part) for part in np.mean(found, axis=0))
+
+
+@pytest.mark.parametrize(("steps", "chosen"), [(0, CONTINUE), (1, BREAK), (2, AGAIN), (9, "")])
+def test_steps_and_confirm_choose(steps, chosen):
+    for forward in ("right", "down"):
+        menu = MenuDialog()
+        menu.handle(said(*[forward] * steps, "confirm"))
+        assert menu.chosen == chosen  # the last is the end, which is asked for twice
+
+
+def test_the_end_is_asked_for_twice():
+    menu = MenuDialog()
+    menu.handle(said("left", *["right"] * 3, "confirm"))
+    assert menu.chosen == "" and menu.panel().title == "Stop now?"
+    menu.handle(said("confirm"))
+    assert menu.chosen == "" and menu.panel().title == "Menu"  # a second slip goes back
+    menu.handle(said(*["down"] * 3, "confirm", "right", "confirm"))
+    assert menu.chosen == STOP
+
+
+def test_the_mouse_chooses():
+    menu = MenuDialog((CONTINUE, BREAK, SKIP, STOP))
+    menu.handle(said(("point", pressed(menu.panel(), SKIP))))
+    assert menu.panel().marked == 2 and menu.chosen == ""
+    menu.handle(said(("press", (0.5, 0.999))))
+    assert menu.chosen == ""  # beside the buttons
+    menu.handle(said(("press", pressed(menu.panel(), STOP))))
+    menu.handle(said(("press", pressed(menu.panel(), "yes"))))
+    assert menu.chosen == STOP
+
+
+@pytest.mark.parametrize("name", [CONTINUE, BREAK, AGAIN, STOP])
+def test_the_desk_chooses_at_once_and_escape_goes_on(name):
+    menu = MenuDialog()
+    menu.handle(said(name))
+    assert menu.chosen == name
+    menu = MenuDialog()
+    menu.handle(said("right", "menu"))
+    assert menu.chosen == CONTINUE
+
+
+def test_what_is_not_offered_is_not_chosen():
+    menu = MenuDialog((CONTINUE, STOP))
+    menu.handle(said(AGAIN, "right", "right", "left"))
+    assert menu.chosen == "" and menu.panel().marked == 0
+
+
+@given(commands)
+def test_whatever_comes_the_menu_knows_what_it_is(sent):
+    menu = MenuDialog()
+    for command in sent:
+        before = menu.chosen
+        menu.handle([command])
+        assert menu.chosen in ("", CONTINUE, BREAK, AGAIN, STOP) and (not before or menu.chosen == before)
+        assert 0 <= menu.panel().marked < len(menu.panel().choices)
+
+
+def test_agreeing_is_chosen_by_nobody_beforehand():
+    reading = ConsentDialog("A short text.")
+    assert reading.panel().marked is None
+    reading.handle(said("confirm"))
+    assert not reading.agreed and not reading.refused and "Choose one first" in reading.panel().note
+    reading.handle(said("right", "right", "confirm"))
+    assert reading.agreed and not reading.refused
+
+
+def test_not_agreeing_is_as_easy():
+    reading = ConsentDialog("A short text.")
+    reading.handle(said("right", "confirm"))
+    assert reading.refused and not reading.agreed
+    reading = ConsentDialog("A short text.")
+    reading.handle(said(("press", pressed(reading.panel(), "refuse"))))
+    assert reading.refused
+
+
+def test_a_long_text_is_agreed_to_on_its_last_page_alone():
+    reading, seen, pages = ConsentDialog(LONG), "", 0
+    while "agree" not in dict(reading.panel().choices):
+        seen += "".join(reading.panel().lines)
+        pages += 1
+        assert reading.panel().ink().shape == ConsentDialog(LONG).panel().ink().shape  # no page jumps
+        reading.handle(said("confirm"))
+    seen += "".join(reading.panel().lines)
+    assert "".join(seen.split()) == "".join(LONG.split()) and pages >= 3
+    assert reading.panel().title == f"Before we begin ({pages + 1} of {pages + 1})"
+    reading.handle(said(("press", pressed(reading.panel(), "back")), "confirm"))
+    assert not reading.agreed and "agree" in dict(reading.panel().choices)  # back, and on again
+    reading.handle(said("right", "right", "right", "confirm"))
+    assert reading.agreed
+
+
+def test_the_desk_agrees_for_the_participant():
+    reading = ConsentDialog(LONG)
+    reading.handle(said("agree"))
+    assert reading.agreed
+
+
+@given(commands)
+def test_whatever_comes_nobody_agrees_without_a_word(sent):
+    reading = ConsentDialog(LONG)
+    for command in sent:
+        last_page = "agree" in dict(reading.panel().choices)
+        was = reading.agreed or reading.refused
+        reading.handle([command])
+        assert not (reading.agreed and reading.refused)
+        assert was or last_page or not (reading.agreed or reading.refused)
+
+
+def test_a_break_lasts_as_long_as_it_is_to():
+    now = [100.0]
+    resting = BreakDialog(75, lambda: now[0])
+    assert "1:15" in resting.panel().lines[0]
+    resting.handle(said("confirm", "continue"))
+    assert not resting.over
+    panels = set()
+    for now[0] in np.arange(100.0, 175.0, 0.1):
+        panels.add(resting.panel())
+        assert resting.left_s > 0
+    assert len(panels) == 75  # a new one each second, not each refresh
+    now[0] = 175.0
+    assert resting.left_s == 0 and "Enter" in resting.panel().lines[0] and not resting.over  # as long as is wanted
+    resting.handle(said("left", "menu"))
+    assert not resting.over
+    resting.handle(said("confirm"))
+    assert resting.over
+
+
+def test_a_pause_without_a_time_is_over_when_somebody_says_so():
+    resting = BreakDialog(0, lambda: 5.0)
+    assert not resting.over
+    resting.handle(said("continue"))
+    assert resting.over

@@ -1,0 +1,275 @@
+"""What may come between the steps: pauses, breaks, questions asked again, what is left unanswered,
+remarks, and the end at any moment.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.display import Command
+from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
+from hmdwarp.study.store import COMPLETE, STOPPED
+
+from .sessions import Person, ScriptedConsole, contents, press, run, study, whole
+
+
+def at_phase(phase: str, step: str, *commands: Command):
+    """An experimenter who asks for something once, when that step is on."""
+    asked = []
+
+    def asks(state):
+        if not asked and (state.phase, state.step) == (phase, step):
+            asked.append(state)
+            return commands
+        return ()
+
+    return ScriptedConsole(asks)
+
+
+def events(path, *kinds: str) -> list[tuple[str, str]]:
+    return [(event.kind, event.key) for event in contents(path).events if event.kind in kinds]
+
+
+def presentations(path, key: str) -> list[tuple[int, bool]]:
+    return [(one.presentation, one.complete) for one in contents(path).showings if one.key == key]
+
+
+def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu, tmp_path):
+    console = at_phase("showing", "trial 1 of 2", Command("pause"))
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, console=console)  # the participant goes on by the menu
+    assert ran.session.status == COMPLETE
+    assert presentations(path, "trial/1") == [(1, False), (2, True)]
+    stored = contents(path)
+    (answer,) = [one for one in stored.answers if one.key == "trial/1/grade/grade"]
+    assert answer.showing == next(one.id for one in stored.showings if one.complete)
+    assert events(path, "pause", "continue") == [("pause", "trial/1"), ("continue", "menu")]
+    assert {one.step for one in ran.console.states if one.phase == "paused"} == {
+        "trial 1 of 2"
+    }  # in the middle of what
+    menu = next(panel for panel in ran.display.panels if isinstance(panel, MessagePanel) and panel.title == "Menu")
+    assert "have a break" in repr(menu.choices)
+
+
+def test_the_experimenter_ends_a_pause_too(monkeypatch, gpu, tmp_path):
+    wishes = {"showing": [Command("pause")], "paused": [Command("continue")]}
+    path = study(tmp_path)
+    person = Person(lambda panel: () if getattr(panel, "title", "") == "Menu" else None)
+    ran = run(monkeypatch, gpu, path, person, ScriptedConsole(lambda state: wishes.pop(state.phase, ())))
+    assert ran.session.status == COMPLETE
+    by = [(event.kind, event.data["by"]) for event in contents(path).events if event.kind in ("pause", "continue")]
+    assert by == [("pause", "experimenter"), ("continue", "experimenter")]
+
+
+def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
+    """From a question: a break, the question of before again, then this one left unanswered."""
+    wishes = ["break", "again", "skip"]
+
+    def own(panel):
+        if isinstance(panel, QuestionPanel) and panel.heading == "trial 2" and wishes:
+            return [Command("menu")]
+        if isinstance(panel, MessagePanel) and panel.title == "Menu":
+            return [press(panel, wishes.pop(0))]
+        return None
+
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, Person(own))
+    assert ran.error is None
+    assert not wishes
+    assert [kind for kind, _ in events(path, "pause", "break", "again", "skip", "answer")] == [
+        "answer", "pause", "break", "pause", "again", "answer", "pause", "skip", "answer",
+    ]  # fmt: skip
+    answers = [(one.key, one.revision, one.value) for one in contents(path).answers]
+    assert answers == [
+        ("trial/1/grade/grade", 1, 2.0),
+        ("trial/1/grade/grade", 2, 2.0),
+        ("trial/2/grade/grade", 1, None),
+    ]
+    assert presentations(path, "trial/2") == [
+        (1, True)
+    ]  # a question that was interrupted is asked anew, and nothing is shown for it
+
+
+def test_the_last_question_again_keeps_both_answers_and_goes_on(monkeypatch, gpu, tmp_path):
+    grades = iter("5213")
+
+    def own(panel):
+        if isinstance(panel, QuestionPanel) and panel.value is None and not panel.typed:
+            return [Command("digit", next(grades)), Command("confirm")]
+        return None
+
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, Person(own), at_phase("showing", "trial 2 of 2", Command("again")))
+    assert ran.session.status == COMPLETE
+    answers = [(one.key, one.revision, one.value) for one in contents(path).answers]
+    assert answers == [
+        ("trial/1/grade/grade", 1, 5.0),
+        ("trial/1/grade/grade", 2, 2.0),
+        ("trial/2/grade/grade", 1, 1.0),
+    ]
+    showings = {one.showing for one in contents(path).answers[:2]}
+    assert len(showings) == 1  # both are about the same showing
+    assert presentations(path, "trial/2") == [(1, False), (2, True)]
+    assert any("answered again" in text for text in ran.console.said)
+
+
+def test_again_before_anything_was_asked_changes_nothing(monkeypatch, gpu, tmp_path):
+    ran = run(monkeypatch, gpu, study(tmp_path), console=at_phase("showing", "trial 1 of 2", Command("again")))
+    assert ran.session.status == COMPLETE
+    assert "nothing has been answered yet" in ran.console.said
+
+
+@pytest.mark.parametrize(
+    ("phase", "step"),
+    [
+        ("reading", "consent"),
+        ("showing", "practice"),
+        ("asking", "practice"),
+        ("showing", "trial 2 of 2"),
+        ("break", "break"),
+    ],
+)
+def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
+    path = whole(tmp_path)
+
+    def waits(panel):
+        busy = {"reading": getattr(panel, "title", "") == "Before we begin", "asking": isinstance(panel, QuestionPanel)}
+        return () if busy.get(phase) else None
+
+    ran = run(monkeypatch, gpu, path, Person(waits), at_phase(phase, step, Command("stop")))
+    assert ran.error is None
+    assert (ran.session.status, ran.session.why) == (STOPPED, "")
+    stored = contents(path)
+    assert [event.kind for event in stored.events][-2:] == (["shown", "end"] if phase == "showing" else ["stop", "end"])
+    before = {"consent": 0, "practice": 0, "trial 2 of 2": 3, "break": 3}[step]
+    assert len(stored.answers) == before
+    assert ran.display.panels[-1].title == "Thank you"
+
+
+@pytest.mark.parametrize(
+    ("phase", "commands", "answers"),
+    [
+        ("asking", [Command("answer", 3.0), Command("stop")], [3.0]),
+        ("showing", [Command("pause"), Command("stop")], []),
+    ],
+)
+def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tmp_path, phase, commands, answers):
+    """Both are there at one refresh, as after one that took long: the answer is kept, and the end
+    is not passed over.
+    """
+    path = study(tmp_path)
+    idle = Person(lambda panel: () if phase == "asking" and getattr(panel, "heading", "") == "trial 1" else None)
+    ran = run(monkeypatch, gpu, path, idle, at_phase(phase, "trial 1 of 2", *commands))
+    assert ran.session.status == STOPPED
+    assert [one.value for one in contents(path).answers] == answers
+    assert len(events(path, "stop")) == 1
+
+
+def test_a_break_and_the_menu_that_come_with_an_answer_are_for_the_next_step(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    idle = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
+    console = at_phase("asking", "trial 1 of 2", Command("answer", 3.0), Command("break"), Command("pause"))
+    ran = run(monkeypatch, gpu, path, idle, console)
+    assert ran.session.status == COMPLETE
+    assert [kind for kind, _ in events(path, "break", "pause", "continue")] == ["break", "pause", "continue"]
+    assert "A break" in [getattr(panel, "title", "") for panel in ran.display.panels]
+
+
+def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tmp_path):
+    def own(panel):
+        if isinstance(panel, QuestionPanel):
+            return [Command("menu")]
+        if isinstance(panel, MessagePanel) and panel.title == "Menu":
+            return [press(panel, "stop")]
+        if isinstance(panel, MessagePanel) and panel.title == "Stop now?":
+            return [press(panel, "yes")]
+        return None
+
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, Person(own))
+    assert ran.session.status == STOPPED
+    assert "Stop now?" in [getattr(panel, "title", "") for panel in ran.display.panels]
+    (stop,) = [event for event in contents(path).events if event.kind == "stop"]
+    assert stop.data["by"] == "participant"
+
+
+def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
+    path = whole(tmp_path)
+    person = Person(
+        lambda panel: [press(panel, "refuse")] if getattr(panel, "title", "") == "Before we begin" else None
+    )
+    ran = run(monkeypatch, gpu, path, person)
+    assert ran.session.status == STOPPED
+    assert events(path, "refused") == [("refused", "consent")]
+    assert ran.display.shown == 0
+
+
+def test_the_experimenter_types_what_is_said_and_leaves_out_what_is_not(monkeypatch, gpu, tmp_path):
+    given = iter([Command("answer", 3.25), Command("skip")])
+    console = ScriptedConsole(
+        lambda state: [command] if state.phase == "asking" and (command := next(given, None)) else ()
+    )
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, Person(lambda panel: () if isinstance(panel, QuestionPanel) else None), console)
+    assert ran.session.status == COMPLETE
+    assert [(one.value, one.by) for one in contents(path).answers] == [(3.25, "experimenter"), (None, "experimenter")]
+
+
+def test_a_remark_is_kept_word_for_word_and_disturbs_nothing(monkeypatch, gpu, tmp_path):
+    text = "the strap slipped; \N{SNOWMAN} 'quoted'"
+    path = study(tmp_path)
+    run(monkeypatch, gpu, path, console=at_phase("showing", "trial 2 of 2", Command("remark", text)))
+    (remark,) = [event for event in contents(path).events if event.kind == "remark"]
+    assert (remark.key, remark.data["text"], remark.data["by"]) == ("trial/2", text, "experimenter")
+    assert presentations(path, "trial/2") == [(1, True)]
+
+
+def test_a_break_asked_for_at_the_console_waits_until_the_trial_is_over(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, console=at_phase("showing", "trial 1 of 2", Command("break")))
+    assert ran.session.status == COMPLETE
+    assert presentations(path, "trial/1") == [(1, True)]
+    titles = [getattr(panel, "title", None) or getattr(panel, "heading", "") for panel in ran.display.panels]
+    assert titles.index("trial 1") < titles.index("A break") < titles.index("Trial 2 of 2")
+
+
+def test_a_planned_break_lasts_as_long_as_it_should_and_then_as_long_as_is_wanted(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path, "[breaks]\nevery = 1\nseconds = 0.5")
+    ran = run(monkeypatch, gpu, path)
+    rest = [label for label in ran.display.labels if getattr(label, "title", "") == "A break"]
+    assert 50 <= len(rest) <= 53  # at 100 Hz; then it is confirmed at once
+    assert ("finished", "break/1") in events(path, "finished")
+
+
+def test_the_menu_in_a_break_does_not_make_it_longer(monkeypatch, gpu, tmp_path):
+    opened = []
+
+    def own(panel):
+        if getattr(panel, "title", "") == "A break" and not opened:
+            opened.append(panel)
+            return [Command("menu")]
+        return None
+
+    path = study(tmp_path, "[breaks]\nevery = 1\nseconds = 0.5")
+    ran = run(monkeypatch, gpu, path, Person(own))
+    assert ran.session.status == COMPLETE
+    shown = [getattr(label, "title", "") for label in ran.display.labels]
+    assert shown.count("A break") + shown.count("Menu") <= 55
+    menu = next(panel for panel in ran.display.panels if getattr(panel, "title", "") == "Menu")
+    assert "break" not in dict(menu.choices)
+
+
+def test_what_comes_after_an_answer_does_not_answer_the_next_question(monkeypatch, gpu, tmp_path):
+    given = iter([[Command("answer", 3.0), Command("answer", 4.0), Command("remark", "twice")]])
+    console = ScriptedConsole(lambda state: next(given, ()) if state.phase == "asking" else ())
+    path = study(tmp_path)
+    ran = run(
+        monkeypatch,
+        gpu,
+        path,
+        Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None),
+        console,
+    )
+    assert ran.session.status == COMPLETE
+    assert [one.value for one in contents(path).answers] == [3.0, 2.0]
+    assert ("remark", "trial/1/grade/grade") in events(path, "remark")

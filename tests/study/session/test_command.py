@@ -1,0 +1,122 @@
+"""hmdwarp study run as a program: exit statuses, what is printed where, and signals."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from .sessions import contents, study
+
+PATIENCE_S = 120
+REHEARSAL = ("--source", "offscreen", "--trace", "walk", "--pilot", "--console", "lines")
+
+
+def long_study(folder: Path) -> Path:
+    """With trials that nobody sees the end of."""
+    path = study(folder)
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("seconds = 0.1", "seconds = 3600").replace('"96x120"', '"24x30"'), encoding="utf-8")
+    return path
+
+
+def begun(path: Path, *words: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "hmdwarp", "study", "run", str(path), "--participant", "P1", *words]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def run(path: Path, *words: str, typed: str = "") -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "hmdwarp", "study", "run", str(path), "--participant", "P1", *words]
+    return subprocess.run(command, check=False, input=typed, capture_output=True, text=True, timeout=PATIENCE_S)
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_a_signal_in_mid_trial(tmp_path, number, status):
+    path = long_study(tmp_path)
+    program = begun(path, *REHEARSAL)
+    watchdog = threading.Timer(PATIENCE_S, program.kill)
+    watchdog.start()
+    try:
+        for line in program.stderr:
+            if "about to begin: waiting" in line:
+                program.stdin.write("continue\n")
+                program.stdin.flush()
+            if "trial 1 of 2: showing" in line:
+                break
+        while not contents(path, pilot=True).showings and program.poll() is None:
+            time.sleep(0.05)
+        program.send_signal(number)
+        out, err = program.communicate()
+    finally:
+        watchdog.cancel()
+        program.kill()
+    assert program.returncode == status
+    name = signal.Signals(number).name
+    assert f"participant P1 (pilot), session 1, part main: interrupted: ended by {name}" in out
+    assert (
+        f"resume with: hmdwarp study run {path} --participant P1 --resume"
+        " --pilot --source offscreen --trace walk --console lines" in out
+    )
+    assert "Traceback" not in err
+    assert "nothing unfinished" not in err  # something unfinished is there, and is to be gone on with
+    stored = contents(path, pilot=True)
+    assert stored.sessions[0].status == "interrupted"
+    assert [one.complete for one in stored.showings] == [False]
+
+
+def test_a_session_answered_at_the_console_line_by_line(tmp_path):
+    """By an experimenter who types what the participant says, as each question comes."""
+    path = study(tmp_path)
+    program = begun(path, *REHEARSAL)
+    watchdog = threading.Timer(PATIENCE_S, program.kill)
+    watchdog.start()
+    grades = iter(("answer 3,25", "skip"))
+    try:
+        for line in program.stderr:
+            typed = (
+                "continue" if "about to begin: waiting" in line else next(grades) if "console: asked: " in line else ""
+            )
+            if typed:
+                program.stdin.write(f"{typed}\n")
+                program.stdin.flush()
+        out = program.stdout.read()
+        assert program.wait(PATIENCE_S) == 0
+    finally:
+        watchdog.cancel()
+        program.kill()
+        program.communicate()
+    assert out.startswith("participant P1 (pilot), session 1, part main: complete\n")
+    assert "2 answers, 1 of them about trials" in out
+    assert [(one.value, one.by) for one in contents(path, pilot=True).answers] == [
+        (3.25, "experimenter"),
+        (None, "experimenter"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "told"),
+    [
+        (("--source", "nowhere"), 2, "--source nowhere: wanted auto, openxr, desktop, offscreen"),
+        (("--source", "offscreen"), 2, "name a recorded one by --trace"),
+        (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
+        (("--source", "offscreen", "--trace", "walk", "--simulate", "quick"), 2, "no mean for plainly-late"),
+        (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),
+        (("--resume", "--new-session"), 2, "leave one of the two out"),
+        (("--console", "chair", "--pilot"), 2, "--console"),
+        (("--resume",), 2, "no data of a study there"),
+        (("--source", "openxr"), 3, "or take a window: --source desktop"),
+    ],
+)
+def test_what_cannot_be_is_one_line(tmp_path, words, status, told):
+    path = study(tmp_path)
+    done = run(path, *words)
+    assert done.returncode == status, done.stderr
+    assert told in done.stderr
+    assert done.stdout == ""
+    assert len([line for line in done.stderr.splitlines() if line.startswith("hmdwarp: ")]) == 1
+    assert not path.with_name("small-data").exists()

@@ -1,0 +1,309 @@
+"""Interrupted anywhere, a session loses nothing that was confirmed, and goes on where it was."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study import actual, scales
+from hmdwarp.study.design.read import load_design
+from hmdwarp.study.session import facts_of
+from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
+
+from . import sessions
+from .sessions import Person, closing, contents, losing, run, study, whole
+
+WRITING = ("begin", "record", "begin_showing", "end_showing", "answer", "end")
+
+
+class Fault(Exception):
+    """Something nobody foresaw."""
+
+
+class Faults:
+    """Counts what is written, and raises at the n-th: before it is written, or after."""
+
+    def __init__(self, monkeypatch, at: int | None, after: bool) -> None:
+        self.count, self._at, self._after = 0, at, after
+        for name in WRITING:
+            monkeypatch.setattr(Store, name, self._around(getattr(Store, name)))
+
+    def _around(self, write):
+        def writes(store, *args, **more):
+            self.count += 1
+            due = self.count == self._at
+            if due and not self._after:
+                raise Fault
+            result = write(store, *args, **more)
+            if due:
+                raise Fault
+            return result
+
+        return writes
+
+
+def check_complete(path) -> None:
+    """One answer that counts for each question, none of them doubled, each about a trial that was
+    seen just before by the same program.
+    """
+    stored = contents(path)
+    assert [session.status for session in stored.sessions] == [COMPLETE]
+    keys = [answer.key for answer in stored.answers]
+    assert sorted(keys) == sorted({*keys})
+    assert len(keys) == 6
+    assert all(answer.value == 2 for answer in stored.answers)
+    seen: dict[str, bool] = {}
+    for event in stored.events:
+        if event.kind in ("begin", "resume"):
+            seen.clear()
+        elif event.kind == "shown":
+            seen[event.key] = event.data["complete"]
+        elif event.kind == "answer" and not event.key.startswith("after"):
+            about = event.key.rsplit("/", 2)[0]
+            assert seen.get(about), f"{event.key} was asked about what this sitting had not seen"
+
+
+@pytest.mark.parametrize("after", [False, True], ids=["before it is written", "after it was written"])
+def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path, after):
+    """A fault of ours at each of them in turn: what was answered before stays, and the session is
+    gone on with to its end.
+    """
+    monkeypatch.setattr(
+        sessions, "TEXT", sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05")
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        faults = Faults(patch, None, after)
+        (tmp_path / "all").mkdir()
+        assert run(patch, gpu, whole(tmp_path / "all")).error is None
+    assert faults.count == 16
+    for at in range(1, faults.count + 1):
+        folder = tmp_path / str(at)
+        folder.mkdir()
+        path = whole(folder)
+        with pytest.MonkeyPatch.context() as patch:
+            Faults(patch, at, after)
+            broken = run(patch, gpu, path)
+        assert isinstance(broken.error, Fault), at
+        stored = contents(path) if (folder / "small-data").exists() else None
+        if stored is None or not stored.sessions:
+            assert at == 1
+            assert run(monkeypatch, gpu, path).error is None
+        elif stored.sessions[0].status == COMPLETE:
+            assert (at, after) == (faults.count, True)
+        else:
+            assert stored.sessions[0].status == (RUNNING if at == 1 else INTERRUPTED), at
+            assert run(monkeypatch, gpu, path, resume=True).error is None, at
+        check_complete(path)
+
+
+def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, at={5: closing()})
+    assert ran.error is None
+    assert (ran.session.status, ran.session.why) == (INTERRUPTED, "the window was closed")
+    assert ran.said[0] == "participant P1, session 1, part main: interrupted: the window was closed"
+    assert ran.said[-1] == f"resume with: hmdwarp study run {path} --participant P1 --resume --source desktop"
+    (cut,) = contents(path).showings
+    assert not cut.complete
+    assert cut.actual["pictures"] == 5
+    again = run(monkeypatch, gpu, path, resume=True)
+    assert again.session.status == COMPLETE
+    assert [(one.key, one.presentation, one.complete) for one in contents(path).showings] == [
+        ("trial/1", 1, False), ("trial/1", 2, True), ("trial/2", 1, True),
+    ]  # fmt: skip
+    assert len({one.trace for one in contents(path).showings}) == 3
+    assert "We go on with trial 1 of 2" in " ".join(again.display.panels[0].lines)
+
+
+def test_a_rating_whose_trial_was_seen_in_another_sitting_is_given_after_seeing_it_again(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    person = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
+    count = 0
+
+    def until_asked(panel):
+        nonlocal count
+        count += 1
+        if count > 5:
+            raise closing()
+
+    person.looks, usual = (
+        lambda panel: until_asked(panel) or () if getattr(panel, "heading", "") else usual(panel),
+        person.looks,
+    )
+    assert run(monkeypatch, gpu, path, person).session.status == INTERRUPTED
+    assert [(one.key, one.complete) for one in contents(path).showings] == [("trial/1", True)]
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+    first, second = [one for one in contents(path).showings if one.key == "trial/1"]
+    assert (first.presentation, second.presentation) == (1, 2)
+    answer = next(one for one in contents(path).answers if one.key == "trial/1/grade/grade")
+    assert answer.showing == second.id
+
+
+def test_a_display_that_comes_back_shows_the_trial_again(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, at={5: losing()})
+    assert ran.session.status == COMPLETE
+    shown = [(one.key, one.presentation, one.complete) for one in contents(path).showings]
+    assert shown == [("trial/1", 1, False), ("trial/1", 2, True), ("trial/2", 1, True)]
+    kinds = [event.kind for event in contents(path).events]
+    assert kinds.index("lost") < kinds.index("shown")
+    assert any("waiting up to" in text for text in ran.console.said)
+    assert "it is back" in ran.console.said
+
+
+def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    ran = run(monkeypatch, gpu, path, at={15: losing()}, back_after=1000)
+    assert isinstance(ran.error, MachineError)
+    assert "has not come back within" in str(ran.error)
+    assert "--participant P1 --resume" in str(ran.error)
+    assert ran.said == []  # the error says it all
+    stored = contents(path)
+    assert stored.sessions[0].status == INTERRUPTED
+    assert len(stored.answers) == 1
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+
+
+def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkeypatch, gpu, tmp_path):
+    def full(*_):
+        raise MachineError("no room is left on the disk")
+
+    path = study(tmp_path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Store, "end", full)
+        ran = run(patch, gpu, path, at={5: closing()})
+    assert isinstance(ran.error, MachineError)
+    assert "what was answered before is stored, resume with:" in str(ran.error)
+    assert ran.said == []  # the error says it all
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+
+
+def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
+    """The recording meets it first; the same words, whatever does."""
+    from hmdwarp.run.live.lines import Lines
+
+    path, put = study(tmp_path), Lines._put
+
+    def full(lines, data):
+        lines._error = MachineError(f"{lines.path}: cannot write (No space left on device): make room")
+
+    def fills() -> None:
+        monkeypatch.setattr(Lines, "_put", full)
+
+    ran = run(monkeypatch, gpu, path, at={15: fills})
+    monkeypatch.setattr(Lines, "_put", put)
+    assert isinstance(ran.error, MachineError)
+    assert "No space left on device" in str(ran.error)
+    assert "what was answered before is stored, resume with:" in str(ran.error)
+    assert [answer.key for answer in contents(path).answers] == ["trial/1/grade/grade"]
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+
+
+def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hmdwarp.study.session.trial_runner.actual_of", lambda *_: 1 / 0)
+        ran = run(patch, gpu, path)
+    assert isinstance(ran.error, ZeroDivisionError)
+    assert ran.said[-1].startswith("resume with: ")
+    assert contents(path).sessions[0].status == INTERRUPTED
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+    assert actual.actual_of({}, lambda name: 1 / 0) == actual.NOTHING
+
+
+def test_an_interrupted_session_goes_on_with_the_plan_it_began_with(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    run(monkeypatch, gpu, path, at={5: closing()})
+    path.write_text(path.read_text(encoding="utf-8").replace("seconds = 0.1", "seconds = 0.3"), encoding="utf-8")
+    ran = run(monkeypatch, gpu, path, resume=True)
+    assert ran.session.status == COMPLETE
+    assert all(one.actual["seconds"] < 0.15 for one in contents(path).showings if one.complete)
+
+
+def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatch, gpu, tmp_path):
+    """The plan's text is kept, not the file that it names: half in quarter steps and half in whole
+    ones would be no session.
+    """
+    path, own = study(tmp_path), tmp_path / "own.toml"
+    path.write_text(path.read_text(encoding="utf-8").replace('"grade"', '"own.toml"'), encoding="utf-8")
+    was = (Path(scales.__file__).parent / "grade.toml").read_text(encoding="utf-8")
+    own.write_text(was, encoding="utf-8")
+    assert run(monkeypatch, gpu, path, at={15: closing()}).session.status == INTERRUPTED
+    own.write_text(was.replace("step = 0.25", "step = 1"), encoding="utf-8")
+    ran = run(monkeypatch, gpu, path, resume=True)
+    assert isinstance(ran.error, InputError)
+    assert "(scales): put it back" in str(ran.error)
+    own.write_text(was, encoding="utf-8")
+    assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
+
+
+def test_what_is_refused_is_refused_before_a_display_is_opened(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    assert run(monkeypatch, gpu, path).session.status == COMPLETE
+    for options, told in [
+        ({}, "--new-session begins another"),
+        ({"resume": True}, "no interrupted session to go on with"),
+        ({"participant": "nobody", "resume": True}, "not known"),
+        ({"participant": "Anna Meier"}, "must not be a name"),
+        ({"part": "two"}, "--part two is not in"),
+        ({"simulate": "perfect"}, "person participants"),
+        ({"participant": "P2", "simulate": "no-such", "pilot": True}, "no-such"),
+    ]:
+        with pytest.MonkeyPatch.context() as patch:
+            ran = run(patch, gpu, path, **options)
+        assert isinstance(ran.error, InputError), options
+        assert told in str(ran.error), ran.error
+        assert ran.display.labels == []
+    assert len(contents(path).sessions) == 1
+
+
+def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    run(monkeypatch, gpu, path)
+    assert run(monkeypatch, gpu, path, new_session=True).session.number == 2
+    rehearsal = run(monkeypatch, gpu, path, participant="R1", pilot=True)
+    assert rehearsal.session.origin == "pilot"
+    assert rehearsal.said[0].startswith("participant R1 (pilot)")
+    assert "PILOT" in rehearsal.console.states[0].heading
+    assert len(contents(path).sessions) == 2
+    assert [one.code for one in contents(path, pilot=True).sessions] == ["R1"]
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "told"),
+    [
+        (
+            {},
+            {"simulate": "quick"},
+            "participant P1 is a person here, not a simulated: leave --pilot and --simulate away",
+        ),
+        ({}, {"pilot": True}, "participant P1 is a person here, not a pilot"),
+        ({"pilot": True}, {}, "give --pilot to resume"),
+    ],
+)
+def test_a_session_is_gone_on_with_by_the_same_kind_alone(monkeypatch, gpu, tmp_path, was, now, told):
+    """Else made-up answers would get into somebody's session."""
+    path = study(tmp_path)
+    assert run(monkeypatch, gpu, path, at={5: closing()}, **was).session.status == INTERRUPTED
+    with pytest.MonkeyPatch.context() as patch:
+        ran = run(patch, gpu, path, resume=True, **now)
+    assert isinstance(ran.error, InputError)
+    assert told in str(ran.error)
+    assert contents(path, pilot=bool(was)).sessions[0].status == INTERRUPTED
+
+
+def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
+    ran = run(monkeypatch, gpu, study(tmp_path), participant="new")
+    assert ran.said[0].startswith(f"participant {ran.session.code}, ")
+    assert len(ran.session.code) == 5
+
+
+def test_where_a_recorded_head_lies_is_not_kept(gpu, tmp_path):
+    """Folders are named after people."""
+    facts = facts_of(
+        sessions.SeatedDisplay(gpu, Person()), load_design(str(study(tmp_path))), "/srv/jane/heads/walk.csv"
+    )
+    assert facts["trace"] == "walk.csv"
+    assert "jane" not in repr(facts)

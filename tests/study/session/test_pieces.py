@@ -1,0 +1,178 @@
+"""The pieces of a session that can be looked at alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
+from hmdwarp.study.actual import NOTHING, NUMBERS, actual_of
+from hmdwarp.study.session import SessionOptions, angles_deg, first_picture_wait_s
+
+from .conftest import SETTLED_S
+from .sessions import closing, run, study
+
+ANGLE = st.floats(-179.0, 179.0)
+
+
+@given(ANGLE, st.floats(-89.0, 89.0), ANGLE)
+def test_a_head_s_angles_by_scipy_s_way(yaw, pitch, roll):
+    """Intrinsic turns about y, x, z. A degree short of straight up and down arcsin loses half the
+    digits: 1e-6 degrees are left.
+    """
+    turn = Rotation.from_euler("YXZ", (yaw, pitch, roll), degrees=True)
+    assert head_angles_deg(Pose(orientation_xyzw=turn.as_quat())) == pytest.approx((yaw, pitch, roll), abs=1e-6)
+
+
+def test_frames_are_under_way_for_longer_than_any_latency():
+    assert first_picture_wait_s([]) == first_picture_wait_s([0.0]) == SETTLED_S
+    assert first_picture_wait_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
+
+
+def columns(**known: list[float]):
+    """Columns of a log of three pictures, NaN where nothing is said."""
+    return lambda name: np.array(known.get(name.replace("/", "_"), [math.nan] * 3))
+
+
+def summary(**live) -> dict:
+    beside = {
+        "seconds": 0.2,
+        "missed": 1,
+        "over": 1,
+        "timed": 2,
+        "lost": [],
+        "notices": {},
+        "source": "desktop",
+        **live,
+    }
+    texts = dict.fromkeys(("warp", "fill", "scene", "lens", "headset", "hmdwarp"), "x")
+    machine = {"gl_renderer": "r", "gl_version": "4.3"}
+    return {"frames": 3, "live": beside, "effects": ["a", "b"], "size": [4, 5], "machine": machine, **texts}
+
+
+def test_what_was_shown_by_hand():
+    column = columns(
+        age_ms=[100, 110, 150],
+        period_ms=[math.nan, 10, 30],
+        hole_share_0=[0.1, 0.2, math.nan],
+        hole_share_1=[0.3, 0.4, math.nan],
+        total_ms_0=[1, 2, math.nan],
+        total_ms_1=[3, 4, math.nan],
+    )
+    actual = actual_of(summary(lost=[{"away_s": 0.5}, {"away_s": None}], notices={"tracking lost": 1}), column)
+    assert set(actual) == set(NOTHING)
+    wanted = {
+        "pictures": 3,
+        "rate_hz": 10.0,
+        "latency_ms_median": 110.0,
+        "latency_ms_sd": pytest.approx(math.sqrt((400 + 100 + 900) / 2)),
+        "period_ms_median": 20.0,
+        "missed_share": 0.25,
+        "over_budget_share": 0.5,
+        "hole_share_mean": pytest.approx(0.25),
+        "passes_ms_median": 5.0,
+        "pose_age_ms_median": None,
+        "lost_s": 0.5,
+        "tracking_lost_share": pytest.approx(1 / 3),
+        "effects": "a+b",
+        "size": "4x5",
+    }
+    assert {name: actual[name] for name in wanted} == wanted
+
+
+def test_one_eye_and_one_picture_are_enough():
+    one = actual_of(summary(seconds=0.0, timed=0), columns(hole_share_0=[0.5, math.nan, math.nan], age_ms=[7.0]))
+    assert (one["hole_share_mean"], one["rate_hz"], one["latency_ms_sd"], one["over_budget_share"]) == (
+        0.5,
+        None,
+        None,
+        None,
+    )
+
+
+def test_what_nobody_measured_is_nothing_and_no_nan():
+    actual = actual_of({}, columns())
+    assert actual == NOTHING
+    assert all(actual[name] is None for name in NUMBERS)
+    assert not any(isinstance(value, float) and math.isnan(value) for value in actual_of(summary(), columns()).values())
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"resume": True, "new_session": True}, "leave one of the two out"),
+        ({"resume": True, "participant": "new"}, "needs the code"),
+        ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
+        ({"source": "offscreen", "pilot": True}, "--trace"),
+        ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
+        ({"console": "chair"}, "wanted auto, terminal, lines, none"),
+    ],
+)
+def test_options_that_cannot_be_meant(options, told):
+    with pytest.raises(InputError, match=told):
+        SessionOptions(**{"study": "quick", "participant": "P1", **options})
+
+
+def test_a_simulated_pilot_is_a_pilot():
+    assert SessionOptions(study="quick", participant="P1", pilot=True, simulate="quick").origin == "pilot"
+    assert SessionOptions(study="quick", participant="P1", simulate="quick").origin == "simulated"
+    assert SessionOptions(study="quick", participant="P1").origin == "person"
+
+
+def test_what_goes_on_is_typed_as_a_shell_takes_it():
+    options = SessionOptions(study="my study.toml", participant="new", store="data here", new_session=True)
+    assert (
+        options.command("P7", "main", several=False)
+        == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here'"
+    )
+    assert "--part main" in options.command("P7", "main", several=True)
+
+
+def test_the_watchdog_s_last_words_tell_the_recording_and_how_to_go_on(monkeypatch, gpu, tmp_path):
+    """Where a runtime hangs, the program is ended from another thread, and this is all that is
+    said.
+    """
+    from hmdwarp.study.session import program
+
+    words: list[str] = []
+    watchdog = program.Watchdog
+
+    class Kept(watchdog):
+        def __init__(self, limit_s, last_words) -> None:
+            self.last_words = last_words
+            super().__init__(limit_s, last_words)
+            kept.append(self)
+
+    kept: list[Kept] = []
+
+    def hangs() -> None:
+        words.extend(say() for say in kept[0].last_words)
+        raise closing()
+
+    monkeypatch.setattr(program, "Watchdog", Kept)
+    path = study(tmp_path)
+    assert run(monkeypatch, gpu, path, at={6: hangs}).session.status == "interrupted"
+    (said,) = words
+    assert "the recording until then is in" in said
+    assert said.endswith(f"resume with: hmdwarp study run {path} --participant P1 --resume --source desktop")
+
+
+def test_a_link_that_lets_nothing_through_is_told(monkeypatch, gpu, tmp_path):
+    from hmdwarp.study.session import trial_runner
+
+    monkeypatch.setattr(trial_runner, "PATIENCE_S", 0.1)
+    path = study(tmp_path)
+    path.write_text(
+        path.read_text(encoding="utf-8").replace('scene = "planes"', 'scene = "planes"\nbandwidth = 0.001'),
+        encoding="utf-8",
+    )
+    ran = run(monkeypatch, gpu, path)
+    assert isinstance(ran.error, InputError)
+    assert "trial/1: no frame came within 0.1 s: see what loss and bandwidth let through" in str(ran.error)
+    assert "resume with: " in str(ran.error)
