@@ -146,7 +146,7 @@ def test_each_effect_is_an_entry_of_the_one_pass(name):
     effect = effects.get(name)
     assert effect.made_by.name == "reflections"
     assert effect.needs["reflection"] in (Mirrored.PLANE, Mirrored.CURVED)
-    plan = build_plan(effect.flag, "iterative", "none", "none", client_geometry=False)
+    plan = build_plan((effect.name,), "iterative", "none", "none", client_geometry=False)
     passes = [step for step in plan.steps if step.stage == "effects"]
     assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
     assert ("rendered.reflection" in plan.layers) == bool(passes)
