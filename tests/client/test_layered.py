@@ -208,7 +208,7 @@ def test_a_frame_with_fewer_layers_is_refused(gpu):
     world.bring(gpu, parse_warp("layered").entry)
     choice = parse_warp("layered:layers=4")
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
-    with pytest.raises(PlanError, match="wants 3 layers behind the visible one, this frame has 2"):
+    with pytest.raises(PlanError, match="needs 3 layers behind the visible one, this frame has 2"):
         warp.run(PassInputs(world.rendered, world.shown_view), canvas)
 
 

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
 
-# What deforms swings: limbs and cloth come and go about once in SWING_S. How far a swing has gone
-# after a latency L is best told from its speed for sin(w L) / w seconds; the parabola L (1 - 2 L /
+# What deforms swings: limbs and cloth come and go about once in SWING_S. After a latency L a swing
+# has gone about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
 # SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms, 0.24 at 400, 0.16 at
-# 800, and nothing from half a swing on, where the speed says nothing. Held at 0.25 s instead, 800
-# ms lost by it.
+# 800, and nothing from half a swing on, where the speed predicts nothing. Held at 0.25 s instead,
+# the result at 800 ms was worse.
 SWING_S = 2.0
 REACH_S = SWING_S / 8  # the longest
 REACH_M = 0.3
@@ -52,8 +52,8 @@ def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) 
     It is the map of an eye that moves the other way. Everything is relative to the eye, in float64.
     Source: McMillan and Bishop 1995, eq. 8-10.
     """
-    drawn, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
-    return WarpMap.between(View(after @ drawn.inverse(), view.fov), size, View(Pose(), view.fov), size)
+    rendered, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
+    return WarpMap.between(View(after @ rendered.inverse(), view.fov), size, View(Pose(), view.fov), size)
 
 
 def swing_seconds(age_ns: int) -> float:
@@ -236,7 +236,7 @@ def _check(gpu: Gpu, size: tuple[int, int]) -> None:
     blocks = gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"]
     if blocks < 2:
         raise MachineError(
-            f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects "
+            f"vertex shaders of this GPU read {blocks} buffers: moving things needs 2; use --effects "
             f"no-{RIGID},no-{SOFT}"
         )
     if max(size) > MOST_SIDE:

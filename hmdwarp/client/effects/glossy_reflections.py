@@ -10,7 +10,7 @@ effects.register(
     Effect(
         name="glossy_reflections",
         order=11,
-        summary="the normal map disturbs where the warped reflection is looked into, from where the head is now",
+        summary="the normal map disturbs where the warped reflection is sampled, for the head pose now",
         applies=lambda _, mesh: mesh.material.normal_map >= 0,
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.PLANE),

@@ -72,13 +72,13 @@ class InterpolateFull(Fill):
         after.bind_to_image(0, read=False, write=True)
         self._lists[number % 2].bind_to_storage_buffer(2)
         self._lists[1 - number % 2].bind_to_storage_buffer(3)
-        told = {
+        uniforms = {
             "shown_size": self.shown_size,
             "minimum_count": MINIMUM_COUNT,
             "step_number": number,
             "stamp": self._stamp,
         }
-        self._program.uniforms.set(warped=1, filled=0, **told)
+        self._program.uniforms.set(warped=1, filled=0, **uniforms)
         if number == 0:
             self._program.program.run_indirect(self._pieces.list)
         else:

@@ -143,5 +143,5 @@ class Memory(Fill):
         same size, a quarter of the depth read, and guesses for a quarter of the pixels emptied,
         raised and read. The newest and a kept one read once to compare them.
         """
-        looked = 1 + MemorySettings().use
-        return shown_pixels * (16 + looked * (4 + 4 * 4) // 4 + 12 * 2)
+        pictures = 1 + MemorySettings().use
+        return shown_pixels * (16 + pictures * (4 + 4 * 4) // 4 + 12 * 2)

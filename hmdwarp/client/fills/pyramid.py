@@ -112,8 +112,13 @@ class Pyramid(Fill):
         into.colour.bind_for_writing(_FILLED)
         into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
         self._read_above(self._last_push, self._levels[0])
-        told = {"warped": _SECOND[0], "filled": _FILLED, "filled_depth": _FILLED_DEPTH, "shown_size": self.shown_size}
-        self._last_push.uniforms.set(**told)
+        uniforms = {
+            "warped": _SECOND[0],
+            "filled": _FILLED,
+            "filled_depth": _FILLED_DEPTH,
+            "shown_size": self.shown_size,
+        }
+        self._last_push.uniforms.set(**uniforms)
         self._pieces.run(self._last_push)
 
     def _pull_all(self, picture: ShownPicture) -> None:
@@ -144,8 +149,8 @@ class Pyramid(Fill):
     def _push_one(self, level: _Level, above: _Level) -> None:
         level.bind(_SECOND, write=True)
         self._read_above(self._push, above)
-        told = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
-        self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **told)
+        uniforms = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
+        self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **uniforms)
         self._push.run(*level.size)
         self.gpu.barrier()
 

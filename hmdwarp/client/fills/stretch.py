@@ -76,17 +76,17 @@ class Stretch(Fill):
         self._streaks.bind_to_image(_STREAKS, read=True, write=True)
         into.colour.bind_for_writing(_FILLED)
         chosen = self.settings
-        told = {
+        uniforms = {
             "warped": _WARPED,
             "filled_depth": _FILLED_DEPTH,
             "streaks": _STREAKS,
             "shown_size": self.shown_size,
             "e": forward.e,
         }
-        told |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
+        uniforms |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
         views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
-        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **told)
-        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **told)
+        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **uniforms)
+        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **uniforms)
         self._pieces.run(self._draw)
         self._pieces.run(self._smooth)
 

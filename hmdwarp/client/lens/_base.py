@@ -24,7 +24,7 @@ def panel_defines(gpu: Gpu) -> dict[str, object]:
 
     ROWS: pixels of a column per invocation. TEXELS: image loads instead of the sampler. On llvmpipe
     32 rows take 0.8 of the time of 8, because the ends of the visible part are computed once, and a
-    blind neighbourhood costs one row in 32. A GPU wants invocations.
+    blind neighbourhood costs one row in 32. A GPU needs many invocations.
     """
     return {"ROWS": 32, "TEXELS": 1} if gpu.is_software else {"ROWS": 4}
 

@@ -38,7 +38,7 @@ class DepthGuesses:
         self._empty.run(self._quads)
 
     def scatter(self, inverse_depth: moderngl.Texture, view: View, shown: View, unit: int) -> None:
-        """Move an inverse depth drawn for `view` to the shown view.
+        """Move an inverse depth rendered for `view` to the shown view.
 
         It stays bound as image `unit`.
         """

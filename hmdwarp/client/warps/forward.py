@@ -65,8 +65,8 @@ class Forward(ScatterWarp):
         """
         if settings.path == "atomic64":
             return rendered_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
-        drawn = 2 * DEPTH_BYTES + COLOUR_BYTES
-        return rendered_pixels * drawn + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+        rendered = 2 * DEPTH_BYTES + COLOUR_BYTES
+        return rendered_pixels * rendered + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)

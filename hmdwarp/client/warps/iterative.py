@@ -72,8 +72,8 @@ class Iterative(GatherWarp):
     def prepare(self) -> None:
         chosen = self.settings
         seeded = chosen.seed == "forward"
-        looks = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
-        self._program = self.gather("warps/iterative.comp", **looks, **({"SEEDED": 1} if seeded else {}))
+        samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
+        self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     @classmethod

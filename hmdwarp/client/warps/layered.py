@@ -34,7 +34,9 @@ class Layered(CompositeWarp):
     summary = "warps two to four depth layers of the server together: real content behind edges"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.peeled")
     exact_when = "always, up to one bilinear resample, where a layer holds the surface"
-    gets_wrong = "what no layer holds or the late field of view did not; the server draws the scene once more per layer"
+    gets_wrong = (
+        "what no layer holds or the rendered field of view did not; the server draws the scene once more per layer"
+    )
     source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
     Settings = LayeredSettings
 
@@ -55,6 +57,6 @@ class Layered(CompositeWarp):
         peeled = rendered.get("peeled", ())
         if len(peeled) < behind:
             raise PlanError(
-                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(peeled)}"
+                f"warp 'layered' needs {behind} layers behind the visible one, this frame has {len(peeled)}"
             )
         return [DepthPicture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]
