@@ -228,7 +228,7 @@ def hard_cases(_: Path) -> None:
 
 def controls(_: Path) -> None:
     """Write the keys of a live run, from the list that the window and the panel use."""
-    from hmdwarp.display.controls import CONTROLS, MOVING
+    from hmdwarp.display import CONTROLS, MOVING
 
     rows = [(keys, what) for keys, what in MOVING]
     rows += [(f"{one.key} {one.back}".strip(), one.what) for one in CONTROLS]

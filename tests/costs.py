@@ -6,10 +6,12 @@ weighs.
 
 from __future__ import annotations
 
+import functools
 from collections import Counter
 
 import attrs
 import moderngl
+import pytest
 from replays import small
 
 from hmdwarp.frames import frame_bytes
@@ -38,12 +40,17 @@ class Costs:
     textures: dict[tuple, int]
 
 
-def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
-    """Of a small run, in its steady state."""
+def costs_of(refreshes: int = 3, **options: object) -> Costs:
+    """Return the costs of a small run in its steady state; the same run is counted once."""
+    return _costs_of(refreshes, tuple(sorted(options.items())))
+
+
+@functools.cache
+def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
     shaders: set[str] = set()
     made, work, textures = Counter(), Counter(), Counter()
-    asked = small(latency_ms=50.0, rate_hz=60.0, **options)
-    with monkeypatch.context() as patch:
+    asked = small(latency_ms=50.0, rate_hz=60.0, **dict(options))
+    with pytest.MonkeyPatch.context() as patch:
         get = ShaderLibrary._get
 
         def recorded(self, paths, defines, make):

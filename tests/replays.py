@@ -1,21 +1,24 @@
-"""Small replays for tests.
-
-One call, sensible small defaults, and the pixels of a run's pictures where figures are not enough.
-"""
+"""Small replays for tests: one call, small defaults, and pixels where figures are not enough."""
 
 from __future__ import annotations
 
 import csv
+import functools
 from collections.abc import Callable
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
+from unittest.mock import patch
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from hmdwarp.gpu.context import Gpu
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.loop import Refresh
 from hmdwarp.pipeline.options import RunOptions
+from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
+from hmdwarp.resources import recording_names
 from hmdwarp.run.replay import ReplayResult, replay
 from hmdwarp.run.rig import Rig, build_rig
 
@@ -40,9 +43,27 @@ def small(out: Path | str = "nowhere", **options: object) -> RunOptions:
     return RunOptions(**{**SMALL, "out": Path(out), **options})  # type: ignore[arg-type]
 
 
-def run(out: Path, **options: object) -> ReplayResult:
-    """A small replay into `out`."""
-    return replay(small(out, **options))
+def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object) -> ReplayResult:
+    """Run a small replay into `out`.
+
+    page: whether report.html is drawn; its plots take longer than such a replay, and without them
+    it says nothing. gpu: a context that many runs share, instead of one of its own.
+    """
+    with ExitStack() as stack:
+        stack.enter_context(patch("hmdwarp.run.rig.load_trace", _load))
+        if not page:
+            stack.enter_context(patch("hmdwarp.run.outcome.render_report", lambda *_, **__: "no page"))
+        if gpu is not None:
+            stack.enter_context(patch("hmdwarp.run.rig.Gpu", lambda: nullcontext(gpu)))
+        return replay(small(out, **options))
+
+
+def _load(trace: str, options: TraceOptions) -> LoadedTrace:
+    """Load a trace; a shipped recording once."""
+    return _recording(trace, options) if trace in recording_names() else load_trace(trace, options)
+
+
+_recording = functools.cache(load_trace)
 
 
 def rows_of(folder: Path) -> list[dict[str, str]]:
@@ -61,7 +82,7 @@ def each_refresh(options: RunOptions, look: Callable[[Rig, int, Refresh], None])
 
     look(rig, number, refresh) at every shown refresh.
     """
-    with build_rig(options) as rig:
+    with patch("hmdwarp.run.rig.load_trace", _load), build_rig(options) as rig:
         number = 0
         for instant_ns, shown in rig.timetable.instants():
             rig.loop.draw(instant_ns)

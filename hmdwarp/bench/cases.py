@@ -20,7 +20,8 @@ from ..scenes import Scene
 from ..scenes.effects import asked_effects
 from .options import BenchOptions, Size
 
-# Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's memory instead.
+# Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's
+# memory instead.
 GPU_BATCH_BYTES = 2 << 30
 MEMORY_PART = 0.2
 _COLOUR_BYTES, _OWN_BYTES = 8, 32  # a canvas' pixel; what a warp keeps for each late pixel: keys, depths, vertices

@@ -31,7 +31,8 @@ EYES = (0, 1)
 class Measured:
     """What was found out about one combination in one case, but for the pictures' figures, which the pool has under `keys`.
 
-    times: one row for each timed run of one eye, keyed as frames.csv; stages: the same by the timer's own names.
+    times: one row for each timed run of one eye, keyed as frames.csv; stages: the same by the
+    timer's own names.
     """
 
     combination: Combination
@@ -68,9 +69,10 @@ def refreshes(rig: Rig, needs: Needs, numbers: Collection[int]) -> Iterator[tupl
 class Casework:
     """The combinations of one batch beside each other in the loop of one case.
 
-    Only the refreshes that are looked at are shown, and only the frames drawn that those use: measured ones, evenly spread over
-    the recording, and the refresh before each, which flicker needs. Both eyes are timed; the figures of a picture are those of
-    one eye, left and right by turns. Nothing is timed while pictures are measured.
+    Only the refreshes that are looked at are shown, and only the frames drawn that those use:
+    measured ones, evenly spread over the recording, and the refresh before each, which flicker
+    needs. Both eyes are timed; the figures of a picture are those of one eye, left and right by
+    turns. Nothing is timed while pictures are measured.
     """
 
     def __init__(
@@ -120,8 +122,9 @@ class Casework:
     def _time(self, refresh: Refresh) -> None:
         """Every combination in each round; who comes first changes from round to round.
 
-        Before the first of all rounds everybody runs once, to warm up; later the refresh before has done that, and the first one
-        alone runs, because a processor that has slept is slow for a while.
+        Before the first of all rounds everybody runs once, to warm up; later the refresh before has
+        done that, and the first one alone runs, because a processor that has slept is slow for a
+        while.
         """
         self._pool.wait()
         count = len(self._compensators)

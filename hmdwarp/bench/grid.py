@@ -70,7 +70,8 @@ class Scripted:
 def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Callable[[], None]) -> list[dict[str, Any]]:
     """The `grid` of bench.json: every warp (unfilled combinations), left eye, on the server and headset of `rig`.
 
-    rig: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
+    rig: of the size wanted. The head has been at rest before, so older frames show what the newest
+    one does.
     """
     moves = [("x", 0.0), *offsets()]
     with ExitStack() as stack:

@@ -14,8 +14,9 @@ from ..poses.options import TraceOptions
 
 Size = tuple[int, int]
 
-# Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800 picture take 0.6 s, and fifteen warps with two
-# fills on two recordings make sixty pictures an instant. Two rounds for both eyes at each make 24 times per combination.
+# Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800 picture
+# take 0.6 s, and fifteen warps with two fills on two recordings make sixty pictures an instant. Two
+# rounds for both eyes at each make 24 times per combination.
 INSTANTS = 6
 ROUNDS = 2
 
@@ -48,12 +49,15 @@ def _size(value: Any) -> Size:
 class BenchOptions:
     """Every combination of warps x fills x latencies x scenes x recordings x sizes is run.
 
-    warps: names, with settings if wanted (`mesh:cut=slope`); empty for all and their variants. sizes: (w, h) of one eye.
+    warps: names, with settings if wanted (`mesh:cut=slope`); empty for all and their variants.
+    sizes: (w, h) of one eye.
     effects: as a run's, for every scene.
-    trace_options: how every recording is read. start_s, seconds: the part of each recording, None for all of it. instants: how many
-    refreshes of it are measured, evenly spread. rounds: how often each combination is timed at each, after a run to warm up. workers:
-    measuring processes, None for one per core. grid, fused: whether the displacement grid and the warps that look through the lens
-    themselves are measured too. budget_ms: a time per eye to choose the most accurate combination for.
+    trace_options: how every recording is read. start_s, seconds: the part of each recording, None
+    for all of it. instants: how many refreshes of it are measured, evenly spread. rounds: how often
+    each combination is timed at each, after a run to warm up. workers: measuring processes, None
+    for one per core. grid, fused: whether the displacement grid and the warps that look through the
+    lens themselves are measured too. budget_ms: a time per eye to choose the most accurate
+    combination for.
     Errors: InputError for a number that cannot be meant, and for an empty list.
     """
 

@@ -89,7 +89,8 @@ class _Steps:
 def bench(options: BenchOptions, progress: Progress = lambda done, total: None) -> BenchResult:
     """Run it and write options.out: bench.csv, bench.json and bench.html; nothing is left there if it fails or is interrupted.
 
-    All that was asked for is checked before anything runs. progress(done, total) is called after each measured refresh.
+    All that was asked for is checked before anything runs. progress(done, total) is called after
+    each measured refresh.
     Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
     started = time.perf_counter()

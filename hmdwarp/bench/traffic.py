@@ -16,8 +16,9 @@ def passes_of(
 ) -> list[dict[str, Any]]:
     """The `passes` of a row: name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
 
-    stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so no pass can be quicker unless its
-    pictures stay in the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it writes counts.
+    stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so
+    no pass can be quicker unless its pictures stay in the caches. Drawing the client's own depth is
+    a pass of its own here; of it, only the picture it writes counts.
     """
     moved = {"client_depth": PIXEL_BYTES["r32f"] * shown_pixels} if plan.draws_client_depth else {}
     moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)

@@ -77,7 +77,7 @@ def plan(
 
 def _driver(source: str) -> tuple[Callable[..., PipelineOptions], dict[str, str]]:
     """The options of whoever shows it, and what the plan is told of that. Errors: InputError for a source that is not known."""
-    from ..display.openxr import WHO
+    from ..display.openxr import RUNTIME_LABEL
     from ..errors import InputError
     from ..pipeline.options import PipelineOptions
     from ..run.live.options import DESKTOP, OPENXR, LiveOptions
@@ -85,7 +85,7 @@ def _driver(source: str) -> tuple[Callable[..., PipelineOptions], dict[str, str]
     if source not in (REPLAY, OPENXR, DESKTOP):
         raise InputError(f"source '{source}': wanted {REPLAY}, {OPENXR} or {DESKTOP}")
     options = PipelineOptions if source == REPLAY else partial(LiveOptions, source=source)
-    return options, {"distorts": WHO, "takes_depth": WHO} if source == OPENXR else {}
+    return options, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
 
 
 def _assumed(source: str, headset: str) -> list[tuple[str, str]]:

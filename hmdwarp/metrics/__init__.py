@@ -1,7 +1,7 @@
 """How far the shown picture is from the truth: error, holes, flicker; measured in other processes.
 
-A metric is one file in metrics/library. Pictures are sRGB-encoded, (h, w, 3), top row first; holes are
-black pixels and count.
+A metric is one file in metrics/library. Pictures are sRGB-encoded, (h, w, 3), top row first; holes
+are black pixels and count.
 """
 
 from .figure import Figure

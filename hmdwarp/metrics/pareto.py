@@ -9,15 +9,15 @@ from typing import Any, TypeVar
 from ..errors import HmdwarpError
 from .metric import METRICS, PRIMARY
 
-Thing = TypeVar("Thing")
+Thing = TypeVar("Thing", bound=Any)
 Costs = tuple[float | None, float | None]
 
 
 def error_and_time(row: Mapping[str, Any], measure: str = PRIMARY) -> Costs:
-    """Return the mean error of a row of the bench and the median time of all its stages in ms per eye.
+    """Return a row's mean error and the median time of all its stages, in ms per eye.
 
-    Lower is better in both: a metric where higher is better (PSNR, SSIM) counts negative. None where
-    nothing was measured. measure: name of a metric.
+    Lower is better in both: a metric where higher is better (PSNR, SSIM) counts negative. None
+    where nothing was measured. measure: name of a metric.
     """
     error = row["quality"][measure]["mean"]
     if error is not None and METRICS.get(measure).higher_is_better:
@@ -28,13 +28,18 @@ def error_and_time(row: Mapping[str, Any], measure: str = PRIMARY) -> Costs:
 def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_time) -> list[Thing]:
     """Return the rows that no other row beats, in their order: the Pareto front of their two costs.
 
-    A row beats another if it is at most as large in both costs and smaller in one. Rows equal in both
-    do not beat each other: all of them stay, or none. A row with a cost of None was not measured; it
-    neither stays nor beats. Each other row that is left out is beaten by one that stays. O(n log n).
+    A row beats another if it is at most as large in both costs and smaller in one. Rows equal in
+    both do not beat each other: all of them stay, or none. A row with a cost of None was not
+    measured; it neither stays nor beats. Each other row that is left out is beaten by one that
+    stays. O(n log n).
     Errors: HmdwarpError for a cost of NaN, which cannot be ordered.
     """
     rows = list(rows)
-    measured = [(index, *pair) for index, pair in enumerate(map(costs, rows)) if None not in pair]
+    measured = [
+        (index, error, time)
+        for index, (error, time) in enumerate(map(costs, rows))
+        if error is not None and time is not None
+    ]
     if any(math.isnan(error) or math.isnan(time) for _, error, time in measured):
         raise HmdwarpError(
             "a cost is not a number: expected an error and a time that were measured, or None for what was not"

@@ -1,4 +1,4 @@
-"""What a run leaves behind: summary.json, frames.csv, pictures, a video, one HTML page, and a table in the terminal.
+"""The results of a run: summary.json, frames.csv, pictures, a video, an HTML page, a table.
 
 The pages of a bench and of a study are in report.bench and report.study.
 """

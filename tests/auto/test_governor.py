@@ -7,7 +7,7 @@ import random
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.auto.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor
@@ -50,7 +50,6 @@ def test_it_starts_at_the_most_accurate_rung_within_the_budget():
         Governor(LADDER, 0.5)
 
 
-@settings(deadline=None)
 @given(ladders(), BUDGETS, DRIFTS)
 def test_it_settles_under_any_steady_load(levels, budget, drift):
     """One change is enough where all rungs drift alike: down to what fits, or up to what has room; then none."""
@@ -60,7 +59,6 @@ def test_it_settles_under_any_steady_load(levels, budget, drift):
     assert run(governor, steady(drift), 3000) == []
 
 
-@settings(deadline=None)
 @given(ladders(), BUDGETS, DRIFTS)
 def test_it_never_stays_over_the_budget_if_a_cheaper_rung_fits(levels, budget, drift):
     governor = Governor(levels, budget * levels[0].total_ms)
@@ -70,7 +68,6 @@ def test_it_never_stays_over_the_budget_if_a_cheaper_rung_fits(levels, budget, d
     assert not over or governor.level is levels[0]
 
 
-@settings(deadline=None)
 @given(ladders(), BUDGETS, DRIFTS, st.floats(1.0, 3.0))
 def test_more_budget_never_gives_a_worse_rung(levels, budget, drift, more):
     settled = []
@@ -81,7 +78,6 @@ def test_more_budget_never_gives_a_worse_rung(levels, budget, drift, more):
     assert settled[1] <= settled[0]
 
 
-@settings(deadline=None)
 @given(st.integers(5, 40), st.floats(1.0, 1000.0), st.floats(0.5, 0.9))
 def test_spikes_alone_change_nothing(apart, height, share):
     """Alone: with 4 refreshes between them at 90 % of the budget, which take back 0.4 of evidence against 0.25 of a spike."""
@@ -90,14 +86,12 @@ def test_spikes_alone_change_nothing(apart, height, share):
     assert run(governor, machine, 1000) == []
 
 
-@settings(deadline=None)
 @given(st.floats(1.0, 1e6))
 def test_one_spike_changes_nothing_even_at_the_edge_of_the_budget(height):
     governor = Governor((LADDER[0], QualityLevel("top", "none", BUDGET, 0.1)), BUDGET)
     assert run(governor, lambda level, k: level.total_ms * (height if k == 500 else 1), 1000) == []
 
 
-@settings(deadline=None)
 @given(ladders(), BUDGETS, DRIFTS, st.integers(0, 2**32))
 def test_noise_of_ten_percent_makes_nothing_flap(levels, budget, drift, seed):
     """Wherever the level is, no rung is entered twice: noise may lead down once at the very edge, and never up and down again."""
@@ -133,7 +127,6 @@ def test_it_says_why_with_figures():
     assert down.reason.endswith("rung0 is expected to take 5.00 ms, the least there is")
 
 
-@settings(deadline=None)
 @given(st.floats(1.5, 20.0), st.integers(10, 600))
 def test_it_recovers_when_the_load_is_gone(load, lasting):
     governor = Governor(LADDER, BUDGET)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.auto.levels import QualityLevel, choose, ladder, settings_of
@@ -51,7 +51,6 @@ def test_the_ladder_holds_what_is_worth_its_time():
     assert ladder(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(0.01, 1e3), st.floats(0, 1)), min_size=1, max_size=40), st.randoms())
 def test_the_ladder_is_the_pareto_front(points, shuffler):
     rows = [row(f"w{n}", "none", *point) for n, point in enumerate(points)]

@@ -42,7 +42,7 @@ def shown_ages(times, latency_ms: float) -> list[int | None]:
     return ages
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(
     latency_ms=st.one_of(st.floats(0, 3000), st.integers(0, 300).map(float)),
     rate_hz=st.one_of(st.sampled_from([24.0, 59.94, 60.0, 72.0, 90.0, 120.0, 144.0, 128.0, 512.0]), st.floats(1, 1000)),

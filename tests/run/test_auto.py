@@ -212,7 +212,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
     monkeypatch.setattr("hmdwarp.pipeline.build.Compensator", Busy)
     rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
     options = auto(a_bench(tmp_path / "b.json", rows), budget_ms=100.0, seconds=3.0, metrics_every=30)
-    summary = run(tmp_path / "out", **options).summary
+    summary = run(tmp_path / "out", page=True, **options).summary
     down, up = summary["auto"]["changes"]
     assert (down["from"], down["to"]) == (BEST, CHEAP) and (up["from"], up["to"]) == (CHEAP, BEST)
     # The fourth refresh that is far over the budget is the last one of the kind.

@@ -33,7 +33,7 @@ def full(tmp_path_factory):
     out = tmp_path_factory.mktemp("full") / "made" / "here"
     result = run(
         out, trace="walk", seconds=1.0, fill="interpolate", lens="radial", headset="rift-dk1", against="none", images=3, video=True,
-        command="hmdwarp replay walk", workers=1,
+        command="hmdwarp replay walk", workers=1, page=True,
     )  # fmt: skip
     return out, result
 
@@ -137,8 +137,8 @@ def test_progress_counts_up_to_all(tmp_path):
 @pytest.mark.parametrize(
     ("warp", "fill", "lens"), list(itertools.product(warps.names(), fills.names(), lenses.names()))
 )
-def test_every_combination_runs(warp, fill, lens, tmp_path):
-    result = run(tmp_path, warp=warp, fill=fill, lens=lens, headset="rift-dk1", seconds=0.1)
+def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
+    result = run(tmp_path, gpu=gpu, warp=warp, fill=fill, lens=lens, headset="rift-dk1", seconds=0.1)
     validate_summary(result.summary)
     assert (result.summary["warp"], result.summary["fill"], result.summary["lens"]) == (warp, fill, lens)
     assert result.summary["frames"] == 6

@@ -169,7 +169,7 @@ def test_the_interval_covers_what_is_true():
     assert covered >= 180 - 13  # 90 %, less 3 sigma of 200 draws
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 1000), st.floats(1e-6, 1e6), st.floats(-1e3, 1e3))
 def test_units_order_and_direction_play_no_part(seed, scale, shift):
     rows = made_up(seed, {FLIP: 0.5, HOLES: 0.2}, people=6)

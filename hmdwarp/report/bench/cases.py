@@ -29,7 +29,7 @@ _IN_EVERY_LABEL = ("trace", "latency_ms")
 
 @attrs.frozen(eq=False)
 class Case:
-    """Rows of one recording, latency, scene, size and so on, whose errors and times can be compared."""
+    """Rows of one recording, latency, scene, size and so on: errors and times are comparable."""
 
     # How this case differs from the others, at least recording and latency.
     label: str

@@ -61,7 +61,7 @@ def display_options(
         size=options.size,
         full_screen=options.full_screen,
         vsync=options.vsync,
-        panel=options.panel,
+        control_panel=options.panel,
         depth_layer=options.depth_layer,
         watching=watching,
         trace=load_trace(options.trace).track if options.trace else None,

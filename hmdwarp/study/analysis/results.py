@@ -18,7 +18,6 @@ from ..scales import Scale
 from . import sentences as say
 from .claims import Claims, checked
 from .comparisons import Resampling, compared, families_for
-from .shared_rows import copied_rows
 from .descriptives import (
     condition_rows,
     friedman_row,
@@ -32,6 +31,7 @@ from .descriptives import (
 )
 from .order_models import order_effects
 from .ratings import Rating, Ratings
+from .shared_rows import copied_rows
 
 SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"

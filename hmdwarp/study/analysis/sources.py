@@ -10,9 +10,9 @@ from ...errors import InputError
 from ..design import SHIPPED, load_design
 from ..store import DATABASE, PERSON, PILOT, Store, store_folder
 from .claims import Claims, load_claims
-from .table_ratings import SourceOptions, from_csv
-from .store_ratings import from_contents
 from .ratings import Ratings
+from .store_ratings import from_contents
+from .table_ratings import SourceOptions, from_csv
 
 _PUBLISHED = (
     "These published ratings ship with hmdwarp; so do the figures published with them, which are compared with them."

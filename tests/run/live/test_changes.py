@@ -7,8 +7,7 @@ import math
 import attrs
 import pytest
 
-from hmdwarp.display import Command
-from hmdwarp.display.controls import CONTROLS, control
+from hmdwarp.display import CONTROLS, Command, control
 from hmdwarp.errors import InputError
 from hmdwarp.run.live import LiveOptions
 from hmdwarp.run.live.changes import changed, choices, values

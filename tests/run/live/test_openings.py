@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from contextlib import nullcontext
 from pathlib import Path
 
+import needs
 import pytest
 from display.virtual_screen import VirtualScreen
 
@@ -99,7 +99,7 @@ def test_a_display_is_told_what_it_must_know():
     watching = lambda what: nullcontext()  # noqa: E731
     inputs = display_options(asked, watching)
     assert (inputs.headset, inputs.view, inputs.size, inputs.watching) == ("cardboard-v2", "flat", (96, 120), watching)
-    assert (inputs.full_screen, inputs.vsync, inputs.panel, inputs.depth_layer) == (True, False, False, False)
+    assert (inputs.full_screen, inputs.vsync, inputs.control_panel, inputs.depth_layer) == (True, False, False, False)
 
 
 def live(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
@@ -128,7 +128,7 @@ def test_the_program_ends_with_3_and_one_line(tmp_path):
     assert "no OpenXR runtime" in done.stderr and "no window" in done.stderr
 
 
-@pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+@needs.programs("Xvfb")
 def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
     done = live(
         "--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path
@@ -155,7 +155,7 @@ def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong,
         run.live(LiveOptions(**{"scene": "planes", **wrong}))
 
 
-@pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+@needs.programs("Xvfb")
 def test_briefly_it_is_one_clause(tmp_path):
     """As the desk of a study says it: how to get a runtime is no concern of a session that has begun."""
     program = (

@@ -119,7 +119,7 @@ def test_the_order_of_the_rows_changes_nothing():
 GRADES = st.lists(st.one_of(st.none(), st.integers(4, 24).map(lambda quarters: quarters / 4)), min_size=5, max_size=5)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(GRADES, GRADES, GRADES)
 def test_whatever_people_answer_it_is_json_without_nan(a, b, c):
     ratings = attrs.evolve(ratings_of({"late": a, "warped": b, "reference": c}, reference="reference"), families=PAIR)

@@ -282,7 +282,7 @@ def is_read_or_refused(text: str) -> None:
         assert str(error).startswith("study.toml:") and "\n" not in str(error)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.integers(0, len(WHOLE) - 1), st.text(max_size=6))
 def test_a_few_characters_overwritten_anywhere(at, put):
     is_read_or_refused(WHOLE[:at] + put + WHOLE[at + len(put) :])
@@ -294,7 +294,7 @@ OTHERS = ['""', '"x"', '"a\\nb"', '"auto"', "true", "[]", "[[]]", '["x"]', "{}",
 VALUES = st.sampled_from(NUMBERS + OTHERS)
 
 
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250)
 @given(st.integers(0, len(LINES) - 1), VALUES)
 def test_any_value_of_any_kind_for_any_key(number, value):
     key, equals, _ = LINES[number].partition(" = ")
@@ -302,13 +302,13 @@ def test_any_value_of_any_kind_for_any_key(number, value):
     is_read_or_refused("\n".join(lines))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.sampled_from(LINES), max_size=60))
 def test_lines_in_any_order(lines):
     is_read_or_refused("\n".join(lines))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.sets(st.integers(0, len(LINES) - 1).filter(lambda number: not LINES[number].startswith("scene")), max_size=4))
 def test_lines_left_out(gone):
     """But for the scene: the usual one takes a second to load."""

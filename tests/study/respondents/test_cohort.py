@@ -88,7 +88,7 @@ def test_orders_stay_balanced_whoever_leaves():
     assert len(counts) == 4 and max(counts.values()) - min(counts.values()) <= 1
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.integers(0, 10_000),
     st.sampled_from(["fms", "misc", "acr"]),

@@ -13,6 +13,7 @@ import sqlite3
 import subprocess
 from datetime import timedelta
 
+import needs
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
@@ -28,7 +29,7 @@ def own_mounts() -> tuple[str, ...]:
     trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
     if shutil.which("unshare") and not subprocess.run(trial, capture_output=True, check=False).returncode:
         return way
-    pytest.skip("no mounts of one's own here (unshare -m), so no small disk and no read-only one")
+    pytest.skip(needs.missing("right to mount", needs.AS_ROOT))
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
@@ -349,10 +350,9 @@ def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):
 # --- the disk itself -------------------------------------------------------------------------------------------------------
 
 
+@needs.programs("strace")
 def test_an_answer_is_synced_before_the_call_returns(tmp_path):
     """Seen by what the program asks the system for: between any two lines it prints there is a sync of the log."""
-    if not shutil.which("strace"):
-        pytest.skip("strace is not installed, so nobody sees what is synced")
     trace = tmp_path / "calls"
     code = """
 store = Store(Path(sys.argv[1]), create=True)
