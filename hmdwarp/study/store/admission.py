@@ -164,8 +164,8 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
             raise InputError(
                 f"{design.path or design.name}: sessions of part '{part}' ran with another plan "
                 f"({', '.join(different)}): "
-                "ratings before and after would not be comparable; undo the change, or make it another study "
-                "(name, --store)"
+                "ratings before and after would not be comparable; undo the change, or make it a study of "
+                "its own (name, --store)"
             )
     latest = db.execute(
         """SELECT plan.text FROM session s JOIN plan ON plan.id = s.plan JOIN participant p ON p.id = s.participant
