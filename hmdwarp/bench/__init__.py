@@ -1,4 +1,4 @@
-"""What accuracy costs in time: every method on the same late frames, error against time."""
+"""The benchmark: error against time of every method on the same late frames."""
 
 from .options import BenchOptions
 from .run import BenchResult, bench
