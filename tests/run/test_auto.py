@@ -225,7 +225,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
         assert len({*ran[at : at + 2]}) == 1 and len({*ran[at + 2 : at + 4]}) == 1, "both eyes change together"
         assert ran[at + 1] != ran[at + 2]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "What was chosen" in page and "over the budget" in page
+    assert "<h2>Chosen warps</h2>" in page and "over the budget" in page
 
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
