@@ -11,6 +11,7 @@ from scipy import stats
 from hmdwarp.study.statistics import friedman, holm, kendalls_w
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+pytestmark = pytest.mark.usefixtures("quick_corrections")
 
 
 def by_conover(table: np.ndarray) -> float:
