@@ -28,8 +28,8 @@ BASE_SHADERS = {
 
 
 @pytest.mark.parametrize("scene", PLAIN)
-def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkeypatch, scene):
-    costs = costs_of(monkeypatch, scene=scene, fill="interpolate")
+def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(scene):
+    costs = costs_of(scene=scene, fill="interpolate")
     assert costs.shaders == BASE_SHADERS
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
     assert costs.layers == {"rendered.colour": 2 * 96 * 80 * 8, "rendered.inverse_depth": 2 * 96 * 80 * 4}
@@ -45,14 +45,14 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(monkey
 
 
 @pytest.mark.parametrize("scene", PLAIN)
-def test_a_plain_scene_costs_the_same_whatever_is_allowed(monkeypatch, scene):
+def test_a_plain_scene_costs_the_same_whatever_is_allowed(scene):
     """Nothing to compensate is nothing to pay: `auto` and `none` are one."""
-    assert costs_of(monkeypatch, scene=scene, effects="auto") == costs_of(monkeypatch, scene=scene, effects="none")
+    assert costs_of(scene=scene, effects="auto") == costs_of(scene=scene, effects="none")
 
 
 @pytest.mark.parametrize("scene", CALLING)
-def test_what_is_forbidden_costs_the_client_and_the_link_nothing(monkeypatch, scene):
-    with_all, without = (costs_of(monkeypatch, scene=scene, effects=asked) for asked in ("auto", "none"))
+def test_what_is_forbidden_costs_the_client_and_the_link_nothing(scene):
+    with_all, without = (costs_of(scene=scene, effects=asked) for asked in ("auto", "none"))
     assert not {path for path in without.shaders if path.startswith("effects/")}
     assert set(without.layers) == {"rendered.colour", "rendered.inverse_depth"}
     assert without.sent < with_all.sent
@@ -61,25 +61,23 @@ def test_what_is_forbidden_costs_the_client_and_the_link_nothing(monkeypatch, sc
 
 
 @pytest.mark.parametrize("scene", CALLING)
-def test_each_effect_is_paid_by_those_who_call_for_it(monkeypatch, scene):
+def test_each_effect_is_paid_by_those_who_call_for_it(scene):
     """Forbidding one takes its bytes off the link, unless another needs the same.
 
     Forcing what is there already changes nothing.
     """
-    everything = costs_of(monkeypatch, scene=scene)
+    everything = costs_of(scene=scene)
     declared = scenes.get(scene).effects
-    assert costs_of(monkeypatch, scene=scene, effects=",".join(effect_names(declared))) == everything
+    assert costs_of(scene=scene, effects=",".join(effect_names(declared))) == everything
     for name in effect_names(declared):
-        fewer = costs_of(monkeypatch, scene=scene, effects=f"no-{name}")
+        fewer = costs_of(scene=scene, effects=f"no-{name}")
         assert fewer.sent <= everything.sent
         assert fewer != everything, f"{name} costs nothing at all"
 
 
 @pytest.mark.parametrize("name", effects.names())
-def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(monkeypatch, name):
-    plain, forced = (
-        costs_of(monkeypatch, scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name))
-    )
+def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
+    plain, forced = (costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
     assert forced.shaders > plain.shaders
     assert {path for path in forced.shaders if path.startswith("effects/")}
     if effects.get(name).needs != Needs():
@@ -141,9 +139,9 @@ def _with_what_it_refines(name: str) -> str:
     return f"{name},{refines}" if refines else name
 
 
-def test_the_counters_count(monkeypatch):
+def test_the_counters_count():
     """Else the tests above would compare nothing with nothing."""
-    costs = costs_of(monkeypatch, scene="planes")
+    costs = costs_of(scene="planes")
     assert all(costs.made.get(kind) for kind in ("texture", "buffer", "framebuffer", "vertex_array"))
     assert costs.work["ComputeShader.run"] >= 2 * 3 and costs.work["VertexArray.render"] >= 2 * 2
     assert costs != attrs.evolve(costs, sent=0)

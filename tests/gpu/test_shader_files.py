@@ -18,7 +18,7 @@ from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.display.present import Presenter
+from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
@@ -29,7 +29,7 @@ from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.resources import folder
-from hmdwarp.run.live.holes import HoleCounter
+from hmdwarp.run.holes import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
 from hmdwarp.server.draw import MIRRORS
@@ -118,7 +118,7 @@ def _present(gpu: Gpu) -> None:
     for hardware_srgb in (False, True):
         presenter.prepare(hardware_srgb=hardware_srgb)
     presenter.close()
-    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as desktop.panel_renderer, whose package is an extra
+    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as control_panel.renderer, whose package is an extra
 
 
 def _draw_every_content(gpu: Gpu) -> None:

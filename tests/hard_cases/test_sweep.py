@@ -6,8 +6,9 @@ import shutil
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from properties import ONE_FIXTURE_FOR_ALL
 
 import hmdwarp.gpu.shaders
 from hmdwarp.client.variants import every_warp
@@ -137,7 +138,7 @@ def random_world(
 # Defaults and variants; of the other words mesh:cut=vertex still has a pixel in one of 200 such worlds that its twin does not mark as
 # undecided though rounding decides it. The hard cases and the contract hold for it.
 @pytest.mark.parametrize("name", every_warp())
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(
     seed=st.integers(0, 2**32 - 1),
     step=st.tuples(EXTREME, EXTREME, EXTREME),

@@ -54,7 +54,7 @@ def test_rays_and_the_warp_map_agree(views, size, to_size, inverse_depth):
     assert np.abs(depth - map_depth)[ahead].max(initial=0) <= 1e-9
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(neighbouring_views(METRES), SIZES, SIZES, st.integers(0, 99))
 def test_a_float32_map_stays_within_its_bound(views, size, to_size, seed):
     """What a shader does, in NumPy's float32: the error is below the bound, and the bound is no excuse for anything."""
@@ -173,7 +173,7 @@ def test_none_keeps_the_angle_when_the_fields_of_view_differ():
     assert np.abs(got - picture[2:6, 2:6]).max() <= 1e-9
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(neighbouring_views(METRES), st.integers(0, 999))
 def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
     frm, to = views
@@ -199,7 +199,7 @@ def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
     assert np.array_equal(got.colour[decided], wanted[decided])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(0.1, 2), st.tuples(*[st.floats(-0.2, 0.2)] * 3), st.tuples(*[st.floats(-0.2, 0.2)] * 3))
 def test_planar_meets_a_real_plane(r, step, turn):
     """A checked wall at 1/r metres, ray-cast from both eyes: the warped late picture is the other one, where it was seen."""

@@ -67,7 +67,8 @@ def test_the_viewer_stands_where_a_head_may_go(scene):
 
 
 def test_building_twice_gives_the_same_bits(scene):
-    again = load_scene(scene.name)
+    again = scenes.get(scene.name).build.__wrapped__()  # past what conftest.py keeps
+    assert again is not scene
     assert [mesh.name for mesh in again.meshes] == [mesh.name for mesh in scene.meshes]
     for first, second in zip(scene.meshes, again.meshes, strict=True):
         for field in ("positions", "normals", "uv", "light", "triangles"):

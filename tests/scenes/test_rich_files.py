@@ -8,9 +8,10 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from properties import ONE_FIXTURE_FOR_ALL
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import SceneError
@@ -367,7 +368,7 @@ def test_broken_files_are_refused_in_one_line(tmp_path, change, message):
     assert "\n" not in str(caught.value)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(data=st.data())
 def test_damaged_rich_files_load_or_fail_with_one_line(tmp_path, data):
     glb = Glb().skin().animate("rotation", (0, 1), ((0, 0, 0, 1), (0, 1, 0, 0)), node=2)
