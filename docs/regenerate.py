@@ -171,9 +171,8 @@ def effects_picture(folder: Path) -> None:
 def effects(folder: Path) -> None:
     """Measure each effect's scene with and without its pass."""
     from hmdwarp.scenes import scenes
-    from hmdwarp.scenes.effects import effect_names
 
-    calling = [(source.name, effect_names(source.effects)) for source in scenes if source.effects]
+    calling = [(source.name, list(source.effects)) for source in scenes if source.effects]
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 
@@ -229,7 +228,7 @@ def hard_cases(_: Path) -> None:
 
 def controls(_: Path) -> None:
     """Write the keys of a live run, from the list that the window and the panel use."""
-    from hmdwarp.display.controls import CONTROLS, MOVING
+    from hmdwarp.display import CONTROLS, MOVING
 
     rows = [(keys, what) for keys, what in MOVING]
     rows += [(f"{one.key} {one.back}".strip(), one.what) for one in CONTROLS]

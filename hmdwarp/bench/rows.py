@@ -8,9 +8,9 @@ from operator import add
 from typing import Any
 
 from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, pooled
-from ..run.outcome import summary_of
-from ..run.rig import Rig
-from .casework import Measured
+from ..run.comparison import Measured
+from ..run.replay_results import summary_of_rows
+from ..run.replay_setup import ReplaySetup
 from .traffic import passes_of
 
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
@@ -45,7 +45,7 @@ COLUMNS = (
 )
 
 
-def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
+def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
     """Return one row of bench.json.
 
     It has the keys of summary.json, the error by region, the eyes' mismatch, and the time and bound
@@ -54,8 +54,9 @@ def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) 
     combination = measured.combination
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
-    base = summary_of(rig, combination.warp, combination.fill, combination.plan.lens.name, [*measured.times, *pictures])
-    rendered_pixels, shown_pixels = (w * h for w, h in (rig.pipeline.sizes.rendered, rig.pipeline.sizes.shown))
+    passes = combination.warp, combination.fill, combination.plan.lens.name
+    base = summary_of_rows(setup, passes, [*measured.times, *pictures])
+    rendered_pixels, shown_pixels = (w * h for w, h in (setup.pipeline.sizes.rendered, setup.pipeline.sizes.shown))
     return {
         **base,
         "frames": len(pictures),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -25,24 +24,15 @@ from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
-from ..run.rig import build_rig, timetable
+from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from ..run.comparison import Comparison
+from ..run.replay_setup import set_up_replay
+from ..run.schedule import schedule_of
+from ..run.summary import machine_of
 from ..scenes import load_scene
 from ..version import __version__
 from . import fused, grid
-from .cases import (
-    GPU_BATCH_BYTES,
-    MEMORY_PART,
-    Case,
-    Combination,
-    batches,
-    cases_of,
-    combinations_of,
-    common_start_s,
-    instants_of,
-    run_options,
-    warps_of,
-)
-from .casework import Casework
+from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
 from .options import BenchOptions
 from .rows import COLUMNS, flat, row_of
 
@@ -152,7 +142,7 @@ def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
     for case in cases_of(options):
         guarded_size(options.guard, headset, case.size)
         run = run_options(options, case, start_s=starts[case.recording])
-        count = timetable(traces[case.recording].track, run, rate_hz).count
+        count = schedule_of(traces[case.recording].track, run, rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
     return works
 
@@ -176,7 +166,7 @@ def _examined(
 ) -> tuple[dict[str, Any], Bandwidth, ClockCheck, dict[Case, list[list[Combination]]]]:
     """Return the machine, its bandwidth and clocks, and the combinations that fit together."""
     with Gpu() as gpu:
-        machine = {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
+        machine = machine_of(gpu)
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
         batched = {
             work.case: batches(
@@ -191,7 +181,7 @@ def _examined(
 
 
 def _check_room(gpu: Gpu, run: PipelineOptions, headset: Headset, needs: Needs) -> None:
-    sizes = eye_sizes(run.guard, headset, run.size or headset.eye_size_px)
+    sizes = eye_sizes(run.guard_factor, headset, run.size or headset.eye_size_px)
     check_held(gpu, run, needs, sizes, run.rate_hz or headset.refresh_hz)
 
 
@@ -216,11 +206,11 @@ def _case_rows(
     steps: _Steps,
 ) -> Iterator[dict[str, Any]]:
     for batch in batched:
-        with build_rig(work.run, needs_of(c.plan for c in batch)) as rig:
-            casework = Casework(rig, work.case, batch, pool, options.rounds)
-            casework.run(options.instants, steps)
+        with set_up_replay(work.run, needs_of(c.plan for c in batch)) as setup:
+            comparison = Comparison(setup, work.case, batch, pool, options.rounds)
+            comparison.run(options.instants, steps)
             pool.wait()
-            yield from (row_of(rig, measured, pool, bandwidth.bytes_per_s) for measured in casework.measured)
+            yield from (row_of(setup, measured, pool, bandwidth.bytes_per_s) for measured in comparison.measured)
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
@@ -230,18 +220,18 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
     unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
     with (
         _pool(options, headset, grid.SIZE) as pool,
-        build_rig(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as rig,
+        set_up_replay(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as setup,
     ):
-        return grid.grid_rows(rig, unfilled, pool, steps)
+        return grid.grid_rows(setup, unfilled, pool, steps)
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
     with (
         _pool(options, headset, work.case.size) as pool,
-        build_rig(work.run, needs_of(c.plan for c in work.combinations)) as rig,
+        set_up_replay(work.run, needs_of(c.plan for c in work.combinations)) as setup,
     ):
         return fused.fused_rows(
-            rig, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
+            setup, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
         )
 
 

@@ -1,4 +1,7 @@
-"""The hard cases: each one function, whose docstring says what it is, why it is hard and what must come out."""
+"""The hard cases.
+
+Each one function, whose docstring says what it is, why it is hard and what must come out.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ PARTS = ("What", "Why", "Wants")
 
 @attrs.frozen
 class HardCase:
-    """name; what, why, wants: sentences for the table; run: the test; warps: the names it is run for, () if it needs none."""
+    """name; what, why, wants: sentences for the table; run: the test; warps.
+
+    The names it is run for, () if it needs none.
+    """
 
     name: str
     what: str
@@ -31,8 +37,8 @@ CASES: list[HardCase] = []
 
 
 def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
-    """File the decorated function(gpu, name) as a case for every warp, with each word of its settings, that `applies`; None: function()
-    needs no warp.
+    """File the decorated function(gpu, name) as a case for every warp, with each word of its
+    settings, that `applies`; None: function() needs no warp.
 
     Errors: ValueError for a docstring without its three parts, and for a name that is taken.
     """
@@ -41,7 +47,8 @@ def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
         told = dict(re.findall(r"^\s*(\w+): (.+?)$", run.__doc__ or "", re.MULTILINE))
         if list(told) != list(PARTS) or run.__name__ in {case.name for case in CASES}:
             raise ValueError(
-                f"hard case '{run.__name__}' must be the only one of that name and say {', '.join(PARTS)} in its docstring"
+                f"hard case '{run.__name__}' must be the only one of that name and say {', '.join(PARTS)} in its "
+                "docstring"
             )
         names = () if applies is None else tuple(spec for spec in CHOICES if applies(spec))
         CASES.append(HardCase(run.__name__, told["What"], told["Why"], told["Wants"], run, names))

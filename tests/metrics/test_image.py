@@ -52,7 +52,7 @@ def flip_of_flat_colours(reference, test) -> float:
     return error * 0.95 / knee if error < knee else 0.95 + (error - knee) / (largest - knee) * 0.05
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(colours, colours)
 def test_flip_of_flat_colours_is_that_of_the_paper(reference, test):
     """A swapped channel order, or linear values taken for sRGB ones, gives another answer for almost every pair.

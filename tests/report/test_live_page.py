@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 
+import needs
 import numpy as np
 import pytest
 
@@ -11,7 +12,7 @@ from hmdwarp.metrics import aggregate
 from hmdwarp.report import budget_rows, live_lines, render_live_report, validate_summary
 
 from .samples import a_summary
-from .test_page import CHROMIUM, in_chromium
+from .test_page import in_chromium
 
 NAMES = (
     "age_ms",
@@ -120,7 +121,7 @@ def test_a_page_of_almost_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@needs.programs("chromium")
 @pytest.mark.parametrize("width", [1280, 500])
 def test_whole_quiet_and_alone_in_chromium(width, tmp_path):
     page = render_live_report(a_live_summary(), a_column(), command="hmdwarp live")

@@ -5,11 +5,11 @@ import html
 import io
 import json
 import re
-import shutil
 import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from PIL import Image
@@ -166,7 +166,7 @@ def test_the_same_run_gives_the_same_page():
     assert first == second
 
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+CHROMIUM = needs.program("chromium")
 FLAGS = [
     *(
         "--headless",
@@ -228,7 +228,7 @@ def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = Fa
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@needs.programs("chromium")
 class TestInChromium:
     @pytest.mark.parametrize("width, dark", [(1280, False), (1280, True), (500, False)])
     def test_whole_quiet_and_alone(self, width, dark, tmp_path):

@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from hmdwarp.study.export.columns import FLAG, MISSING, NUMBER, WHOLE, Column
+from hmdwarp.study.export import FLAG, MISSING, NUMBER, WHOLE, Column
 
 _READ = {"true": True, "false": False}
 
