@@ -27,9 +27,10 @@ import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
+from hmdwarp.metrics import QUALITY
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 
-FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
+FIGURES = (*QUALITY, "mismatch")
 SMALL = shlex.split("--scene room --fill interpolate --size 480x600 --start 2 --seconds 6 --metrics-every 12")
 QUIET = ("--against", "", "--quiet", "--out")  # followed by the folder
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"

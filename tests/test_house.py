@@ -27,7 +27,7 @@ PACKAGE = ROOT / "hmdwarp"
 FLOORS = [
     {"errors", "version"},
     {"registry", "resources", "colour", "geometry"},
-    {"tables"},
+    {"tables", "options"},
     {"gpu", "poses", "headsets"},
     {"scenes"},
     {"frames"},

@@ -17,8 +17,9 @@ import attrs
 from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..pipeline.options import AUTO, PipelineOptions, RunOptions, number, parse_size
-from ..run.replay import figures
+from ..options import Number
+from ..pipeline.options import PipelineOptions, parse_size
+from ..run import RunOptions, figures
 from ..version import __version__
 from .design import live_options
 from .store import Session, Showing, Store
@@ -32,7 +33,7 @@ Say = Callable[[str], None]
 class MeasureOptions:
     """Which trials to measure, and how finely."""
 
-    every: int = attrs.field(default=10, validator=number("every", least=1))  # measure every n-th refresh
+    every: int = attrs.field(default=10, validator=Number(least=1))  # measure every n-th refresh
     size: tuple[int, int] | None = None  # (w, h) of one eye; None for the size shown
     again: bool = False  # also trials already measured with these options
     pilot: bool = False  # pilot sessions instead of those of participants
@@ -123,7 +124,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     if not showing.trace or not (traces / showing.trace).is_file():
         raise InputError("its head motion was not recorded, or the recording is gone")
     live = live_options(showing.settings)
-    if live.warp == AUTO:
+    if live.chooses_warp:
         raise InputError("warp auto chose by the machine's speed, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
     size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px

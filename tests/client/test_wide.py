@@ -19,8 +19,8 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.pipeline.sizes import eye_sizes
+from hmdwarp.run import RunOptions
 from hmdwarp.server import Server
 
 SIZE = (120, 96)

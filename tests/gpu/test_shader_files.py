@@ -29,7 +29,7 @@ from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.resources import folder
-from hmdwarp.run.live.holes import HoleCounter
+from hmdwarp.run.holes import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
 from hmdwarp.server.draw import MIRRORS

@@ -14,7 +14,7 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.gpu.timers import StageTimer
-from hmdwarp.pipeline.build import Timing, build_pipeline
+from hmdwarp.pipeline.build import Target, build_pipeline
 from hmdwarp.pipeline.loop import PoseRequest
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.pipeline.planning import plans_for
@@ -69,7 +69,8 @@ def pipeline(gpu, eyes, **changes):
     plans = plans_for(options, None, scene)
     needs = plans[0].needs
     requested = PoseRequest(Turning(), None, SIZE, options.guard, needs)
-    return build_pipeline(gpu, options, scene, eyes, plans, requested, Timing(100.0, round(options.latency_ms * 1e6)))
+    target = Target(gpu, eyes, 100.0, round(options.latency_ms * 1e6))
+    return build_pipeline(options, scene, target, plans, requested)
 
 
 def shown_at(made, number: int):

@@ -8,11 +8,9 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
-from hmdwarp.run.replay import figures, replay
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import RunOptions, figures, replay, set_up_replay
 from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
 from hmdwarp.study.store import PERSON, Store
@@ -168,8 +166,8 @@ def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
     options = RunOptions(
         trace=far, scene="planes", size=(32, 40), rate_hz=30, latency_ms=0, against="", as_recorded=True
     )
-    with build_rig(options) as rig:
-        assert (rig.track.position_m == cut.position_m).all() and (rig.track.time_ns == cut.time_ns).all()
-        assert rig.timetable.first_ns == cut.time_ns[0] >= EPOCH_NS
-    with build_rig(attrs.evolve(options, as_recorded=False)) as rig:
-        assert rig.timetable.first_ns == 0 and np.abs(rig.track.position_m[:, 0]).max() < 10
+    with set_up_replay(options) as setup:
+        assert (setup.track.position_m == cut.position_m).all() and (setup.track.time_ns == cut.time_ns).all()
+        assert setup.schedule.first_ns == cut.time_ns[0] >= EPOCH_NS
+    with set_up_replay(attrs.evolve(options, as_recorded=False)) as setup:
+        assert setup.schedule.first_ns == 0 and np.abs(setup.track.position_m[:, 0]).max() < 10

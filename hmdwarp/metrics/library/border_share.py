@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import View, WarpMap
-from ...gpu.textures import flip_rows
+from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
 from ..metric import METRICS, Input, Metric
 

@@ -12,8 +12,8 @@ import numpy as np
 from ...metrics import METRICS, PRIMARY, error_and_time, pareto
 from ..files import write_bytes
 from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text
-from .cases import Case, Row, cases, measure_label
 from .labels import groups_of, leaders, place_labels
+from .rows import Case, Row, cases, measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,9 +10,9 @@ from ..parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, Tile, environ
 from ..style import css_variables, markers_of
 from ..words import counted, listed, plain
 from .bars import region_parts, regions_chart, row_name, traffic, traffic_chart
-from .cases import COLUMNS, Case, Row, cases, column, common, measure_label
 from .charts import pareto_chart, pareto_text
 from .displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
+from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 from .tables import DECISION, choice_terms
 
 MEASURES = ("flip", "psnr_db")

@@ -10,12 +10,7 @@ import attrs
 
 from ...display import Command, Label
 from ...errors import InputError
-from ...run.live import LiveOptions
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
-from ...run.live.host import Stage
-from ...run.live.log import LiveLog
-from ...run.live.recorder import Recorder
+from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import Scene
 from ..actual import actual_of
 from ..design import Show
@@ -92,9 +87,9 @@ class TrialHandler(StepHandler):
     def take(self, by: str, command: Command) -> None:
         """Do nothing: no command changes a trial."""
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """Carry out the commands, and lead from the black to the pictures."""
-        super().obey(commands)
+        super().handle(commands)
         if not self.pictures:
             self._lead()
         return False
@@ -161,7 +156,7 @@ class TrialRunner:
                 stage = self._stage(step)
                 stack.callback(stage.close)
                 stack.callback(log.leave)
-                recorder.begin(context.display)
+                recorder.begin(context.display.about, context.display.rate_hz)
                 log.begin(context.display, stage)
                 panel = number_panel(step, context.steps)
                 handler = TrialHandler(context, step, panel, panel_ns, log, self.wait_s)
@@ -176,10 +171,10 @@ class TrialRunner:
             self.recording = None
         return self._end(showing, log, complete), handler
 
-    def _stage(self, step: Show) -> Stage:
+    def _stage(self, step: Show) -> PipelineHost:
         """Build a new pipeline, even for the same settings: it must remember nothing."""
         options = self.options_of(step)
-        return Stage(self.context.display, options, self.scenes[options.scene])
+        return PipelineHost(self.context.display, options, self.scenes[options.scene])
 
     def _end(self, showing: Showing, log: LiveLog, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column)
