@@ -1,4 +1,4 @@
-"""What accuracy costs in time: every method on the same late frames, error against time.
+"""The benchmark: error against time of every method on the same late frames.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

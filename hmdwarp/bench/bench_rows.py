@@ -1,4 +1,4 @@
-"""From what was measured to the rows of bench.json and the flat columns of bench.csv."""
+"""The rows of bench.json and the flat columns of bench.csv, from the measurements."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ COLUMNS = (
 
 
 def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
-    """One row of bench.json.
+    """Return one row of bench.json.
 
-    The keys of summary.json, where the error is, the eyes' mismatch, and each pass against its
-    bound.
+    It has the keys of summary.json, the error by region, the eyes' mismatch, and the time and bound
+    of each pass.
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
@@ -67,10 +67,7 @@ def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_
 
 
 def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows under COLUMNS.
-
-    Medians and means have no suffix, the bad tail _p95; what a row lacks is empty.
-    """
+    """Yield the rows under COLUMNS: medians and means without a suffix, the bad tail with _p95."""
     for row in rows:
         yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}
 
@@ -87,12 +84,12 @@ def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _times(row: Mapping[str, Any]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    times: dict[str, Any] = {}
     for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
         for name in names:
             entry = row[table][name]
-            found |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
-    return found
+            times |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
+    return times
 
 
 def _regions(row: Mapping[str, Any]) -> dict[str, Any]:

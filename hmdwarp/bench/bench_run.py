@@ -1,7 +1,4 @@
-"""Runs a bench.
-
-Every combination of what was asked for, on the loop that every other driver uses.
-"""
+"""One bench: every combination of its options, on the loop that every other driver uses."""
 
 from __future__ import annotations
 
@@ -45,13 +42,12 @@ Progress = Callable[[int, int], None]
 
 @attrs.frozen(eq=False)
 class BenchResult:
-    """What a bench found.
-
-    `data` as bench.json has it. refused: why there is no choice for the budget asked for, else "".
-    """
+    """The results of a bench."""
 
     folder: Path
+    # As in bench.json.
     data: dict[str, Any]
+    # Why no combination fits the budget, else "".
     refused: str = ""
 
     @property
@@ -62,7 +58,7 @@ class BenchResult:
 
 @attrs.frozen(eq=False)
 class _Work:
-    """A case with its run's options and how many instants of it are measured."""
+    """A case with its run's options and the number of its measured instants."""
 
     case: Case
     run: Any
@@ -71,7 +67,7 @@ class _Work:
 
 
 class _Steps:
-    """Counts what is done for the caller's progress."""
+    """A counter of finished steps for the caller's progress."""
 
     def __init__(self, total: int, progress: Progress) -> None:
         self._done, self._total, self._progress = 0, total, progress
@@ -83,9 +79,9 @@ class _Steps:
 
 
 def bench(options: BenchOptions, progress: Progress = lambda done, total: None) -> BenchResult:
-    """Run it and write options.out.
+    """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
-    Bench.csv, bench.json and bench.html; nothing is left there if it fails or is interrupted.
+    If it fails or is interrupted, partial output is removed.
 
     All that was asked for is checked before anything runs. progress(done, total) is called after
     each measured refresh.
@@ -127,10 +123,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
 
 
 def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
-    """Everything that can be found wrong without starting the GPU.
-
-    Errors: InputError and its kin.
-    """
+    """Check everything that needs no GPU. Errors: InputError and its kin."""
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations, called = {}, {}
     for name in options.scenes:
@@ -157,9 +150,9 @@ def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
 
 
 def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
-    """Rows, tables and charts tell cases apart by what things are called.
+    """Raise InputError if two share a name: rows, tables and charts distinguish cases by it.
 
-    called: by what was asked for. Errors: InputError.
+    called: name by option.
     """
     found: dict[str, str] = {}
     for asked, name in called.items():
@@ -173,7 +166,7 @@ def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
 def _examined(
     options: BenchOptions, headset: Headset, works: list[_Work]
 ) -> tuple[dict[str, Any], Bandwidth, ClockCheck, dict[Case, list[list[Combination]]]]:
-    """Return the machine, its speed and clocks, and which combinations fit into it at a time."""
+    """Return the machine, its bandwidth and clocks, and the combinations that fit together."""
     with Gpu() as gpu:
         machine = machine_of(gpu)
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
@@ -249,7 +242,7 @@ def _fused_lens(options: BenchOptions) -> str:
 
 
 def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the fused rows were measured with; row: any of the first case."""
+    """Return the setting of the fused rows; row: any of the first case."""
     return {
         **{key: row[key] for key in ("scene", "trace", "latency_ms", "size")},
         "lens": _fused_lens(options),
@@ -258,10 +251,7 @@ def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
-    """Return the choice for the budget, or why there is none.
-
-    A run is not thrown away because its budget was too small.
-    """
+    """Return the choice for the budget, or why there is none: too small a one discards no run."""
     if budget_ms is None:
         return None, ""
     try:

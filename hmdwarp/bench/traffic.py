@@ -1,4 +1,4 @@
-"""Bytes that a pass must move, the least time for them on this device, and how far above it is."""
+"""The memory traffic of a pass, the least time that takes on this device, and the pass's time."""
 
 from __future__ import annotations
 

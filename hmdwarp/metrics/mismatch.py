@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import View, WarpMap
-from ..gpu.textures import flip_rows
+from ..gpu import flip_rows
 from .grid import pixel_centres, row_blocks
 
 # The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a

@@ -14,7 +14,6 @@ import numpy as np
 from ..display import Display
 from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
-from ..scenes.effects import effect_names
 from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions
@@ -54,7 +53,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         options=options,
         trace=Path(named).stem if named else display.name,
         scene=host.scene.name,
-        effects=effect_names(plan.effects),
+        effects=list(plan.effects),
         headset=headset,
         size=size,
         rate_hz=display.rate_hz,

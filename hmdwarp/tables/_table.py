@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from ..errors import InputError
 
@@ -86,82 +87,63 @@ class Table:
             ]
         return tuple(self._read[key])
 
-    def raw(self, key: str) -> object:
+    def raw(self, key: str) -> Any:
         """Return a value of any type."""
         return self._get(key)
 
-    def text(self, key: str, default: object = _NEEDED) -> str:
+    def text(self, key: str, default: Any = _NEEDED) -> str:
         """Return a text that is not empty."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not isinstance(value, str) or not value.strip():
-            raise self.fault(key, f"is {quoted(value)}: wanted a text")
-        return value
+        return self._checked(key, default, lambda value: isinstance(value, str) and value.strip(), "a text")
 
-    def line(self, key: str, default: object = _NEEDED) -> str:
+    def line(self, key: str, default: Any = _NEEDED) -> str:
         """Return a text of one line, without control characters."""
-        value = self.text(key, default)
-        if value is not default and not value.isprintable():
-            raise self.fault(key, f"is {quoted(value)}: wanted a text of one line, without control characters")
-        return value
+        self.text(key, default)
+        return self._checked(key, default, str.isprintable, "a text of one line, without control characters")
 
-    def word(self, key: str, known: Sequence[str], default: object = _NEEDED) -> str:
+    def word(self, key: str, known: Sequence[str], default: Any = _NEEDED) -> str:
         """Return one of the known words."""
-        value = self._get(key, default)
-        if value is not default and value not in known:
-            raise self.fault(key, f"is {quoted(value)}: wanted {_listed(known)}")
-        return value  # type: ignore[return-value]
+        return self._checked(key, default, lambda value: value in known, _listed(known))
 
-    def flag(self, key: str, default: object = _NEEDED) -> bool:
+    def flag(self, key: str, default: Any = _NEEDED) -> bool:
         """Return a boolean."""
-        value = self._get(key, default)
-        if value is not default and not isinstance(value, bool):
-            raise self.fault(key, f"is {quoted(value)}: wanted true or false")
-        return value  # type: ignore[return-value]
+        return self._checked(key, default, lambda value: isinstance(value, bool), "true or false")
 
-    def number(self, key: str, default: object = _NEEDED) -> float:
+    def number(self, key: str, default: Any = _NEEDED) -> float:
         """Return a finite number."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not _is_number(value):
-            raise self.fault(key, f"is {quoted(value)}: wanted a finite number")
-        return float(value)  # type: ignore[arg-type]
+        value = self._checked(key, default, _is_number, "a finite number")
+        return value if value is default else float(value)
 
-    def within(self, key: str, least: float, most: float, default: object = _NEEDED, *, above: bool = False) -> float:
+    def within(self, key: str, least: float, most: float, default: Any = _NEEDED, *, above: bool = False) -> float:
         """Return a number from least to most; above: greater than least."""
         value = self.number(key, default)
         if value is not default and not (least <= value <= most and (value > least or not above)):
             raise self.fault(key, f"is {value:g}: wanted a number {_range(least, most, above)}")
         return value
 
-    def whole(self, key: str, least: int, most: int, default: object = _NEEDED) -> int:
+    def whole(self, key: str, least: int, most: int, default: Any = _NEEDED) -> int:
         """Return a whole number from least to most."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-            raise self.fault(key, f"is {quoted(value)}: wanted a whole number {_range(least, most)}")
-        return value
+
+        def is_within(value: Any) -> bool:
+            return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+        return self._checked(key, default, is_within, f"a whole number {_range(least, most)}")
 
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
         """Return finite numbers, `count` of them (None: any number)."""
-        value = self._get(key)
-        if not isinstance(value, list) or not all(map(_is_number, value)) or count not in (None, len(value)):
-            raise self.fault(
-                key, f"is {quoted(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers"
-            )
-        return tuple(map(float, value))
 
-    def texts(self, key: str, default: object = _NEEDED) -> tuple[str, ...]:
+        def are_right(value: Any) -> bool:
+            return isinstance(value, list) and all(map(_is_number, value)) and count in (None, len(value))
+
+        what = f"a list of {'' if count is None else f'{count} '}finite numbers"
+        return tuple(map(float, self._checked(key, _NEEDED, are_right, what)))
+
+    def texts(self, key: str, default: Any = _NEEDED) -> tuple[str, ...]:
         """Return texts that are not empty."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not isinstance(value, list) or not all(isinstance(one, str) and one.strip() for one in value):
-            raise self.fault(key, f'is {quoted(value)}: wanted a list of texts, like ["one", "another"]')
-        return tuple(value)
+
+        def are_texts(value: Any) -> bool:
+            return isinstance(value, list) and all(isinstance(one, str) and one.strip() for one in value)
+
+        return tuple(self._checked(key, default, are_texts, 'a list of texts, like ["one", "another"]'))
 
     def fault(self, key: str | None, says: str, *within: str | int) -> KeyFault:
         """Return an error about a key, or about this table where key is None.
@@ -183,7 +165,13 @@ class Table:
         known = [_named((*self._path, one)) for one in self._known]
         return KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
 
-    def _get(self, key: str, default: object = _NEEDED) -> object:
+    def _checked(self, key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> Any:
+        value = self._get(key, default)
+        if value is not default and not is_right(value):
+            raise self.fault(key, f"is {quoted(value)}: wanted {wanted}")
+        return value
+
+    def _get(self, key: str, default: Any = _NEEDED) -> Any:
         self._read.setdefault(key, [])
         self._known[key] = None
         if key in self._data:

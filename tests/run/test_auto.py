@@ -16,6 +16,7 @@ from hmdwarp.auto.adaptive import AdaptiveCompensator
 from hmdwarp.auto.governor import Governor
 from hmdwarp.auto.levels import QualityLevel
 from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.effects import effects
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.variants import every_warp
@@ -225,7 +226,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
         assert len({*ran[at : at + 2]}) == 1 and len({*ran[at + 2 : at + 4]}) == 1, "both eyes change together"
         assert ran[at + 1] != ran[at + 2]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "What was chosen" in page and "over the budget" in page
+    assert "<h2>Chosen warps</h2>" in page and "over the budget" in page
 
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
@@ -308,7 +309,7 @@ def test_a_replay_compiles_every_level_at_the_start(tmp_path):
         compiled = setup.gpu.shaders.compiled
         for level in levels:
             one = setup.compensator(
-                build_plan(setup.scene.effects, level.warp, level.fill, "none", client_geometry=True)
+                build_plan(effects.of(setup.scene), level.warp, level.fill, "none", client_geometry=True)
             )
             one.close()
         assert setup.gpu.shaders.compiled == compiled

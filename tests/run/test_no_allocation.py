@@ -17,13 +17,15 @@ from .offscreen import OffscreenDisplay, run_on
 # Ten refreshes until the first frame has arrived, then a round of every pool, every older frame that is kept (up to half a second), and
 # the counts that come a refresh late.
 WARM, THEN = 60, 60
+# One in the room with its 75,000 triangles, which take llvmpipe most of the time.
 RUNS = {
+    "in the room": {"scene": "room", "warp": "forward", "fill": "interpolate"},
     **{
-        f"{warp} + {fill}": {"warp": warp, "fill": fill}
+        f"{warp} + {fill}": {"scene": "spheres", "warp": warp, "fill": fill}
         for warp in ("forward", "backward", "mesh")
         for fill in ("interpolate", "memory")
     },
-    "multi + wide": {"warp": "multi", "fill": "wide"},
+    "multi + wide": {"scene": "spheres", "warp": "multi", "fill": "wide"},
     "all effects": {"scene": "gallery", "warp": "forward", "fill": "interpolate"},
     "things that move": {"scene": "parade", "warp": "forward", "fill": "pyramid"},
     "mirrors": {"scene": "greenhouse", "warp": "forward", "fill": "none"},

@@ -8,6 +8,7 @@ import re
 import attrs
 import numpy as np
 import pytest
+from commands import hmdwarp
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
@@ -31,6 +32,8 @@ from hmdwarp.study.respondents import Population, load_model
 
 from . import tiny
 from .made_up import simulate_study
+
+pytestmark = pytest.mark.usefixtures("quick_corrections")
 
 DESIGN, THESIS = load_design("quick"), load_design("thesis")
 GRADE = DESIGN.scales[0]
@@ -190,5 +193,5 @@ def test_what_is_asked_wrongly_is_told(asked, says, tmp_path):
 
 
 def test_of_a_wrong_question_the_command_says_one_line(tmp_path):
-    done = tiny.program("study", "power", "quick", "--out", tmp_path / "out", "--n", "many")
+    done = hmdwarp("study", "power", "quick", "--out", tmp_path / "out", "--n", "many")
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "--n many" in done.stderr

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...metrics import REGIONS
 from ..style import HATCHES, PAGE, Style, drawing, dress, not_measured, svg_text
-from .cases import Case, Row
+from .rows import Case, Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

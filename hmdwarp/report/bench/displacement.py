@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...metrics import PRIMARY
 from ..style import PAGE, dashes_of, drawing, dress, not_measured, svg_text
-from .cases import measure_label
 from .labels import spread
+from .rows import measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...metrics import PRIMARY, metrics_in_order
 from ..words import name_pieces
-from .cases import COLUMNS, Case, Row, cases, column, common, measure_label
+from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -126,7 +126,7 @@ def _listed(sessions: Sequence[Session]) -> str:
 
 def _new_participant(db: sqlite3.Connection, code: str, origin: str) -> int:
     sub = _draw(_SUB, 12, lambda drawn: is_taken(db, drawn))
-    return insert(db, "INSERT INTO participant (code, sub, origin) VALUES (?, ?, ?)", (code, sub, origin))
+    return insert(db, "participant", code=code, sub=sub, origin=origin)
 
 
 def allotted(db: sqlite3.Connection, design: Design, part: str, origin: str) -> tuple[int, Order]:
@@ -164,8 +164,8 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
             raise InputError(
                 f"{design.path or design.name}: sessions of part '{part}' ran with another plan "
                 f"({', '.join(different)}): "
-                "ratings before and after would not be comparable; undo the change, or make it another study "
-                "(name, --store)"
+                "ratings before and after would not be comparable; undo the change, or make it a study of "
+                "its own (name, --store)"
             )
     latest = db.execute(
         """SELECT plan.text FROM session s JOIN plan ON plan.id = s.plan JOIN participant p ON p.id = s.participant
@@ -212,16 +212,15 @@ def new_session(
     ).fetchone()[0]
     names = json.dumps(order, ensure_ascii=False, separators=(",", ":"))
     return insert(
-        db,
-        """INSERT INTO session (participant, number, part, order_row, order_names, plan, status, started_utc, facts)
-          VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-        (participant, number, part, row, names, plan_id, RUNNING, started_utc, to_json(facts)),
-    )
+        db, "session", participant=participant, number=number, part=part, order_row=row, order_names=names,
+        plan=plan_id, status=RUNNING, started_utc=started_utc, facts=to_json(facts),
+    )  # fmt: skip
 
 
-def insert(db: sqlite3.Connection, statement: str, values: Sequence[Any]) -> int:
+def insert(db: sqlite3.Connection, table: str, **values: Any) -> int:
     """Insert a row and return its id."""
-    id_ = db.execute(statement, values).lastrowid
+    statement = f"INSERT INTO {table} ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})"
+    id_ = db.execute(statement, tuple(values.values())).lastrowid
     assert id_ is not None
     return id_
 

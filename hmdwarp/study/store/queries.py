@@ -19,37 +19,21 @@ _EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
 
 
 def _session_of(row: tuple) -> Session:
-    id_, code, sub, number, part, order_row, names, origin, status, plan, started, ended, why, facts = row
-    order = tuple(tuple(repeat) for repeat in from_json(names))
-    return Session(
-        id_, code, sub, number, part, order_row, order, origin, status, plan, started, ended, why, from_json(facts)
-    )
+    fields = list(row)
+    fields[6] = tuple(tuple(repeat) for repeat in from_json(fields[6]))
+    fields[-1] = from_json(fields[-1])
+    return Session(*fields)
 
 
 def _showing_of(row: tuple) -> Showing:
-    id_, session, key, trial, repeat, condition, presentation, complete, *texts, started = row
-    settings, trace, actual, measured = texts
-    settings, actual, measured = (from_json(text) for text in (settings, actual, measured))
-    return Showing(
-        id_,
-        session,
-        key,
-        trial,
-        repeat,
-        condition,
-        presentation,
-        bool(complete),
-        settings,
-        trace,
-        actual,
-        measured,
-        started,
-    )
+    *values, complete, settings, trace, actual, measured, started = row
+    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), from_json(measured), started]
+    return Showing(*fields)
 
 
 def _event_of(row: tuple) -> Event:
-    id_, session, kind, key, at_utc, mono_ns, data = row
-    return Event(id_, session, kind, key, at_utc, mono_ns, from_json(data))
+    fields = [*row[:-1], from_json(row[-1])]
+    return Event(*fields)
 
 
 def session(db: sqlite3.Connection, id_: int) -> Session:

@@ -185,22 +185,10 @@ class Store:
             presentation = db.execute(query, (session.id, step.key)).fetchone()[0]
             trace = self.path_for(session, step, presentation).name if recorded else ""
             id_ = admission.insert(
-                db,
-                """INSERT INTO showing
-                  (session, key, trial, repeat, condition, presentation, settings, trace, started_utc)
-                  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-                (
-                    session.id,
-                    step.key,
-                    step.trial,
-                    step.repeat,
-                    step.condition.name,
-                    presentation,
-                    to_json(settings),
-                    trace,
-                    self._connection.now(),
-                ),
-            )
+                db, "showing", session=session.id, key=step.key, trial=step.trial, repeat=step.repeat,
+                condition=step.condition.name, presentation=presentation, settings=to_json(settings), trace=trace,
+                started_utc=self._connection.now(),
+            )  # fmt: skip
             self._connection.event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
             return queries.showing(db, id_)
 
@@ -249,25 +237,10 @@ class Store:
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
             self._connection.event(session, "answer", step.key, {"value": value, "revision": revision})
             id_ = admission.insert(
-                db,
-                """INSERT INTO answer
-                  (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing)
-                  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-                (
-                    session.id,
-                    step.key,
-                    revision,
-                    step.phase,
-                    step.trial,
-                    step.scale.name,
-                    step.item.key,
-                    value,
-                    float(seconds),
-                    by,
-                    self._connection.now(),
-                    showing.id if isinstance(showing, Showing) else showing,
-                ),
-            )
+                db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
+                scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
+                at_utc=self._connection.now(), showing=showing.id if isinstance(showing, Showing) else showing,
+            )  # fmt: skip
             return queries.answer(db, id_)
 
     # --- data ---

@@ -12,6 +12,7 @@ from html.parser import HTMLParser
 
 import attrs
 import pytest
+from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
 from hmdwarp.study.analysis import analyse, from_csv, write_analysis
@@ -138,7 +139,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("arguments", "told"), WRONG, ids=lambda value: value if isinstance(value, str) else "")
 def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
-    run = command(*arguments, "--out", "out", folder=tmp_path)
+    run = hmdwarp("study", "analyse", *arguments, "--out", "out", folder=tmp_path)
     assert run.returncode == 2 and run.stderr.count("\n") == 1 and told in run.stderr, run.stderr
     assert not (tmp_path / "out").exists()
 

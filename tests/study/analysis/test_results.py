@@ -19,6 +19,7 @@ from hmdwarp.study.design import Comparison, Family
 from .tables import GRADE, in_order, ratings_of
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+pytestmark = pytest.mark.usefixtures("quick_corrections")
 
 ACR = ScaleInfo("acr", "Quality", low_is_good=False, least=1, most=5)
 PAIR = (Family("one", (Comparison("", "late", "warped"),)),)

@@ -213,7 +213,7 @@ def test_a_place_that_cannot_be_is_told_before(tmp_path):
     (tmp_path / "other" / "paper.tex").write_text("x")
     for name, why in (
         ("file", "cannot be created"),
-        ("file/below", "file may not be written to"),
+        ("file/below", "file is not writable"),
         ("other", "something else"),
     ):
         with Store(tmp_path / name, create=True) as store, pytest.raises(InputError, match=why):

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from commands import hmdwarp
 
 from hmdwarp.study.store import Store
 
@@ -23,8 +24,7 @@ def study(tmp_path):
 
 
 def ran(*words: object) -> subprocess.CompletedProcess:
-    command = [sys.executable, "-m", "hmdwarp", "study", "withdraw", *map(str, words)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, stdin=subprocess.DEVNULL)
+    return hmdwarp("study", "withdraw", *words)
 
 
 def codes(study) -> list[str]:
