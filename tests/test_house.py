@@ -61,7 +61,8 @@ APART = {
     "doctor": {"client", "server", "scenes", "poses"},
 }
 CLOCK_READERS = {"gpu/timers.py", "pipeline/channel.py", "pipeline/loop.py", "doctor/checks.py", "study/store/clock.py"}
-CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")  # display: its clock is the one all live times are on
+# Display: its clock is the one all live times are on.
+CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")
 HEAVY = (
     "scipy",
     "moderngl",
@@ -212,7 +213,10 @@ APART_BY_S = {
 
 
 def names_of_modules() -> dict[str, list[str]]:
-    """The public modules and packages by their own names; entries of registries and commands aside."""
+    """The public modules and packages by their own names.
+
+    Entries of registries and commands aside.
+    """
     found: dict[str, list[str]] = {}
     for path in modules():
         parts = path.relative_to(PACKAGE).with_suffix("").parts

@@ -1,4 +1,7 @@
-"""Whole benches, small and real: what they write, that their figures are a replay's, that nothing but times changes."""
+"""Whole benches, small and real.
+
+What they write, that their figures are a replay's, that nothing but times changes.
+"""
 
 from __future__ import annotations
 
@@ -121,7 +124,8 @@ def test_csv_says_the_same(full):
 
 def test_progress_counts_to_the_end(full):
     steps = full[2]
-    total = 2 * 2 + 37 + 2  # two latencies, two instants; the grid; the fused pairs at as many instants
+    # Two latencies, two instants; the grid; the fused pairs at as many instants.
+    total = 2 * 2 + 37 + 2
     assert steps == [(done, total) for done in range(total + 1)]
 
 
@@ -161,7 +165,8 @@ def test_the_grid_knows_no_error_at_rest(full):
     for row in grid:
         assert set(row) == {"warp", "axis", "offset", "psnr_db", "flip", "hole_share"}
         if row["offset"] == 0:
-            # A guarded frame is drawn with another raster than the truth: a last bit of a byte here and there (48 dB if everywhere).
+            # A guarded frame is drawn with another raster than the truth: a last bit of a byte here
+            # and there (48 dB if everywhere).
             assert row["psnr_db"] > 48 and row["flip"] < 0.02 and row["hole_share"] == 0
         else:
             assert row["flip"] > 0
@@ -267,7 +272,8 @@ def test_passes_are_held_against_what_they_must_move():
     assert (lens["name"], lens["bytes"]) == ("lens", 1600)
     plan = build_plan((), "backward", "none", "none", client_geometry=True)
     drawn, _ = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
-    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)  # r32f, written once
+    # R32f, written once.
+    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)
 
 
 def test_the_answer_tells_what_to_run_and_what_more_would_give():
@@ -291,7 +297,10 @@ def test_the_answer_tells_what_to_run_and_what_more_would_give():
 
 
 def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
-    """The warp `none` leaves no holes: both fills show one picture, and both rows have its figures."""
+    """The warp `none` leaves no holes.
+
+    Both fills show one picture, and both rows have its figures.
+    """
     from hmdwarp.metrics import QualityPool
 
     submitted, submit = [], QualityPool.submit

@@ -120,7 +120,8 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
     combinations = some(*[Needs()] * count)
     found = batches(combinations, (8, 8), (8, 8), most)
     assert [c for batch in found for c in batch] == combinations
-    assert all(len({c.warp for c in batch}) == len(batch) / 2 for batch in found)  # both fills of a warp together
+    # Both fills of a warp together.
+    assert all(len({c.warp for c in batch}) == len(batch) / 2 for batch in found)
     pair = 32 * 64 * 2 + 16 * 64 * 3
     assert all(len(batch) == 2 or len(batch) / 2 * pair <= most for batch in found)
 

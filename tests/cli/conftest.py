@@ -1,4 +1,7 @@
-"""Runs the command line: in this process where that is enough, as a program of its own where signals and streams matter."""
+"""Runs the command line.
+
+In this process where that is enough, as a program of its own where signals and streams matter.
+"""
 
 from __future__ import annotations
 

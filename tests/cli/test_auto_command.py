@@ -14,5 +14,6 @@ def test_what_it_wants_and_what_plan_tells(command, tmp_path):
     usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--warp", "auto", "--budget")
     told = " ".join(command(*usual, "5000", "--bench", str(path)).done().out.split())
     assert "rotation 3000.00 ms per eye, mean FLIP 0.2000; it would begin here" in told
-    assert "late.colour 0.1 MB, late.inverse_depth 0.1 MB" in told  # frames carry what the best of them reads
+    # Frames carry what the best of them reads.
+    assert "late.colour 0.1 MB, late.inverse_depth 0.1 MB" in told
     assert "forward + interpolate" in " ".join(command(*usual, "5000").done().out.split())

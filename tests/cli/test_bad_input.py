@@ -1,4 +1,7 @@
-"""What wrong input gets: one line that names it, the right exit status, and earlier results as they were."""
+"""What wrong input gets.
+
+One line that names it, the right exit status, and earlier results as they were.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ WALK = folder("recordings") / "walk.csv"
 
 @pytest.fixture
 def kept(tmp_path):
-    """An output folder with earlier results; afterwards they must be there as before, and nothing beside them."""
+    """An output folder with earlier results.
+
+    Afterwards they must be there as before, and nothing beside them.
+    """
     out = tmp_path / "out"
     (out / "images").mkdir(parents=True)
     before = {
@@ -35,7 +41,8 @@ def kept(tmp_path):
     assert sorted(p.name for p in out.iterdir()) == ["frames.csv", "images", "mine.txt", "report.html", "summary.json"]
 
 
-# --- traces --------------------------------------------------------------------------------------------------------------
+# --- traces
+# --------------------------------------------------------------------------------------------------------------
 
 
 def traces() -> dict[str, bytes | None]:
@@ -72,7 +79,8 @@ def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
     command("replay", tmp_path / "traces", *quick).refused(str(tmp_path / "traces"), "directory")
 
 
-# --- names ---------------------------------------------------------------------------------------------------------------
+# --- names
+# ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -117,7 +125,8 @@ def test_unknown_commands_and_options(arguments, command):
     command(*arguments).refused("hmdwarp")
 
 
-# --- numbers -------------------------------------------------------------------------------------------------------------
+# --- numbers
+# -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -195,7 +204,8 @@ def test_a_video_too_small_for_the_codec(command, quick, kept):
     command("replay", "still", *quick, "--size", "7x7", "--video").refused("14x7", "16x16")
 
 
-# --- files ---------------------------------------------------------------------------------------------------------------
+# --- files
+# ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -234,7 +244,10 @@ def test_out_is_a_file(command, quick, tmp_path):
 
 
 def give_up_roots_rights() -> None:
-    """In a new process: root without the right to write where only others may. Takes effect with the next exec."""
+    """In a new process.
+
+    Root without the right to write where only others may. Takes effect with the next exec.
+    """
     import ctypes
 
     drop, override, read_search = (
@@ -293,14 +306,18 @@ def test_a_disk_that_is_full_from_the_start(command, quick, tiny_disk):
 
 @pytest.mark.parametrize("options", [[], ["--video", "--seconds", "3"]])
 def test_a_disk_that_fills_up(options, command, quick, tiny_disk):
-    """The page alone is larger than what is left; with --video the disk may be full before the loop is through."""
+    """The page alone is larger than what is left.
+
+    With --video the disk may be full before the loop is through.
+    """
     (tiny_disk / "filler").write_bytes(bytes(200 * 1024))
     (tiny_disk / "summary.json").write_text("{}", encoding="utf-8")
     command("replay", "walk", *quick, *options, "--out", tiny_disk).refused(str(tiny_disk), "No space left", status=3)
     assert sorted(p.name for p in tiny_disk.iterdir()) == ["filler", "summary.json"]
 
 
-# --- the machine ---------------------------------------------------------------------------------------------------------
+# --- the machine
+# ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("arguments", [["replay", "still"], ["warp"]])

@@ -1,4 +1,7 @@
-"""hmdwarp list, plan, --help and --version: what there is, told so that people and programs can read it."""
+"""hmdwarp list, plan, --help and --version.
+
+What there is, told so that people and programs can read it.
+"""
 
 from __future__ import annotations
 
@@ -134,7 +137,10 @@ def test_plan_refuses_what_live_refuses(command):
 
 
 def test_plan_counts_bytes_and_frames(command):
-    """640x400 of 8 bytes of colour and 4 of depth, two eyes: 6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2."""
+    """640x400 of 8 bytes of colour and 4 of depth, two eyes.
+
+    6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2.
+    """
     told = " ".join(command("plan", "--scene", "planes", "--size", "640x400", "--rate", "90").done().out.split())
     assert "6.1 MB" in told and "at most 20 of them at 200 ms and 90 Hz" in told
     only_colour = " ".join(

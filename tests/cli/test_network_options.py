@@ -1,4 +1,7 @@
-"""What is said about network, codec, effects and fills: refused in one line where it cannot be meant, and nothing written then."""
+"""What is said about network, codec, effects and fills.
+
+Refused in one line where it cannot be meant, and nothing written then.
+"""
 
 from __future__ import annotations
 

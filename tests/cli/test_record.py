@@ -1,4 +1,7 @@
-"""hmdwarp record as its users run it: a made-up head, a window, and what it says where it cannot."""
+"""hmdwarp record as its users run it.
+
+A made-up head, a window, and what it says where it cannot.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Ctrl-C and its kin in mid-replay: a real signal to a real process leaves one line, no files and no orphans."""
+"""Ctrl-C and its kin in mid-replay.
+
+A real signal to a real process leaves one line, no files and no orphans.
+"""
 
 from __future__ import annotations
 
@@ -108,7 +111,10 @@ def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying)
 
 
 def test_killed_at_once_leaves_no_orphans_and_no_final_names(replaying):
-    """SIGKILL cannot be answered; the measuring processes notice by themselves, and only hidden files are left."""
+    """SIGKILL cannot be answered.
+
+    The measuring processes notice by themselves, and only hidden files are left.
+    """
     process, out = replaying
     workers = children_of(process.pid)
     process.kill()

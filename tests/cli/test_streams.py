@@ -128,11 +128,15 @@ def test_a_terminal_without_the_table_s_characters_gets_question_marks(encoding,
     environment = {**ENVIRONMENT, "PYTHONIOENCODING": encoding}
     done = subprocess.run([*PROGRAM, *REPLAY, str(tmp_path / "out")], capture_output=True, env=environment, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
-    assert b"PSNR" in done.stdout and b"? beyond the border" in done.stdout  # an ellipsis, which neither has
+    # An ellipsis, which neither has.
+    assert b"PSNR" in done.stdout and b"? beyond the border" in done.stdout
 
 
 def test_a_folder_whose_name_is_no_text(tmp_path):
-    """Names of files are bytes, and need not be UTF-8: the command in the report and the last line printed hold this one."""
+    """Names of files are bytes, and need not be UTF-8.
+
+    The command in the report and the last line printed hold this one.
+    """
     out = os.fsencode(tmp_path) + b"/n\xff"
     done = subprocess.run([*PROGRAM, *REPLAY, out], capture_output=True, env=ENVIRONMENT, check=False)
     assert (done.returncode, done.stderr) == (0, b"")

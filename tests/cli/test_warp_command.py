@@ -138,8 +138,16 @@ def test_files_of_other_kinds(command, tmp_path):
             path.write_bytes(data)
         command("warp", path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(path))
     command("warp", tmp_path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(tmp_path))
-    for name, data in {"missing.json": None, "empty.json": b"", "half.json": b'{"fov": [1', "list.json": b"[]", "bytes.json": b"\xff\xfe{}",
-                       "number.json": b"1" * 6000, "deep.json": b"[" * 100_000}.items():  # fmt: skip
+    for name, data in {
+        "missing.json": None,
+        "empty.json": b"",
+        "half.json": b'{"fov": [1',
+        "list.json": b"[]",
+        "bytes.json": b"\xff\xfe{}",
+        # Fmt: skip.
+        "number.json": b"1" * 6000,
+        "deep.json": b"[" * 100_000,
+    }.items():
         path = tmp_path / name
         if data is not None:
             path.write_bytes(data)
@@ -169,7 +177,10 @@ def zip_bytes(members: dict[str, bytes]) -> bytes:
 @settings(max_examples=300, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(data=st.data())
 def test_damaged_frames_are_read_or_refused(data, tmp_path):
-    """Whatever bytes of a frame are changed, cut off or doubled: the arrays, or one error of ours."""
+    """Whatever bytes of a frame are changed, cut off or doubled.
+
+    The arrays, or one error of ours.
+    """
     compressed = data.draw(st.booleans())
     file = io.BytesIO()
     (np.savez_compressed if compressed else np.savez)(file, **arrays())

@@ -374,7 +374,8 @@ def test_contexts_of_ones_own_in_any_order():
     with Gpu() as first, Gpu() as second:
         for gpu in (first, second, None, first, None, second):
             assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view(), gpu=gpu).colour, colour)
-        probe = second.gl.texture((1, 1), 1, dtype="f4")  # the newest one is the one that plain GL calls go to
+        # The newest one is the one that plain GL calls go to.
+        probe = second.gl.texture((1, 1), 1, dtype="f4")
         probe.write(np.float32(7).tobytes())
         assert np.frombuffer(probe.read(), np.float32) == 7
     assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour)

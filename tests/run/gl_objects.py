@@ -1,4 +1,7 @@
-"""Which OpenGL objects there are: asked of the driver itself, name by name, so that nothing which only Python forgot is missed."""
+"""Which OpenGL objects there are.
+
+Asked of the driver itself, name by name, so that nothing which only Python forgot is missed.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ MOST_NAMES = 20_000  # names are handed out from 1 on; a run uses some hundred
 
 
 def living() -> Counter[str]:
-    """How many objects of each kind the current context has. Skips the test where there is no libGL to ask."""
+    """How many objects of each kind the current context has.
+
+    Skips the test where there is no libGL to ask.
+    """
     try:
         gl = ctypes.CDLL("libGL.so.1")
     except OSError as error:

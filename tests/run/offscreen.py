@@ -1,6 +1,9 @@
-"""The display without a screen, with what tests want of one: things happen at the n-th wait, and what was shown is kept.
+"""The display without a screen, with what tests want of one.
 
-The head is read and the picture handed over at instants of their own within a refresh, as beside a real screen.
+Things happen at the n-th wait, and what was shown is kept.
+
+The head is read and the picture handed over at instants of their own within a refresh, as beside a
+real screen.
 """
 
 from __future__ import annotations
@@ -41,9 +44,12 @@ class LiveHead(LoopedSource):
 
 
 class OffscreenDisplay(offscreen.OffscreenDisplay):
-    """track: whose head. gpu: None for one of its own. events: what happens at the n-th wait (counted from 0): an exception is raised
-    (Closed, Lost, ..), a Tick is handed out with this display's times, None is "nothing to do just now". asked: commands after the n-th.
-    back_after: how often reopen() says no after a Lost. keeps: the shown bytes, in `pictures`.
+    """track: whose head.
+
+    gpu: None for one of its own. events: what happens at the n-th wait (counted from 0): an
+    exception is raised (Closed, Lost, ..), a Tick is handed out with this display's times, None is
+    "nothing to do just now". asked: commands after the n-th. back_after: how often reopen() says no
+    after a Lost. keeps: the shown bytes, in `pictures`.
     """
 
     def __init__(

@@ -1,4 +1,7 @@
-"""Whole runs that choose their warp: from a benchmark's figures or a trial of their own, within a budget, down and up again."""
+"""Whole runs that choose their warp.
+
+From a benchmark's figures or a trial of their own, within a budget, down and up again.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,8 @@ def auto(path: Path, **options):
     return {"warp": "auto", "budget_ms": AMPLE_MS, "bench": path, **options}
 
 
-# --- what is refused -----------------------------------------------------------------------------------------------------
+# --- what is refused
+# -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -107,7 +111,8 @@ def test_a_budget_in_which_nothing_fits(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-# --- from a file ---------------------------------------------------------------------------------------------------------
+# --- from a file
+# ---------------------------------------------------------------------------------------------------------
 
 
 def test_rows_of_the_run_s_size_come_first(tmp_path):
@@ -142,7 +147,10 @@ def test_what_this_program_has_not_is_left_out(tmp_path):
 
 
 def test_the_lens_of_the_run_counts(tmp_path):
-    """Rows with a lens of 2 ms: without it for a run without one, and with what is measured for a run with another."""
+    """Rows with a lens of 2 ms.
+
+    Without it for a run without one, and with what is measured for a run with another.
+    """
     with_lens = a_row("none", "none", 5.0, 0.3, lens="radial")
     with_lens["time_ms"]["lens"] = {"median": 2.0, "p95": 2.0}
     path, plain = a_bench(tmp_path / "b.json", [with_lens]), small(**auto(tmp_path))
@@ -168,7 +176,8 @@ def test_other_terms_are_told(tmp_path):
     )
 
 
-# --- a run ---------------------------------------------------------------------------------------------------------------
+# --- a run
+# ---------------------------------------------------------------------------------------------------------------
 
 
 def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
@@ -191,7 +200,10 @@ def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
 
 
 def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch):
-    """The best level really takes 150 ms for a while, where there are 100; otherwise both take a few at 96x80."""
+    """The best level really takes 150 ms for a while, where there are 100.
+
+    Otherwise both take a few at 96x80.
+    """
     if gpu.timer.clock != "wall":
         pytest.skip("how long it works is told by the wall clock, of which GPU timers see a part")
     refresh = itertools.count()
@@ -270,11 +282,13 @@ def test_a_run_with_a_trial_of_its_own(few, tmp_path):
 def test_a_trial_leaves_out_what_is_out_of_reach(few):
     options = small(warp="auto", budget_ms=1e-6, seconds=0.3)
     found = levels_by_short_bench(options, lambda text: None)
-    assert len({level.warp for level in found.levels}) == 1  # the cheapest stays, to be told in the refusal
+    # The cheapest stays, to be told in the refusal.
+    assert len({level.warp for level in found.levels}) == 1
     assert "took more than 2 times the budget" in found.notes[0]
 
 
-# --- the compensator -----------------------------------------------------------------------------------------------------
+# --- the compensator
+# -----------------------------------------------------------------------------------------------------
 
 
 def test_each_level_gets_what_it_would_get_alone():

@@ -1,4 +1,7 @@
-"""What each control does to the options: a step on and one back, to its bounds and no farther, and nothing that cannot be meant."""
+"""What each control does to the options.
+
+A step on and one back, to its bounds and no farther, and nothing that cannot be meant.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Commands in a run that goes on: what can be is done, what cannot is said over the picture, and a key never gets stuck at it."""
+"""Commands in a run that goes on.
+
+What can be is done, what cannot is said over the picture, and a key never gets stuck at it.
+"""
 
 from __future__ import annotations
 

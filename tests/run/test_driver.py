@@ -1,4 +1,7 @@
-"""A stretch of refreshes by somebody else's rules: the server draws ahead of the pictures, and a plate outlasts what the tracking does."""
+"""A stretch of refreshes by somebody else's rules.
+
+The server draws ahead of the pictures, and a plate outlasts what the tracking does.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,10 @@ def led(gpu):
 
 
 def test_what_was_drawn_ahead_is_there_at_the_first_picture(led):
-    """Longer ahead than frames are under way: no picture is black, and none is younger than the latency."""
+    """Longer ahead than frames are under way.
+
+    No picture is black, and none is younger than the latency.
+    """
     ahead = round(LATENCY_MS * 1e6) // PERIOD_NS + 1
     display, log = led(Led(ahead, 5))
     shown = [picture.any() for picture in display.pictures]

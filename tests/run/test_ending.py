@@ -1,4 +1,7 @@
-"""A run ends when it has shown what was asked for, or by a signal: after the refresh under way, with everything written."""
+"""A run ends when it has shown what was asked for, or by a signal.
+
+After the refresh under way, with everything written.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ def test_never_by_itself():
 
 @pytest.mark.parametrize("number", ASKING)
 def test_a_signal_asks_and_is_handed_on_at_the_end(handlers, number):
-    """Ctrl-C is the usual way to end a run; who sends another one expects the program to end by it."""
+    """Ctrl-C is the usual way to end a run.
+
+    Who sends another one expects the program to end by it.
+    """
     with Ending(None, None) as one:
         assert not one.due(5)
         signal.raise_signal(number)
@@ -90,7 +96,8 @@ def test_another_thread_has_no_signals_and_needs_none(handlers):
     assert done == [True]
 
 
-# --- whole runs ----------------------------------------------------------------------------------------------------------
+# --- whole runs
+# ----------------------------------------------------------------------------------------------------------
 
 
 def test_ctrl_c_ends_a_run_after_the_refresh_under_way(monkeypatch, handlers, tmp_path):

@@ -38,7 +38,8 @@ def test_an_unmoved_head_needs_no_guard():
 def test_a_turn_needs_the_tangent_of_the_half_angle_and_the_turn(axis, degrees):
     """The middle of a side 45 degrees out lies 45 + the turn degrees out in the drawn picture."""
     elsewhere = (0.0, 0.0, 0.0)
-    # The eyes sit beside the axis that the head turns about: at 1 m that is some centimetres more; turning about x moves neither.
+    # The eyes sit beside the axis that the head turns about: at 1 m that is some centimetres more;
+    # turning about x moves neither.
     found = needed_factors(FLAT, heads(STILL), heads(turned(axis, degrees, elsewhere)))[0]
     exact = math.tan(math.radians(45 + abs(degrees)))
     eyes_moved = 2 * FLAT.ipd_m * abs(math.sin(math.radians(degrees))) / NEAR_M if axis == "y" else 0
@@ -73,7 +74,10 @@ def turning(tmp_path):
 
 
 def test_a_steady_turn_gets_what_it_moves_by_in_the_latency_and_prediction_saves_it(turning):
-    """40 deg/s for 200 ms are 8 degrees; a constant velocity is predicted to the last bit, as far as the horizon reaches."""
+    """40 deg/s for 200 ms are 8 degrees.
+
+    A constant velocity is predicted to the last bit, as far as the horizon reaches.
+    """
     usual = {"trace": turning, "guard": "auto", "headset": "flat-90", "lens": "none", "latency_ms": 200, "rate_hz": 50}
     plain, _ = settled(RunOptions(**usual))
     assert math.tan(math.radians(53)) <= plain.guard <= math.tan(math.radians(53)) + 0.03

@@ -17,7 +17,10 @@ def counter(gpu):
 
 
 def picture(gpu, seed: int, size: tuple[int, int], share: float) -> tuple[Canvas, float]:
-    """A canvas and the share of it that is holes. Alpha that is not 0 is as small as a half can be: it counts as covered."""
+    """A canvas and the share of it that is holes.
+
+    Alpha that is not 0 is as small as a half can be: it counts as covered.
+    """
     w, h = size
     rng = np.random.default_rng(seed)
     image = rng.random((h, w, 4)).astype(np.float16)

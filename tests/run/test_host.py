@@ -1,4 +1,7 @@
-"""What is on changes while the run goes on: no more is thrown away than must be, what cannot be changes nothing, nothing is left behind."""
+"""What is on changes while the run goes on.
+
+No more is thrown away than must be, what cannot be changes nothing, nothing is left behind.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,10 @@ LATENCY_MS = 50.0
 
 
 class Running:
-    """A host on a display of its own, one refresh after the other. shown: (shown_ns, drawn_ns or None) of each."""
+    """A host on a display of its own, one refresh after the other.
+
+    shown: (shown_ns, drawn_ns or None) of each.
+    """
 
     def __init__(self, gpu, **options) -> None:
         view = options.get("view", "both")
@@ -59,12 +65,16 @@ class Running:
         self.display.close()
 
 
-# --- latency -------------------------------------------------------------------------------------------------------------
+# --- latency
+# -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("latency_ms", [0.0, 20.0, 55.0, 120.0])
 def test_frames_under_way_arrive_as_they_would_have(gpu, latency_ms):
-    """The newest of those that have arrived is shown at each refresh, by the latency each was sent with; pictures never stop."""
+    """The newest of those that have arrived is shown at each refresh, by the latency each was sent with.
+
+    Pictures never stop.
+    """
     with Running(gpu) as running:
         pipeline = running.go(12).host.pipeline
         running.set(latency_ms=latency_ms).go(20)
@@ -89,7 +99,8 @@ def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
         assert running.go(3).ages_ms[-3:] == [50.0] * 3
 
 
-# --- passes --------------------------------------------------------------------------------------------------------------
+# --- passes
+# --------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -111,7 +122,10 @@ def test_passes_that_read_the_same_are_exchanged_between_two_pictures(gpu, value
     [{"warp": "layered"}, {"warp": "multi"}, {"fill": "wide"}, {"scene": "spheres"}, {"guard": 1.25}, {"view": "flat"}],
 )
 def test_what_needs_other_frames_begins_anew(gpu, values):
-    """Its first picture comes when its first frame has arrived: 50 ms, shown 20 ms after it is asked for, every 10 ms."""
+    """Its first picture comes when its first frame has arrived.
+
+    50 ms, shown 20 ms after it is asked for, every 10 ms.
+    """
     with Running(gpu) as running:
         pipeline = running.go(8).host.pipeline
         running.set(**values).go(8)
@@ -135,7 +149,8 @@ def test_nothing_changes_nothing(gpu):
         assert running.host.pipeline is pipeline and running.host.plan is plan
 
 
-# --- what cannot be ------------------------------------------------------------------------------------------------------
+# --- what cannot be
+# ------------------------------------------------------------------------------------------------------
 
 IMPOSSIBLE = [
     {"warp": "fward"},
@@ -182,7 +197,8 @@ def test_a_warp_for_two_eyes_is_refused_in_the_flat_view(gpu):
         assert running.go(1).ages_ms[-1] == 50.0
 
 
-# --- nothing is left behind ----------------------------------------------------------------------------------------------
+# --- nothing is left behind
+# ----------------------------------------------------------------------------------------------
 
 TOUR = [
     Command("latency"),
@@ -206,7 +222,10 @@ TOUR = [
 
 
 def test_a_tour_of_all_changes_leaves_nothing_on_the_gpu(gpu):
-    """The second and the third time round, nothing is there that was not there after the first: textures, buffers, programs."""
+    """The second and the third time round, nothing is there that was not there after the first.
+
+    Textures, buffers, programs.
+    """
     with Running(gpu) as running:
         counts = []
         for _ in range(3):

@@ -1,4 +1,7 @@
-"""What a live run writes: the same files as a replay, true to what was shown, whatever ends it, and in bounded memory."""
+"""What a live run writes.
+
+The same files as a replay, true to what was shown, whatever ends it, and in bounded memory.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ SMALL = {"scene": "planes", "latency_ms": 30.0}
 
 @attrs.define
 class Seen:
-    """What a log was told, copied while the pictures were there: the refresh, and the share of pixels without coverage of each eye."""
+    """What a log was told, copied while the pictures were there.
+
+    The refresh, and the share of pixels without coverage of each eye.
+    """
 
     logs: list = attrs.field(factory=list)
     refreshes: list = attrs.field(factory=list)
@@ -79,7 +85,8 @@ def test_rows_are_what_was_shown(monkeypatch, tmp_path, seen):
         stages = dict(refresh.stage_ms[eye])
         assert float(row["warp_ms"]) == stages["warp"] and float(row["lens_ms"]) == stages["lens"]
         assert float(row["total_ms"]) == pytest.approx(sum(stages.values()))
-        assert float(row["hole_share"]) == seen.holes[number][eye]  # the GPU's count and NumPy's, of the same picture
+        # The GPU's count and NumPy's, of the same picture.
+        assert float(row["hole_share"]) == seen.holes[number][eye]
         assert row["psnr_db"] == row["flip"] == row["border_share"] == ""
     assert sum(map(sum, seen.holes)) > 0
 
@@ -108,7 +115,8 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     assert (summary["trace"], summary["headset"], summary["lens"]) == ("offscreen", "rift-dk1", "radial")
     assert summary["size"] == [96, 120] and summary["link"]["frames"]["shown"] > 10
     link = summary["link"]
-    assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)  # a hundred pictures a second came
+    # A hundred pictures a second came.
+    assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)
     live = summary["live"]
     assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items() and live[
         "budget_ms"
@@ -149,7 +157,8 @@ def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
     for number in kept:
         halves = [read_png(tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png") for eye in ("left", "right")]
         window = flip_rows(shown[number]).astype(int)
-        # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to different ones.
+        # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to
+        # different ones.
         assert np.abs(np.concatenate(halves, axis=1).astype(int) - window).max() <= 1
 
 
@@ -289,12 +298,16 @@ def test_whatever_ends_it_what_was_shown_is_written(monkeypatch, tmp_path, error
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     validate_summary(summary)
     rows = rows_of(tmp_path / "out")
-    assert len(rows) == 2 * summary["frames"] > 10 and rows[-1]["total_ms"]  # the last one's times, too
+    # The last one's times, too.
+    assert len(rows) == 2 * summary["frames"] > 10 and rows[-1]["total_ms"]
     assert (tmp_path / "head.csv").read_text().count("\n") == 6 + summary["frames"]
 
 
 def test_a_watchdog_s_thread_can_finish_it_while_the_loop_hangs(monkeypatch, tmp_path, seen):
-    """No GL there: the last refresh's times are not known then. What comes back to life afterwards is not logged."""
+    """No GL there.
+
+    The last refresh's times are not known then. What comes back to life afterwards is not logged.
+    """
 
     def after(number):
         if number == 10:
@@ -322,7 +335,8 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
         and "&lt;out&gt;" in page
     )
     assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Age of the pose" in page
-    assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]  # and nothing hidden
+    # And nothing hidden.
+    assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
 
 
 def test_a_new_run_replaces_the_files_of_the_one_before(monkeypatch, tmp_path):
@@ -358,7 +372,10 @@ def test_a_full_disk_ends_it_and_leaves_whole_rows(tmp_path):
 
 
 def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
-    """Ten thousand refreshes and the same again: what is kept for ever would be a megabyte more, at 100 bytes each."""
+    """Ten thousand refreshes and the same again.
+
+    What is kept for ever would be a megabyte more, at 100 bytes each.
+    """
     monkeypatch.setattr(live_figures, "Thinned", functools.partial(Thinned, most=64))
     grown = []
 

@@ -1,4 +1,7 @@
-"""A live run that has warmed up makes nothing new: no textures, no shaders, no queries, and no objects that stay."""
+"""A live run that has warmed up makes nothing new.
+
+No textures, no shaders, no queries, and no objects that stay.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,8 @@ from hmdwarp.run import LiveOptions
 
 from .offscreen import OffscreenDisplay, run_on
 
-# Ten refreshes until the first frame has arrived, then a round of every pool, every older frame that is kept (up to half a second), and
-# the counts that come a refresh late.
+# Ten refreshes until the first frame has arrived, then a round of every pool, every older frame
+# that is kept (up to half a second), and the counts that come a refresh late.
 WARM, THEN = 60, 60
 # One in the room with its 75,000 triangles, which take llvmpipe most of the time.
 RUNS = {
@@ -52,8 +55,13 @@ def test_a_refresh_makes_nothing_on_the_gpu(gpu, monkeypatch, chosen):
 
 @pytest.mark.parametrize("beside", ["nothing", "files"])
 def test_a_refresh_leaves_no_objects_behind(gpu, monkeypatch, tmp_path, beside):
-    """Containers are counted before anything is collected: garbage that only a full collection finds would stay for the whole run.
-    All objects are counted after one, which empties the interpreter's own stocks (up to 2000 tuples of each length)."""
+    """Containers are counted before anything is collected.
+
+    Garbage that only a full collection finds would stay for the whole run.
+
+    All objects are counted after one, which empties the interpreter's own stocks (up to 2000 tuples
+    of each length).
+    """
     written = {"record": tmp_path / "walk.csv", "out": tmp_path / "out"} if beside == "files" else {}
     begin, end = (
         KEPT + WARM,
@@ -70,7 +78,8 @@ def test_a_refresh_leaves_no_objects_behind(gpu, monkeypatch, tmp_path, beside):
 
     options = LiveOptions(scene="planes", latency_ms=50, size=(16, 20), frames=end, **written)
     run_on(monkeypatch, OffscreenDisplay(gpu=gpu), options, after=after)
-    # Numbers at one instant differ by what is just under way, a pose more or less; one object that stays each time would be 2 * THEN.
+    # Numbers at one instant differ by what is just under way, a pose more or less; one object that
+    # stays each time would be 2 * THEN.
     assert containers[end] - containers[begin] < THEN
     if beside == "nothing":  # lines wait for up to half a second until they are written
         assert blocks[end] - blocks[begin] < THEN

@@ -1,4 +1,7 @@
-"""Which display a run gets: the real loader with runtimes that are not there, and no screen or a virtual one."""
+"""Which display a run gets.
+
+The real loader with runtimes that are not there, and no screen or a virtual one.
+"""
 
 from __future__ import annotations
 
@@ -158,7 +161,10 @@ def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong,
 
 @needs.programs("Xvfb")
 def test_briefly_it_is_one_clause(tmp_path):
-    """As the desk of a study says it: how to get a runtime is no concern of a session that has begun."""
+    """As the desk of a study says it.
+
+    How to get a runtime is no concern of a session that has begun.
+    """
     program = (
         "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live_run import open_display\n"
         "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"

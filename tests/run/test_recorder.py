@@ -24,7 +24,8 @@ def samples(count, first_ns=10**15, step_ns=11_111_111, seed=1):
     """A head that sways, with random digits to the last one."""
     rng = np.random.default_rng(seed)
     for k in range(count):
-        near = rng.normal(0, 1e-3, 4) + (0, 0, 0, 1)  # about 0.2 degrees: a larger jump is none that a head can make
+        # About 0.2 degrees: a larger jump is none that a head can make.
+        near = rng.normal(0, 1e-3, 4) + (0, 0, 0, 1)
         yield PoseSample(first_ns + k * step_ns, Pose(rng.normal(0, 1e-3, 3), near), Origin.MEASURED)
 
 
@@ -131,7 +132,8 @@ def test_poses_are_on_the_disk_while_it_runs(tmp_path):
         for head in samples(30, first_ns=10**16):
             recorder.add(head)
         until = time.monotonic() + 60
-        while (tmp_path / "a.csv").read_text().count("\n") < 6 + 60 and time.monotonic() < until:  # nobody asks for it
+        # Nobody asks for it.
+        while (tmp_path / "a.csv").read_text().count("\n") < 6 + 60 and time.monotonic() < until:
             time.sleep(0.05)
         assert (tmp_path / "a.csv").read_text().count("\n") == 6 + 60
 

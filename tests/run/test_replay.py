@@ -1,4 +1,7 @@
-"""Whole replays: what they write, that every choice in the registries runs, and that each option does what it says."""
+"""Whole replays.
+
+What they write, that every choice in the registries runs, and that each option does what it says.
+"""
 
 from __future__ import annotations
 
@@ -49,8 +52,20 @@ def test_summary_keeps_to_the_schema(full):
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     validate_summary(summary)
     assert summary == json.loads(json.dumps(result.summary))
-    asked = {"trace": "walk", "scene": "planes", "effects": [], "latency_ms": 200.0, "warp": "forward", "fill": "interpolate",
-             "lens": "radial", "headset": "rift-dk1", "size": [96, 80], "frames": 60, "hmdwarp": __version__}  # fmt: skip
+    asked = {
+        "trace": "walk",
+        "scene": "planes",
+        "effects": [],
+        "latency_ms": 200.0,
+        "warp": "forward",
+        "fill": "interpolate",
+        # Fmt: skip.
+        "lens": "radial",
+        "headset": "rift-dk1",
+        "size": [96, 80],
+        "frames": 60,
+        "hmdwarp": __version__,
+    }
     assert {key: summary[key] for key in asked} == asked
     assert summary["against"]["warp"] == "none"
     assert set(summary["against"]["quality"]) == set(summary["quality"])
@@ -149,7 +164,8 @@ def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
     assert all(math.isfinite(result.summary["quality"][name]["mean"]) for name in QUALITY_AT)
 
 
-# --- options -------------------------------------------------------------------------------------------------------------
+# --- options
+# -------------------------------------------------------------------------------------------------------------
 
 
 def test_start_and_seconds_choose_the_part(tmp_path):
@@ -180,7 +196,10 @@ def test_without_a_rate_and_a_size_the_headset_decides(tmp_path):
 
 
 def test_guard_takes_the_border_away(tmp_path):
-    """A guard of 1.5 adds 22 degrees on each side of 90: more than look-around turns within 200 ms here."""
+    """A guard of 1.5 adds 22 degrees on each side of 90.
+
+    More than look-around turns within 200 ms here.
+    """
     summaries = [run(tmp_path / str(guard), warp="rotation", guard=guard).summary for guard in (1.0, 1.2, 1.5)]
     shares = [summary["quality"]["border_share"]["mean"] for summary in summaries]
     assert shares[0] > 2 * shares[1] > 0
@@ -188,7 +207,10 @@ def test_guard_takes_the_border_away(tmp_path):
 
 
 def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
-    """At 50 ms, within the horizon, the predicted pose leaves less to warp away: fewer holes at the border."""
+    """At 50 ms, within the horizon, the predicted pose leaves less to warp away.
+
+    Fewer holes at the border.
+    """
     wanted = {"trace": "reversals", "latency_ms": 50.0, "warp": "rotation", "start_s": 2.0, "seconds": 2.0}
     plain = run(tmp_path / "a", **wanted).summary
     ahead = run(tmp_path / "b", predict="constant_velocity", **wanted).summary
@@ -248,7 +270,8 @@ def test_scene_of_ones_own(tmp_path):
     box.export(tmp_path / "box.glb")
     result = run(tmp_path / "out", trace="still", scene=str(tmp_path / "box.glb"), seconds=0.1)
     assert result.summary["scene"] == "box"
-    assert "moved" in " ".join(result.summary["notes"])  # the head of the trace stands elsewhere than before this box
+    # The head of the trace stands elsewhere than before this box.
+    assert "moved" in " ".join(result.summary["notes"])
     picture = seen_centre(tmp_path / "box.glb")
     assert picture[..., :3].std() > 0.01 and (picture[..., 3] == 1).all()
 
@@ -272,7 +295,8 @@ def test_traces_in_other_formats(name, tmp_path):
     own = run(tmp_path / "b", trace="look-around")
     assert other.summary["trace"] == "head"
     for figure, value in own.summary["quality"].items():
-        # EuRoC and TUM may lose the last digits of a pose: 1e-6 of a pixel, which rounding to bytes turns into single grey levels.
+        # EuRoC and TUM may lose the last digits of a pose: 1e-6 of a pixel, which rounding to bytes
+        # turns into single grey levels.
         assert other.summary["quality"][figure]["mean"] == pytest.approx(value["mean"], rel=1e-3), figure
 
 
@@ -288,7 +312,8 @@ def test_trace_options_reach_the_reader(tmp_path):
     assert result.rows[0]["linear_speed_m_s"] == pytest.approx(0.001 * 0.5 * 50, rel=1e-6)
 
 
-# --- frames and memory ---------------------------------------------------------------------------------------------------
+# --- frames and memory
+# ---------------------------------------------------------------------------------------------------
 
 
 class Made:

@@ -1,4 +1,7 @@
-"""The truth of a display that lights up row by row: bands that fit together to the whole picture, each for its own instant."""
+"""The truth of a display that lights up row by row.
+
+Bands that fit together to the whole picture, each for its own instant.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +58,10 @@ def test_a_head_that_rests_sees_the_picture_drawn_at_once(server):
 
 @pytest.mark.parametrize("degrees", [1.0, 6.0, 40.0])
 def test_each_band_is_that_part_of_the_picture_of_its_instant(server, degrees):
-    """Against whole pictures drawn for each row's instant: a row lies within half a band of its own, half of PIXELS_PER_BAND away."""
+    """Against whole pictures drawn for each row's instant.
+
+    A row lies within half a band of its own, half of PIXELS_PER_BAND away.
+    """
     first = View(server.scene.viewpoint, FOV)
     last = View(turned(first.pose, math.radians(degrees)), FOV)
     found = truth(server, first, last)
@@ -64,7 +70,8 @@ def test_each_band_is_that_part_of_the_picture_of_its_instant(server, degrees):
         whole = server.draw(View(first.pose.towards(last.pose, (top + bottom) / 2 / SIZE[1]), FOV), SIZE)
         colour, depth = download(whole.colour)[top:bottom], download(whole.inverse_depth)[top:bottom]
         server.pool(SIZE).release(whole.colour)
-        # The band's own projection rounds anew, so that a pixel centre on an edge may fall to its other side.
+        # The band's own projection rounds anew, so that a pixel centre on an edge may fall to its
+        # other side.
         assert np.isclose(found.inverse_depth[top:bottom], depth, rtol=1e-5).mean() > 0.99
         assert (
             np.isclose(found.colour[top:bottom].astype(float), colour.astype(float), atol=0.01).all(axis=-1).mean()
@@ -86,18 +93,21 @@ def test_bands_cover_all_rows_and_keep_their_pixel_centres(pose, step, angle, fo
     assert sum(rows for _, rows in bands) == high
     assert all(rows > 0 for _, rows in bands)
     assert len(bands) <= min(MOST_BANDS, high)
-    whole = np.concatenate([view.rays((wide, rows))[::-1] for view, rows in bands])  # each top row first
+    # Each top row first.
+    whole = np.concatenate([view.rays((wide, rows))[::-1] for view, rows in bands])
     assert np.abs(whole - first.rays((wide, high))[::-1]).max() <= 1e-12 * np.abs(whole).max()
     turns = [
         (a.pose.rotation.inv() * b.pose.rotation).magnitude() for (a, _), (b, _) in zip(bands, bands[1:], strict=False)
     ]
     if 1 < len(bands) < min(MOST_BANDS, high):
         per_radian = math.degrees(1) * fov.pixels_per_degree((wide, high))
-        # Bands differ by a row at most, and there is less than one row's turn between a rounded end and an even one.
+        # Bands differ by a row at most, and there is less than one row's turn between a rounded end
+        # and an even one.
         assert max(turns) * per_radian <= PIXELS_PER_BAND * (1 + 2 * len(bands) / high) + 1e-9
 
 
-# --- whole replays -------------------------------------------------------------------------------------------------------
+# --- whole replays
+# -------------------------------------------------------------------------------------------------------
 
 TURNING = {
     "trace": "fast-turns",
@@ -131,7 +141,10 @@ def test_what_cannot_follow_shows_the_middle_and_says_so(tmp_path):
 
 
 def test_a_fused_run_is_measured_before_the_lens_and_shows_what_it_made(tmp_path):
-    """The same figures as in two passes, because quality is what the eye sees before the lens; the time is that of one pass."""
+    """The same figures as in two passes, because quality is what the eye sees before the lens.
+
+    The time is that of one pass.
+    """
     options = {"headset": "rift-dk1", "lens": "radial", "seconds": 0.2, "images": 1}
     fused, separate = (figures(tmp_path / name, fused=name == "fused", **options) for name in ("fused", "separate"))
     assert fused["quality"] == separate["quality"]

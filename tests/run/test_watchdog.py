@@ -1,4 +1,7 @@
-"""A call that never comes back ends the program with a line, after what could be saved; one that is only slow does not."""
+"""A call that never comes back ends the program with a line, after what could be saved.
+
+One that is only slow does not.
+"""
 
 from __future__ import annotations
 
@@ -115,8 +118,12 @@ def test_a_peer_that_is_stopped_is_noticed(tmp_path):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")
 def test_a_program_that_was_stopped_itself_goes_on(tmp_path):
-    """Stopped in the middle of a call for longer than the limit: the call had no chance to come back. A call takes 0.1 s, the limit is 1 s,
-    it is stopped for 2 s."""
+    """Stopped in the middle of a call for longer than the limit.
+
+    The call had no chance to come back.
+
+    A call takes 0.1 s, the limit is 1 s, it is stopped for 2 s.
+    """
     body = """
         with Watchdog(1.0, []) as dog:
             print("ready", flush=True)
@@ -138,7 +145,10 @@ def test_a_program_that_was_stopped_itself_goes_on(tmp_path):
 
 
 def test_many_calls_that_come_back_are_no_hang(tmp_path):
-    """Together they take twice as long as one may; a call within a call, an error and a call of the same name again included."""
+    """Together they take twice as long as one may.
+
+    A call within a call, an error and a call of the same name again included.
+    """
     body = """
         with Watchdog(0.8, []) as dog:
             with dog.watching("outer"):
