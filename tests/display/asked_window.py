@@ -16,8 +16,8 @@ import threading
 
 from hmdwarp.display import Closed, DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
-from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.scales import load_scale
 
 
@@ -80,7 +80,7 @@ class AskedWindow:
     def _tell(self, **more: object) -> None:
         head = self._display.source.head_at(self._display.now_ns()).pose
         state: dict[str, object] = {
-            "caught": self._display._hands.caught,
+            "captured": self._display._commands.input.captured,
             "turned": [round(part, 4) for part in head.orientation_xyzw.tolist()],
             "stands": [round(part, 2) for part in head.position_m.tolist()],
             "value": self._asked.value if self._asked is not None else None,

@@ -16,8 +16,8 @@ import glfw
 import moderngl
 import numpy as np
 
-from hmdwarp.display.desktop.panel import make_panel
-from hmdwarp.display.status import Status
+from hmdwarp.display import Status
+from hmdwarp.display.desktop import make_control_panel
 
 SIZE = (640, 760)
 
@@ -72,7 +72,7 @@ def main() -> None:
     window = opened()
     gl = moderngl.create_context(require=430)
     heard = Heard(window)
-    heard.panel = panel = make_panel(window, gl)
+    heard.panel = panel = make_control_panel(window, gl)
     status = Status(
         values={"latency": 200.0, "warp": "forward", "guard": 1.0},
         choices={"warp": ("forward", "mesh")},
@@ -81,7 +81,7 @@ def main() -> None:
     inputs = selectors.DefaultSelector()
     inputs.register(sys.stdin, selectors.EVENT_READ)
     os.set_blocking(sys.stdin.fileno(), False)
-    tell(scale=panel._heard.scale)
+    tell(scale=panel._input.scale)
     while not glfw.window_should_close(window):
         glfw.poll_events()
         size = glfw.get_framebuffer_size(window)

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 from .desktop_program import ROOT
-from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb, until
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
 
-skip_without_xvfb()
-pytestmark = pytest.mark.slow  # a program of its own: 10 s
+pytestmark = [needs_a_screen, pytest.mark.slow]  # a program of its own: 10 s
 
 SCREEN = (900, 640)
 
@@ -198,7 +197,7 @@ def test_the_mouse_answers(asking, full_screen):
     asking.screen.do("click", "1")
     asking.waits("confirmed", True)
     assert asking.now("value") == values[1]
-    assert not asking.now("caught")
+    assert not asking.now("captured")
 
 
 def test_beside_the_plate_the_mouse_does_nothing(asking):
@@ -208,7 +207,7 @@ def test_beside_the_plate_the_mouse_does_nothing(asking):
     asking.screen.do("key", "2")
     asking.waits("value", 2)
     assert {name for name, _ in asking.commands()} <= {"digit"}
-    assert not asking.now("caught")
+    assert not asking.now("captured")
 
 
 def stands_still(asking) -> bool:
@@ -221,7 +220,7 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     asking.say("show")
     asking.to(0.5, 0.5)
     asking.screen.do("click", "1")
-    asking.waits("caught", True)
+    asking.waits("captured", True)
     before = asking.now("turned")
     asking.screen.do("mousemove_relative", "--", 60, 0)
     until(lambda: asking.now("turned") != before, "a turn")
@@ -229,7 +228,7 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     stood = asking.now("stands")
     until(lambda: asking.now("stands") != stood, "a walk")
     asking.say("ask")  # in the middle of a walk
-    asking.waits("caught", False)
+    asking.waits("captured", False)
     until(lambda: stands_still(asking), "standing still")
     turned, stood = asking.now("turned"), asking.now("stands")
     asking.to(0.4, 0.525)
@@ -239,7 +238,7 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     assert (asking.now("turned"), asking.now("stands")) == (turned, stood)
     asking.screen.do("keyup", "w", "keyup", "s")
     asking.say("show")
-    asking.waits("caught", True)  # as it was before the question
+    asking.waits("captured", True)  # as it was before the question
     before = asking.now("turned")
     asking.screen.do("mousemove_relative", "--", -60, 0)
     until(lambda: asking.now("turned") != before, "a turn")

@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
-from hmdwarp.display.notice import KEPT, Notices, drawn
-from hmdwarp.display.present import FRAMEBUFFER_SRGB, Presenter, fitted
+from hmdwarp.display import FRAMEBUFFER_SRGB, Presenter, fitted
+from hmdwarp.display.notice import KEPT, Notices, text_ink
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate, download, upload
 
@@ -229,8 +229,8 @@ def test_a_notice_stands_1_m_before_the_head(gpu, eye):
     """By rays instead of the matrix: each pixel's ray through the plane z = -1 m of the head, then along the plate's axes."""
     view, size, notices = EYES[eye], (64, 80), Notices(gpu.gl)
     notice = notices.of("tracking lost")
-    plate_from_place = notice.plate_from_place(size, view)
-    corners = np.linalg.inv(plate_from_place) @ np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [0.5, 0.5, 1]], float).T
+    uv_from_pixel = notice.uv_from_pixel(size, view)
+    corners = np.linalg.inv(uv_from_pixel) @ np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [0.5, 0.5, 1]], float).T
     pixel = (corners[:2] / corners[2]).T
     left, right, down, up = view.fov.tangents
     tangent = np.array([left, down]) + pixel / size * np.array([right - left, up - down])
@@ -242,7 +242,7 @@ def test_a_notice_stands_1_m_before_the_head(gpu, eye):
     assert met[3][1] == pytest.approx(-0.35)
     w, h = notice.ink.size
     assert (met[1] - met[0])[0] / (met[2] - met[0])[1] == pytest.approx(w / h)
-    assert (plate_from_place @ [*pixel[3], 1])[2] > 0
+    assert (uv_from_pixel @ [*pixel[3], 1])[2] > 0
     assert ((pixel >= 0) & (pixel <= size)).all()
     notices.close()
 
@@ -252,8 +252,8 @@ def test_what_lies_behind_the_eye_shows_no_notice(gpu):
     notices = Notices(gpu.gl)
     turned = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7), Pose((0, 0, 0), (0, 1, 0, 0)))  # an eye that looks backwards
     at = np.stack(np.meshgrid(np.arange(64) + 0.5, np.arange(64) + 0.5), -1).reshape(-1, 2)
-    on_plate = np.column_stack([at, np.ones(len(at))]) @ notices.of("behind").plate_from_place((64, 64), turned).T
-    assert (on_plate[:, 2] < 0).all()
+    uv1 = np.column_stack([at, np.ones(len(at))]) @ notices.of("behind").uv_from_pixel((64, 64), turned).T
+    assert (uv1[:, 2] < 0).all()
     notices.close()
 
 
@@ -267,7 +267,7 @@ def test_a_notice_is_laid_over_the_picture_as_its_twin_says(gpu, presenter, eye)
     got = shown(gpu, presenter, image, size, notice=notice, eye=view)[..., :3].astype(float)
     plain = shown(gpu, presenter, image, size)[..., :3]
     x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
-    q = np.stack([x, y, np.ones_like(x)], -1) @ notice.plate_from_place(size, view).T
+    q = np.stack([x, y, np.ones_like(x)], -1) @ notice.uv_from_pixel(size, view).T
     uv = q[..., :2] / q[..., 2:]
     inside = (q[..., 2] > 0) & (uv >= 0).all(-1) & (uv < 1).all(-1)
     edge = (np.abs(uv) < 1e-4).any(-1) | (np.abs(uv - 1) < 1e-4).any(-1)  # float32 may put a pixel on either side
@@ -296,19 +296,19 @@ def sampled(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
 
 
 def test_text_is_white_upright_and_wrapped():
-    one, two = drawn("L"), drawn("L\nL")
+    one, two = text_ink("L"), text_ink("L\nL")
     assert one.max() == 255
     assert two.shape[0] > one.shape[0]
     rows = np.flatnonzero(one.max(axis=1) > 128)
     widths = (one[rows] > 128).sum(axis=1)
     assert widths[-1] > 2 * widths[0]  # the foot of the L is below
-    long = drawn("the head is where it was last seen " * 4)
+    long = text_ink("the head is where it was last seen " * 4)
     assert long.shape[1] < 900
     assert long.shape[0] > 2 * one.shape[0]
 
 
 def test_a_tab_makes_columns_that_stand_below_each_other():
-    help_text = drawn("T\tnext warp\nEscape\tnext warp")
+    help_text = text_ink("T\tnext warp\nEscape\tnext warp")
     half = help_text.shape[0] // 2
     upper, lower = (np.flatnonzero(part.max(axis=0) > 128) for part in (help_text[:half], help_text[half:]))
     assert upper[-1] == lower[-1]
@@ -320,7 +320,7 @@ def test_a_long_text_is_all_there(gpu, size):
     notices = Notices(gpu.gl)
     notice = notices.of("\n".join(f"key {i}\twhat it does, in some words" for i in range(20)))
     for view in (None, View(Pose(), Fov.symmetric(1.44, 1.44), Pose((0.034, 0, 0)))):
-        corners = np.linalg.inv(notice.plate_from_place(size, view)) @ np.array([[0, 0, 1], [1, 1, 1]], float).T
+        corners = np.linalg.inv(notice.uv_from_pixel(size, view)) @ np.array([[0, 0, 1], [1, 1, 1]], float).T
         pixel = (corners[:2] / corners[2]).T
         assert ((pixel >= 0) & (pixel <= size)).all()
     notices.close()

@@ -15,7 +15,7 @@ from hmdwarp.gpu.context import Gpu
 from hmdwarp.gpu.textures import Canvas
 from hmdwarp.poses import Origin, PoseSource
 
-SMALL = DisplayOptions(size=(32, 40), panel=False)
+SMALL = DisplayOptions(size=(32, 40), control_panel=False)
 
 
 def refresh(display: DesktopDisplay, times: int = 1) -> None:
@@ -78,8 +78,7 @@ def source() -> None:
 
 def switches() -> None:
     """What the window does by itself, by command of a panel: nobody else hears of it, and what is on is told back."""
-    from hmdwarp.display import Command
-    from hmdwarp.display.status import Status
+    from hmdwarp.display import Command, Status
 
     display, status = DesktopDisplay(SMALL), Status(values={"latency": 0.0})
     refresh(display, 12)
@@ -93,10 +92,10 @@ def switches() -> None:
         ("vsync", None),
     )
     for name, value in settings:
-        display._pending.append(Command(name, value))
+        display._commands.pending.append(Command(name, value))
         assert not display.commands()
         refresh(display)
-    display._pending.append(Command("warp"))
+    display._commands.pending.append(Command("warp"))
     assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
     display.tell(status)
     assert {name: status.values[name] for name in ("vsync", "full_screen", "help")} == {
@@ -109,7 +108,7 @@ def switches() -> None:
     assert len(display.eyes.views(display.source.head_at(0).pose)) == 1 and display.headset is None
     display.look("both")
     assert display.eyes is before is display.headset
-    display._pending.append(Command("quit"))
+    display._commands.pending.append(Command("quit"))
     display.commands()
     assert closed(display) == "the window was closed"
     display.close()
@@ -130,12 +129,12 @@ def bare() -> None:
     from hmdwarp.display import Command
 
     sys.modules["imgui_bundle"] = None  # as if it were not installed
-    display = DesktopDisplay(attrs.evolve(SMALL, panel=True))
-    assert "hmdwarp[panel]" in display._overlay._said and "H" in display._overlay._said
+    display = DesktopDisplay(attrs.evolve(SMALL, control_panel=True))
+    assert "hmdwarp[panel]" in display._overlay._remark and "H" in display._overlay._remark
     refresh(display)
     display._overlay.say("")
-    display._pending.append(Command("panel"))
-    assert not display.commands() and "hmdwarp[panel]" in display._overlay._said
+    display._commands.pending.append(Command("panel"))
+    assert not display.commands() and "hmdwarp[panel]" in display._overlay._remark
     refresh(display)
     display.close()
 

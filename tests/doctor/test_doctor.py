@@ -254,10 +254,6 @@ def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
     monkeypatch.setattr(doctor.importlib.metadata, "version", version)
     found = doctor.study()
     assert found.state is State.OPTIONAL and "hmdwarp[study]" in found.remedy
-    assert (
-        "statsmodels (study analyse" in found.detail
-        and "textual" in found.detail
-        and "pyarrow" not in found.detail
-    )
+    assert "statsmodels (study analyse" in found.detail and "textual" in found.detail and "pyarrow" not in found.detail
     there.update(dict.fromkeys(doctor.STUDY_PACKAGES, "1.0"))
     assert doctor.study().state is State.OK

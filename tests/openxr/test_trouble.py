@@ -54,15 +54,15 @@ def test_a_second_instance_in_one_process(monado, here):
 
 def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch):
     """Monado's first frame is not to be rendered."""
-    from hmdwarp.display.openxr.frames import Frames
+    from hmdwarp.display.openxr.frame_calls import FrameCalls
 
-    seen, ended = [], Frames.end
+    seen, ended = [], FrameCalls.end
 
-    def end(frames: Frames, layer: object = None) -> None:
+    def end(frames: FrameCalls, layer: object = None) -> None:
         seen.append((bool(frames.state.should_render), layer is not None))
         ended(frames, layer)
 
-    monkeypatch.setattr(Frames, "end", end)
+    monkeypatch.setattr(FrameCalls, "end", end)
     here.run(quick(frames=3))
     assert seen[0] == (False, False)
     assert sum(layered for _, layered in seen) == 3

@@ -1,4 +1,4 @@
-"""Everything in a window: the eyes' pictures, black around them, and text over them."""
+"""Contents of a window: the eyes' pictures, black around them, and text over them."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from collections.abc import Callable, Sequence
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from .. import Label
-from ..controls import Control, help_goes
+from ..controls import Control, help_closes
 from ..notice import Notice
 from ..present import Presenter
 from .layout import Rectangle, Size, beside, viewports
+from .views import WindowView
 
-SAID_NS = 4_000_000_000  # how long a remark stays
+REMARK_NS = 4_000_000_000  # how long a remark stays
 
 
 class Overlay:
     """Pictures and text of one window.
 
-    help: whether the keys are explained over the picture, in place of any other text. controls:
-    which keys. help_text: its words.
+    help_text: explains the keys of the controls.
     """
 
     def __init__(
@@ -32,47 +32,42 @@ class Overlay:
     ) -> None:
         self._screen, self._presenter, self._now_ns = gpu.gl.screen, presenter, now_ns
         self._controls, self._help_text = controls, help_text
-        self.help = False
-        self._plates: list[tuple[Rectangle, Notice]] = []
-        self._said, self._until_ns = "", 0
+        self.help = False  # whether the keys are explained over the picture, in place of any other text
+        self._labels: list[tuple[Rectangle, Notice]] = []  # where the label lies over which viewport
+        self._remark, self._until_ns = "", 0
 
     def say(self, text: str) -> None:
         """Show a remark over the picture for a few seconds."""
-        self._said, self._until_ns = text, self._now_ns() + SAID_NS
+        self._remark, self._until_ns = text, self._now_ns() + REMARK_NS
 
-    def draw(
-        self, canvases: Sequence[Canvas], count: int, aspect: float, size: Size, column: int, label: Label
-    ) -> None:
+    def draw(self, canvases: Sequence[Canvas], view: WindowView, size: Size, column: int, label: Label) -> None:
         """Draw into the window's framebuffer, (w, h) pixels.
 
-        canvases: the eyes' pictures, none for black. count: of eyes, where there are no pictures.
-        aspect: width over height of one picture. column: pixels left to a panel at the right.
-        label: over each picture; no remark appears beside a panel.
+        canvases: the eyes' pictures, none for black. column: width left to the control panel at the
+        right. label: over each picture; no remark appears beside a text panel.
         """
-        self._screen.scissor = None
+        self._screen.scissor = None  # type: ignore[assignment]  # moderngl annotates the getter alone
         self._screen.clear(0.0, 0.0, 0.0, 1.0)
-        said = self._said if self._now_ns() < self._until_ns else ""
-        notice = self._presenter.notice("\n".join(filter(None, (label, said))) if isinstance(label, str) else label)
-        self.help = self.help and not help_goes(self._controls, plate=not isinstance(label, str))
-        # The help before the first eye alone: beside it one sees what the keys do.
+        remark = self._remark if self._now_ns() < self._until_ns else ""
+        notice = self._presenter.notice("\n".join(filter(None, (label, remark))) if isinstance(label, str) else label)
+        self.help = self.help and not help_closes(self._controls, has_text_panel=not isinstance(label, str))
+        # The help over the first eye alone: the other one shows what the keys do.
         notices = (self._presenter.notice(self._help_text()) if self.help else notice, notice)
-        pictures = canvases or (None,) * count
-        places = viewports(beside(size, column), len(pictures), aspect)
+        pictures = canvases or (None,) * view.count
+        places = viewports(beside(size, column), len(pictures), view.aspect)
         for picture, over, place in zip(pictures, notices, places, strict=False):
             self._presenter.show(picture, self._screen, place, hardware_srgb=False, notice=over)
-        self._plates = [
+        self._labels = [
             (place, over) for place, over in zip(places, notices, strict=False) if over is not None and over is notice
         ]
 
-    def on_plate(self, x: float, y: float) -> tuple[float, float] | None:
-        """Return (u, v) on the panel over the pictures at a place of the framebuffer.
+    def uv_at(self, x: float, y: float) -> tuple[float, float] | None:
+        """Return (u, v) of the label over the pictures at a framebuffer pixel; None beside it.
 
-        None beside it.
-
-        The place is in pixels from the bottom left; so is (u, v).
+        x, y: from the bottom left, like (u, v).
         """
-        for (left, low, w, h), notice in self._plates:
+        for (left, low, w, h), notice in self._labels:
             if 0 <= x - left < w and 0 <= y - low < h:
-                u, v, one = notice.plate_from_place((w, h), None) @ (x - left, y - low, 1.0)
+                u, v, one = notice.uv_from_pixel((w, h), None) @ (x - left, y - low, 1.0)
                 return (u / one, v / one) if 0 <= u / one <= 1 and 0 <= v / one <= 1 else None
         return None

@@ -25,5 +25,5 @@ CONTROLS: tuple[Control, ...] = (
     Control("menu", "Escape", "menu: break, stop", "action", also=("M",), buttons=("menu",)),
     control("recentre"),
     control("full_screen"),
-    attrs.evolve(control("help"), beside_plate=True),  # never over a trial's picture
+    attrs.evolve(control("help"), needs_text_panel=True),  # never over a trial's picture
 )
