@@ -28,7 +28,7 @@ def twin_of(name: str):
         for module in modules
         if name in vars(module) and vars(module)[name].__module__ == module.__name__
     }
-    assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in hmdwarp/reference, found {len(twins)}"
+    assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in tests/reference, found {len(twins)}"
     return next(iter(twins.values()))
 
 

@@ -24,12 +24,11 @@ def takes_a_picture(name: str) -> bool:
 
 @hard_case(takes_a_picture)
 def depth_holes_of_every_kind(gpu, name):
-    """What.
-
-    Single pixels of 0, NaN, -1, -inf, 1e-40 m (a denormal inverse overflows) in somebody's depth
-    picture, bright red colour Why: sensors deliver them; a filter or an average spreads them, a
-    comparison with NaN is always false Wants: finite, counted as holes, and no red anywhere: what
-    has no depth has no place
+    """What: single pixels of 0, NaN, -1, -inf, 1e-40 m (a denormal inverse overflows) in somebody's
+      depth picture, bright red colour
+    Why: sensors deliver them; a filter or an average spreads them, a comparison with NaN is always
+      false
+    Wants: finite, counted as holes, and no red anywhere: what has no depth has no place
     """
     depth = metres_from_inverse_depth(SLANTED)
     colour = np.full((*depth.shape, 3), 0.25)
@@ -46,10 +45,9 @@ def depth_holes_of_every_kind(gpu, name):
 
 @hard_case(reads_depth)
 def depth_on_the_gpu_that_is_no_number(gpu, name):
-    """What: NaN, +inf, -inf, -0.0, -1 and a denormal in the inverse-depth texture itself Why.
-
-    A frame that comes straight from a renderer's memory has passed no check Wants: finite, only
-    what float64 says is covered; no value spreads to its neighbours
+    """What: NaN, +inf, -inf, -0.0, -1 and a denormal in the inverse-depth texture itself
+    Why: a frame that comes straight from a renderer's memory has passed no check
+    Wants: finite, only what float64 says is covered; no value spreads to its neighbours
     """
     depth = SLANTED.copy()
     for k, bad in enumerate((np.nan, np.inf, -np.inf, -1.0, 1e-40, -0.0)):
@@ -59,9 +57,9 @@ def depth_on_the_gpu_that_is_no_number(gpu, name):
 
 @hard_case()
 def nothing_has_depth(gpu, name):
-    """What: not one pixel of the rendered picture has depth Why.
-
-    Medians, minima and pyramids of nothing Wants: nothing covered, nothing NaN
+    """What: not one pixel of the rendered picture has depth
+    Why: medians, minima and pyramids of nothing
+    Wants: nothing covered, nothing NaN
     """
     for picture in Setting(gpu, np.full(SIZE[::-1], -1.0), STEP).pictures(name):
         if name not in ("environment", "layered", "multi"):
@@ -70,10 +68,10 @@ def nothing_has_depth(gpu, name):
 
 @hard_case()
 def checkerboard_depth(gpu, name):
-    """What: near and far alternate from pixel to pixel Why.
-
-    No neighbour belongs to the same surface: every slope is a silhouette, every average a surface
-    that does not exist Wants: what the float64 twin says; no colour that was not there
+    """What: near and far alternate from pixel to pixel
+    Why: no neighbour belongs to the same surface: every slope is a silhouette, every average a
+      surface that does not exist
+    Wants: what the float64 twin says; no colour that was not there
     """
     depth = np.where(np.add.outer(np.arange(SIZE[1]), np.arange(SIZE[0])) % 2, 1.0, 0.2)
     list(Setting(gpu, depth, STEP).pictures(name))
@@ -81,10 +79,10 @@ def checkerboard_depth(gpu, name):
 
 @hard_case()
 def two_surfaces_at_equal_depth(gpu, name):
-    """What: everything at one depth, seen from twice as far.
-
-    Four drawn pixels fall into each shown one with equal depth Why: what comes last wins, and on a
-    GPU that changes from run to run Wants: the same winner in ten runs
+    """What: everything at one depth, seen from twice as far: four drawn pixels fall into each shown
+      one with equal depth
+    Why: what comes last wins, and on a GPU that changes from run to run
+    Wants: the same winner in ten runs
     """
     setting = Setting(gpu, np.full(SIZE[::-1], 1.0), Pose((0, 0, 1.0)))
     first = setting.warp(gpu, name)
@@ -93,10 +91,10 @@ def two_surfaces_at_equal_depth(gpu, name):
 
 @hard_case(reads_depth)
 def sixteen_bit_depth(gpu, name):
-    """What: depth from a 16-bit buffer with planes at 0.1 m and 100 m, a slanted surface Why.
-
-    2e-4 1/m steps make terraces: neighbouring pixels share a depth, then jump Wants: what the
-    float64 twin says of it; as many pixels covered as with exact depth, to one in fifty
+    """What: depth from a 16-bit buffer with planes at 0.1 m and 100 m, a slanted surface
+    Why: 2e-4 1/m steps make terraces: neighbouring pixels share a depth, then jump
+    Wants: what the float64 twin says of it; as many pixels covered as with exact depth, to one in
+      fifty
     """
     code = np.rint((1 / 0.1 - SLANTED) / (1 / 0.1 - 1 / 100) * 65535) / 65535
     coarse = inverse_depth_from_clip(code, 0.1, 100.0)
@@ -108,12 +106,12 @@ def sixteen_bit_depth(gpu, name):
 
 @hard_case(reads_depth)
 def ill_conditioned_projection(gpu, name):
-    """What.
-
-    A float32 clip depth with near / far = 1e-6 (1 mm to 1 km), GL's -1..1, objects at 1 to 4 m Why:
-    99.9 % of its values are spent on the first metre; unprojecting through the inverse matrix loses
-    all digits Wants: depth right to 6e-5 1/m (half a float32 step of the buffer), and the picture
-    of exact depth to what that moves
+    """What: a float32 clip depth with near / far = 1e-6 (1 mm to 1 km), GL's -1..1, objects at 1 to
+      4 m
+    Why: 99.9 % of its values are spent on the first metre; unprojecting through the inverse matrix
+      loses all digits
+    Wants: depth right to 6e-5 1/m (half a float32 step of the buffer), and the picture of exact
+      depth to what that moves
     """
     near, far = 1e-3, 1e3
     window = (1 / near - SLANTED) / (1 / near - 1 / far) * 2 - 1
@@ -126,10 +124,9 @@ def ill_conditioned_projection(gpu, name):
 
 @hard_case()
 def one_pixel_before_the_sky(gpu, name):
-    """What: a single near pixel before infinity, the head moves sideways Why.
-
-    The thinnest thing there is: filters lose it, meshes stretch it to the horizon Wants: what the
-    float64 twin says: it moves by its own parallax and drags nothing along
+    """What: a single near pixel before infinity, the head moves sideways
+    Why: the thinnest thing there is: filters lose it, meshes stretch it to the horizon
+    Wants: what the float64 twin says: it moves by its own parallax and drags nothing along
     """
     depth = np.zeros(SIZE[::-1])
     depth[13, 16] = 1.0
@@ -143,10 +140,9 @@ def one_pixel_before_the_sky(gpu, name):
 
 @hard_case()
 def silhouette_under_large_motion(gpu, name):
-    """What: a near square before a far wall and sky, the head moves by 25 cm Why.
-
-    The square uncovers a strip as wide as itself, and covers another Wants: what the float64 twin
-    says; no mixture of square and wall anywhere
+    """What: a near square before a far wall and sky, the head moves by 25 cm
+    Why: the square uncovers a strip as wide as itself, and covers another
+    Wants: what the float64 twin says; no mixture of square and wall anywhere
     """
     depth = stepped_depth()
     colour = np.zeros((*depth.shape, 3))

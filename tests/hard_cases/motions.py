@@ -1,7 +1,4 @@
-"""Hard motions of the head.
-
-None, tiny, through things, beside and behind them, seen through extreme fields of view.
-"""
+"""Hard head motions: none, tiny, through, beside and behind things; extreme fields of view."""
 
 from __future__ import annotations
 
@@ -36,10 +33,9 @@ def stepped_depth() -> np.ndarray:
 
 @hard_case(is_warped_by_the_frame_alone)
 def identity(gpu, name):
-    """What: the head has not moved Why.
-
-    A map that is off by one part in ten million samples beside the pixel centre Wants: every colour
-    bit for bit, coverage 1
+    """What: the head has not moved
+    Why: a map that is off by one part in ten million samples beside the pixel centre
+    Wants: every colour bit for bit, coverage 1
     """
     setting = Setting(gpu, stepped_depth(), Pose())
     for picture in setting.pictures(name):
@@ -60,19 +56,19 @@ def _as_good_as_still(gpu, name, pose: Pose) -> None:
 
 @hard_case(is_warped_by_the_frame_alone)
 def motion_of_a_nanometre(gpu, name):
-    """What: the head moves by 1e-9 m in each direction Why.
-
-    What is not exactly still takes the general path, where rounding may open cracks or flip pixels
-    at edges Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
+    """What: the head moves by 1e-9 m in each direction
+    Why: what is not exactly still takes the general path, where rounding may open cracks or flip
+      pixels at edges
+    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
     """
     _as_good_as_still(gpu, name, Pose((1e-9, -1e-9, 1e-9)))
 
 
 @hard_case(is_warped_by_the_frame_alone)
 def turn_of_a_nanoradian(gpu, name):
-    """What: the head turns by 1e-9 rad about each axis Why.
-
-    Sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or double
+    """What: the head turns by 1e-9 rad about each axis
+    Why: sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or
+      double
     Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
     """
     _as_good_as_still(gpu, name, turned((1, 1, 1), math.degrees(1e-9)))
@@ -80,11 +76,10 @@ def turn_of_a_nanoradian(gpu, name):
 
 @hard_case(reads_depth)
 def points_at_and_behind_the_eye(gpu, name):
-    """What: the eye walks 1 m ahead, through a surface.
-
-    Rows of it end up before, just before, at, just behind and behind the eye plane Why: w goes
-    through 0: dividing by it mirrors and smears what is behind across the whole picture Wants:
-    nothing of the rows behind the eye anywhere; what is before it where it belongs
+    """What: the eye walks 1 m ahead, through a surface; rows of it end up before, just before, at,
+      just behind and behind the eye plane
+    Why: w goes through 0: dividing by it mirrors and smears what is behind across the whole picture
+    Wants: nothing of the rows behind the eye anywhere; what is before it where it belongs
     """
     near = np.full(SIZE[::-1], 0.5)
     near[10:17] = np.array([0.9, 1 - 2**-20, 1.0, 1 + 2**-20, 1.1, 2.0, 100.0])[:, None]  # 1/m, the eye ends at 1 m
@@ -105,35 +100,33 @@ def _half_turn(gpu, name, degrees: float, axis) -> None:
 
 @hard_case()
 def turn_by_90_degrees(gpu, name):
-    """What: the head turns by 90 degrees to the side in a view 90 degrees wide Why.
-
-    The border of the rendered picture meets the border of the shown one; w is 0 along a line Wants:
-    what the float64 twin says, no NaN along the line
+    """What: the head turns by 90 degrees to the side in a view 90 degrees wide
+    Why: the border of the rendered picture meets the border of the shown one; w is 0 along a line
+    Wants: what the float64 twin says, no NaN along the line
     """
     _half_turn(gpu, name, 90, (0, 1, 0))
 
 
 @hard_case()
 def turn_by_180_degrees(gpu, name):
-    """What: the head looks straight back Why.
-
-    All of the rendered picture is behind the eye, where a homography still has an answer, upside
-    down Wants: nothing covered (`none` shows the rendered picture, `environment` what is behind)
+    """What: the head looks straight back
+    Why: all of the rendered picture is behind the eye, where a homography still has an answer,
+      upside down
+    Wants: nothing covered (`none` shows the rendered picture, `environment` what is behind)
     """
     _half_turn(gpu, name, 180, (0.3, 1, 0.1))
 
 
 @hard_case(is_warped_by_the_frame_alone)
 def sky_under_translation(gpu, name):
-    """What: everything infinitely far (inverse depth 0), the head moves by 0.4 m Why.
-
-    As metres that is inf, and inf times 0 is NaN Wants: the rendered picture bit for bit: infinity
-    does not move
+    """What: everything infinitely far (inverse depth 0), the head moves by 0.4 m
+    Why: as metres that is inf, and inf times 0 is NaN
+    Wants: the rendered picture bit for bit: infinity does not move
     """
     setting = Setting(gpu, np.zeros(SIZE[::-1]), Pose((0.3, -0.2, 0.25)))
     for picture in setting.pictures(name):
         assert picture.covered[picture.decided].all()
-        # Only a head that does not move at all is looked up without a filter: a bilinear look
+        # Only a head that does not move at all is sampled without a filter: a bilinear look
         # misses the centre by the sampler's error.
         error = np.abs(picture.colour - setting.colour)[picture.decided].max(initial=0)
         assert error <= HALF + 4 * setting.sampler_pixels
@@ -141,9 +134,8 @@ def sky_under_translation(gpu, name):
 
 @hard_case()
 def a_thousandth_and_a_million_metres(gpu, name):
-    """What: depths of 1e-3 m and 1e6 m side by side, the head moves by 0.1 mm Why.
-
-    Nine orders of magnitude in one float32 map; a depth buffer with planes keeps one end only
+    """What: depths of 1e-3 m and 1e6 m side by side, the head moves by 0.1 mm
+    Why: nine orders of magnitude in one float32 map; a depth buffer with planes keeps one end only
     Wants: what the float64 twin says at both ends
     """
     depth = np.full(SIZE[::-1], 1e-6)
@@ -153,10 +145,10 @@ def a_thousandth_and_a_million_metres(gpu, name):
 
 @hard_case()
 def a_million_metres_from_the_origin(gpu, name):
-    """What: both eyes 2^20 m from the world's origin, 2^-10 m apart Why.
-
-    Float32 world coordinates are 6 cm coarse there, and even a float64 matrix through the origin
-    loses ten digits Wants: the picture made beside the origin, bit for bit
+    """What: both eyes 2^20 m from the world's origin, 2^-10 m apart
+    Why: float32 world coordinates are 6 cm coarse there, and even a float64 matrix through the
+      origin loses ten digits
+    Wants: the picture made beside the origin, bit for bit
     """
     step, far = np.array([2.0**-10, 0, -(2.0**-9)]), np.array([2.0**20, -(2.0**20), 2.0**20])
     here = Setting(gpu, stepped_depth(), Pose(step))
@@ -168,21 +160,19 @@ def a_million_metres_from_the_origin(gpu, name):
 
 @hard_case()
 def epipole_inside_the_picture(gpu, name):
-    """What.
-
-    The eye moves so that the point it moves towards lies inside the picture, between pixel centres
-    Why: around it the epipolar directions turn through all angles and parallax vanishes Wants: what
-    the float64 twin says; the neighbourhood of the epipole stays covered
+    """What: the eye moves so that the point it moves towards lies inside the picture, between pixel
+      centres
+    Why: around it the epipolar directions turn through all angles and parallax vanishes
+    Wants: what the float64 twin says; the neighbourhood of the epipole stays covered
     """
     _towards_the_epipole(gpu, name, Pose((0.013, 0.021, -0.2)))
 
 
 @hard_case()
 def epipole_at_a_pixel_centre(gpu, name):
-    """What: the eye moves exactly along the ray of the middle pixel Why.
-
-    The epipolar direction of that pixel is 0 / 0 Wants: what the float64 twin says; the pixel
-    itself is covered and keeps its colour
+    """What: the eye moves exactly along the ray of the middle pixel
+    Why: the epipolar direction of that pixel is 0 / 0
+    Wants: what the float64 twin says; the pixel itself is covered and keeps its colour
     """
     _towards_the_epipole(gpu, name, Pose((0, 0, -0.2)))
 
@@ -197,10 +187,9 @@ def _towards_the_epipole(gpu, name, pose: Pose) -> None:
 
 @hard_case()
 def forward_motion(gpu, name):
-    """What: the eye moves 0.3 m straight ahead towards a slanted plane 1 to 2.5 m away Why.
-
-    Every pixel grows: scattered points come apart Wants: what the float64 twin says; gather, mesh
-    and splat warps leave no crack
+    """What: the eye moves 0.3 m straight ahead towards a slanted plane 1 to 2.5 m away
+    Why: every pixel grows: scattered points come apart
+    Wants: what the float64 twin says; gather, mesh and splat warps leave no crack
     """
     setting = Setting(gpu, SLANTED, Pose((0, 0, -0.3)))
     for picture in setting.pictures(name):
@@ -211,10 +200,9 @@ def forward_motion(gpu, name):
 
 @hard_case()
 def backward_motion(gpu, name):
-    """What: the eye moves 0.3 m straight back Why.
-
-    Several drawn pixels share a shown one, and the border of what was drawn moves in Wants: what
-    the float64 twin says; the middle is covered
+    """What: the eye moves 0.3 m straight back
+    Why: several drawn pixels share a shown one, and the border of what was drawn moves in
+    Wants: what the float64 twin says; the middle is covered
     """
     setting = Setting(gpu, SLANTED, Pose((0, 0, 0.3)))
     for picture in setting.pictures(name):
@@ -223,10 +211,9 @@ def backward_motion(gpu, name):
 
 @hard_case()
 def zero_baseline(gpu, name):
-    """What: the eye turns by 7 degrees and does not move at all Why: e is 0.
-
-    The epipole is undefined, and an epipolar search has no direction to go Wants: what the float64
-    twin says; depth makes no difference to a gather
+    """What: the eye turns by 7 degrees and does not move at all
+    Why: e is 0: the epipole is undefined, and an epipolar search has no direction to go
+    Wants: what the float64 twin says; depth makes no difference to a gather
     """
     pose = turned((0.2, 1, -0.4), 7)
     for near, far in zip(
@@ -242,9 +229,8 @@ def _through_fov(gpu, name, fov: Fov, pose: Pose, depth: np.ndarray = SLANTED) -
 
 @hard_case()
 def field_of_view_of_1_degree(gpu, name):
-    """What: a view 1 degree wide, the head turns by 0.2 degrees and moves by 2 mm Why.
-
-    Tangents of 0.009 are differences of nearly equal numbers; one pixel is half a milliradian
+    """What: a view 1 degree wide, the head turns by 0.2 degrees and moves by 2 mm
+    Why: tangents of 0.009 are differences of nearly equal numbers; one pixel is half a milliradian
     Wants: what the float64 twin says
     """
     _through_fov(gpu, name, Fov.symmetric(math.radians(1), math.radians(1)), turned((0, 1, 0), 0.2, (0.002, 0, 0)))
@@ -252,20 +238,19 @@ def field_of_view_of_1_degree(gpu, name):
 
 @hard_case()
 def field_of_view_of_120_degrees(gpu, name):
-    """What: a view 120 degrees wide, the head turns by 9 degrees and moves by 7 cm Why.
-
-    Pixels at the edge see four times less of an angle than those in the middle Wants: what the
-    float64 twin says
+    """What: a view 120 degrees wide, the head turns by 9 degrees and moves by 7 cm
+    Why: pixels at the edge see four times less of an angle than those in the middle
+    Wants: what the float64 twin says
     """
     _through_fov(gpu, name, Fov.symmetric(math.radians(120), math.radians(120)), turned((1, 1, 0), 9, (0.05, 0, 0.05)))
 
 
 @hard_case()
 def field_of_view_of_170_degrees(gpu, name):
-    """What: a view 170 degrees wide, the head turns by 20 degrees Why: tangents of 11.4.
-
-    Much of the rendered picture ends up beside and behind the shown eye, w passes 0 inside the
-    picture Wants: what the float64 twin says, nothing mirrored
+    """What: a view 170 degrees wide, the head turns by 20 degrees
+    Why: tangents of 11.4: much of the rendered picture ends up beside and behind the shown eye, w
+      passes 0 inside the picture
+    Wants: what the float64 twin says, nothing mirrored
     """
     _through_fov(
         gpu, name, Fov.symmetric(math.radians(170), math.radians(170)), turned((0, 1, 0.2), 20, (0.02, 0.01, 0))
@@ -274,29 +259,28 @@ def field_of_view_of_170_degrees(gpu, name):
 
 @hard_case()
 def strongly_asymmetric_field_of_view(gpu, name):
-    """What: left -5, right 80, down -70, up 10 degrees: the view axis lies in a corner Why.
-
-    Formulas that assume the axis in the middle, or the same scale on both axes, fail here Wants:
-    what the float64 twin says
+    """What: left -5, right 80, down -70, up 10 degrees: the view axis lies in a corner
+    Why: formulas that assume the axis in the middle, or the same scale on both axes, fail here
+    Wants: what the float64 twin says
     """
     _through_fov(gpu, name, Fov(*np.deg2rad([-5, 80, -70, 10])), turned((1, -1, 0.5), 5, (0.04, -0.02, 0.03)))
 
 
 @hard_case()
 def view_that_does_not_hold_its_axis(gpu, name):
-    """What: left 10, right 55, down 5, up 40 degrees.
-
-    The axis lies outside the picture, as in tiled displays Why: the principal point is at negative
-    pixels Wants: what the float64 twin says
+    """What: left 10, right 55, down 5, up 40 degrees: the axis lies outside the picture, as in
+      tiled displays
+    Why: the principal point is at negative pixels
+    Wants: what the float64 twin says
     """
     _through_fov(gpu, name, Fov(*np.deg2rad([10, 55, 5, 40])), turned((1, 0.5, 0), 4, (0.03, 0.02, -0.03)))
 
 
 @hard_case()
 def q_and_minus_q(gpu, name):
-    """What: the same head orientation given as q and as -q Why: both are the same rotation.
-
-    What interpolates or compares components sees two Wants: the same picture bit for bit
+    """What: the same head orientation given as q and as -q
+    Why: both are the same rotation; what interpolates or compares components sees two
+    Wants: the same picture bit for bit
     """
     q = np.array(turned((0.3, 1, 0.1), 6).orientation_xyzw)
     pictures = [Setting(gpu, SLANTED, Pose((0.02, 0, 0.01), sign * q)).warp(gpu, name) for sign in (1, -1)]
@@ -305,10 +289,9 @@ def q_and_minus_q(gpu, name):
 
 @hard_case()
 def unnormalised_quaternion(gpu, name):
-    """What: an orientation of length 1e-3 and of length 1e3 Why: trackers and files deliver them.
-
-    As a matrix they scale the picture Wants: the picture of the unit quaternion, to the last bits
-    of the map
+    """What: an orientation of length 1e-3 and of length 1e3
+    Why: trackers and files deliver them; as a matrix they scale the picture
+    Wants: the picture of the unit quaternion, to the last bits of the map
     """
     q = np.array(turned((0.3, 1, 0.1), 6).orientation_xyzw)
     unit, *scaled = (Setting(gpu, SLANTED, Pose((0.02, 0, 0.01), scale * q)) for scale in (1, 1e-3, 1e3))

@@ -25,9 +25,9 @@ def about_y(angle: float) -> np.ndarray:
 
 @hard_case(None)
 def zero_quaternion():
-    """What: the quaternion 0, 0, 0, 0, and one with a NaN Why.
-
-    Normalising divides by its length Wants: refused in one line that shows it
+    """What: the quaternion 0, 0, 0, 0, and one with a NaN
+    Why: normalising divides by its length
+    Wants: refused in one line that shows it
     """
     for bad in ((0, 0, 0, 0), (0, 0, 0, math.nan), (0, 0, 0, math.inf)):
         with pytest.raises(InputError, match="quaternion|finite"):
@@ -38,10 +38,9 @@ def zero_quaternion():
 
 @hard_case(None)
 def nearly_antipodal_quaternions():
-    """What: SLERP between q and -q turned by 1e-9 rad Why: their dot product is -1.
-
-    Without the sign rule the head spins once round on the way Wants: every pose between within 1e-9
-    rad of both
+    """What: SLERP between q and -q turned by 1e-9 rad
+    Why: their dot product is -1: without the sign rule the head spins once round on the way
+    Wants: every pose between within 1e-9 rad of both
     """
     a, b = about_y(0.5), -about_y(0.5 + 1e-9)
     track = PoseTrack(np.array([0, 10_000_000]), np.zeros((2, 3)), np.stack([a, b]))
@@ -52,10 +51,9 @@ def nearly_antipodal_quaternions():
 
 @hard_case(None)
 def slerp_over_a_hundred_millionth():
-    """What: SLERP between orientations 1e-8 rad apart Why: sin of the angle is divided by itself.
-
-    Acos of a dot product that rounds to 1 is 0 Wants: shares of the angle right to 1e-15 rad, unit
-    length
+    """What: SLERP between orientations 1e-8 rad apart
+    Why: sin of the angle is divided by itself; acos of a dot product that rounds to 1 is 0
+    Wants: shares of the angle right to 1e-15 rad, unit length
     """
     for share in (0.0, 0.25, 0.5, 1.0):
         got = np.array(slerp(about_y(1.0), about_y(1.0 + 1e-8), share))
@@ -65,10 +63,9 @@ def slerp_over_a_hundred_millionth():
 
 @hard_case(None)
 def slerp_over_a_half_turn():
-    """What: SLERP between orientations exactly 180 degrees apart, and one ulp to either side Why.
-
-    Two arcs are equally short; sin of pi is not 0 in floating point Wants: finite, unit, on one of
-    the two arcs, each share of it
+    """What: SLERP between orientations exactly 180 degrees apart, and one ulp to either side
+    Why: two arcs are equally short; sin of pi is not 0 in floating point
+    Wants: finite, unit, on one of the two arcs, each share of it
     """
     for angle in (math.pi, np.nextafter(math.pi, 0), np.nextafter(math.pi, 4)):
         for share in (0.25, 0.5, 0.75):
@@ -82,11 +79,10 @@ def slerp_over_a_half_turn():
 
 @hard_case(None)
 def time_steps_of_nothing_a_nanosecond_and_an_hour():
-    """What: samples 0 ns, 1 ns and 3600 s apart, asked between, at and beyond them.
-
-    Velocities predicted from them Why: 0 divides by zero, 1 ns makes 1e9 m/s of a tremor, an hour
-    is no motion to interpolate Wants: 0 refused; 1 ns exact; the hour held, not invented;
-    predictions finite
+    """What: samples 0 ns, 1 ns and 3600 s apart, queried between, at and beyond them; velocities
+      predicted from them
+    Why: 0 divides by zero, 1 ns makes 1e9 m/s of a tremor, an hour is no motion to interpolate
+    Wants: 0 refused; 1 ns exact; the hour held, not invented; predictions finite
     """
     with pytest.raises(TraceError):
         PoseTrack(np.array([5, 5]), np.zeros((2, 3)), np.stack([about_y(0)] * 2))
@@ -110,11 +106,10 @@ def lens(*coefficients: float, reach: float = 1.0) -> RadialLens:
 
 @hard_case(None)
 def lens_that_folds_back():
-    """What: lens polynomials that stop growing inside the panel.
-
-    At 0.5, at the very rim, at 1e-3, and one that only seems to Why: beyond the fold two panel
-    pixels show the same direction, and no inverse exists Wants: refused with the radius where it
-    folds; the last one accepted
+    """What: lens polynomials that stop growing inside the panel: at 0.5, at the very rim, at 1e-3,
+      and one that only seems to
+    Why: beyond the fold two panel pixels show the same direction, and no inverse exists
+    Wants: refused with the radius where it folds; the last one accepted
     """
     for fold in (0.5, 0.999, 1e-3):
         with pytest.raises(HmdwarpError, match=rf"folds back at r = {fold:.4g}"):
@@ -124,12 +119,11 @@ def lens_that_folds_back():
 
 @hard_case(None)
 def lens_inverse_at_the_rim():
-    """What.
-
-    The inverse of every headset's lens, and of one that all but folds at the rim, at and just
-    inside the largest radius Why: where the slope of the polynomial goes to 0 Newton's method
-    leaves the panel Wants: there and back within 1e-12 of the radius where the slope is that of a
-    lens, within 1e-7 where it all but vanishes; NaN beyond
+    """What: the inverse of every headset's lens, and of one that all but folds at the rim, at and
+      just inside the largest radius
+    Why: where the slope of the polynomial goes to 0 Newton's method leaves the panel
+    Wants: there and back within 1e-12 of the radius where the slope is that of a lens, within 1e-7
+      where it all but vanishes; NaN beyond
     """
     known = [load_headset(name).lens for name in headset_names()]
     for one, error in [

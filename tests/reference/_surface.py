@@ -58,7 +58,7 @@ def known_depth(inverse_depth: Array) -> Array:
 def surface(inverse_depth: Array, steepest: tuple[float, float], *, cut_by_slope: bool) -> Surface:
     """All triangles of a rendered picture, by cells from the bottom left.
 
-    Steepest as in client/warps/_mesh.py.
+    Steepest as in client/warp_kinds/mesh.py.
     """
     depth = known_depth(inverse_depth)
     strict, lenient = (_joins(depth, steepest, cut_by_slope, sign) for sign in (-1, 1))
