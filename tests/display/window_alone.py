@@ -130,11 +130,11 @@ def bare() -> None:
 
     sys.modules["imgui_bundle"] = None  # as if it were not installed
     display = DesktopDisplay(attrs.evolve(SMALL, control_panel=True))
-    assert "hmdwarp[panel]" in display._overlay._remark and "H" in display._overlay._remark
+    assert "hmdwarp[panel]" in display._painter._remark and "H" in display._painter._remark
     refresh(display)
-    display._overlay.say("")
+    display._painter.say("")
     display._commands.pending.append(Command("panel"))
-    assert not display.commands() and "hmdwarp[panel]" in display._overlay._remark
+    assert not display.commands() and "hmdwarp[panel]" in display._painter._remark
     refresh(display)
     display.close()
 
