@@ -23,7 +23,7 @@ PYTEST_OPTIONS = -n 2 --dist loadfile
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-openxr test-kill bench-quick bench-live docs
+.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill bench-quick bench-live site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -36,8 +36,23 @@ replay: setup  ## the main job: replay a recorded head trace 200 ms late and rep
 	$(HMDWARP) replay "$(TRACE)" --scene "$(SCENE)" --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
 	  --lens $(LENS) --headset $(HEADSET) --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(SECONDS),--seconds $(SECONDS)) $(OPTIONS)
 
-test: setup  ## all tests, as CI runs them
-	@.venv/bin/python -m pytest $(PYTEST_OPTIONS)
+test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
+	@.ci/setup --tests
+	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS)
+
+check: check-lint check-format check-types check-shaders  ## what pre-commit runs: ruff, its format, mypy, all shaders
+
+check-lint: setup
+	@.venv/bin/python -m ruff check --quiet
+
+check-format: setup
+	@.venv/bin/python -m ruff format --quiet --check
+
+check-types: setup
+	@.venv/bin/python -m mypy
+
+check-shaders: setup
+	@.venv/bin/python -m pytest -q tests/gpu/test_shader_files.py
 
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)
@@ -50,6 +65,9 @@ bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same f
 
 bench-live: setup  ## what a refresh of 'live' costs beside OpenGL (OPTIONS=--gc: what garbage collection does to it)
 	@.venv/bin/python tests/bench_live.py $(OPTIONS)
+
+site: setup  ## the documentation as a site, with a reference made from docstrings: out/site/index.html
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/python -m mkdocs build --strict --quiet --config-file docs/site/mkdocs.yml
 
 docs: setup  ## run what the figures and pictures in README.md and docs/ come from, and write them there
 	@.venv/bin/python docs/regenerate.py $(OPTIONS)

@@ -1,8 +1,10 @@
-"""Makes .venv ready for `make`: the pinned Python packages, and Mesa where OpenGL is missing. Started by .ci/setup.
+"""Make .venv ready for `make`: the pinned Python packages, and Mesa where OpenGL is missing.
 
-Quick and without a network when nothing changed; an interrupted run is repaired by the next one.
-Options: --ci also installs what only CI needs (make, a browser, X and OpenXR for tests), where apt may.
-Exit status: 0 ready; 3 the machine lacks something (the message holds the line to type); 1 a fault of ours.
+Started by .ci/setup. Quick and without a network when nothing changed; the next run repairs an
+interrupted one. Option: --tests also installs the programs that only tests start (.ci/tools.toml),
+where apt may.
+Exit status: 0 ready; 3 the machine lacks something (the message holds the line to type); 1 an
+internal error.
 """
 
 import contextlib
@@ -28,17 +30,12 @@ HALF_MADE = "half-made"
 CONSTRAINTS = ROOT / ".ci" / "constraints.txt"
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 MESA = ["libegl1", "libgl1", "libgl1-mesa-dri"]
-# (program, Debian package, whose): what CI needs beside a browser.
-FOR_TESTS = [
-    ("Xvfb", "xvfb", "the tests of windows"),
-    ("xauth", "xauth", "the tests of windows"),
-    ("xdotool", "xdotool", "the tests of windows"),
-    ("mmdebstrap", "mmdebstrap", "the tests with an OpenXR runtime"),
-]
+TOOLS = ROOT / ".ci" / "tools.toml"
 GL_PROBE = "import moderngl; moderngl.create_context(standalone=True, backend='egl', require=430)"
 NETWORK_TROUBLE = re.compile(
-    r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|ConnectTimeout|ReadTimeout|timed out|ProxyError|SSLError"
-    r"|Connection (?:refused|reset|aborted)|Network is unreachable|IncompleteRead|ProtocolError"
+    r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|ConnectTimeout|ReadTimeout"
+    r"|timed out|ProxyError|SSLError|Connection (?:refused|reset|aborted)|Network is unreachable|IncompleteRead"
+    r"|ProtocolError"
 )
 
 
@@ -51,7 +48,10 @@ def say(text: str) -> None:
 
 
 def environment() -> dict[str, str]:
-    """The user's own (proxy, PIP_*), less what would let packages from elsewhere pass for installed ones."""
+    """Return the user's own variables (proxy, PIP_*) without those of other environments.
+
+    With them, packages from elsewhere would pass for installed ones.
+    """
     kept = {
         name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
     }
@@ -77,7 +77,7 @@ def works(*command: str | Path) -> bool:
     return run(list(command)).returncode == 0
 
 
-# --- system packages -------------------------------------------------------------------------------------------------
+# --- system packages ---------------------------------------------------------------------------
 
 
 def line_to_type(packages: list[str]) -> str:
@@ -90,7 +90,10 @@ def line_to_type(packages: list[str]) -> str:
 
 
 def apt_install(packages: list[str], why: str) -> None:
-    """Through apt as root or by passwordless sudo. Raises Lacking with the line to type where that cannot be."""
+    """Install through apt, as root or by passwordless sudo.
+
+    Errors: Lacking, with the line to type, where that cannot be.
+    """
     if not shutil.which("apt-get"):
         raise Lacking(
             f"{why}, and there is no apt-get here: install what Debian calls {' '.join(packages)}, then run make again"
@@ -105,16 +108,17 @@ def apt_install(packages: list[str], why: str) -> None:
     say(f"{why}: installing {' '.join(packages)} through apt")
     apt = [*rights, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-o", "DPkg::Lock::Timeout=120"]
     install = [*apt, "install", "-y", "--no-install-recommends", *packages]
-    # Lists may be absent (a fresh container) or stale (404): in both cases update once, then install.
+    # Lists may be absent (a fresh container) or stale (404): then update once, and install.
     if any(Path("/var/lib/apt/lists").glob("*_Packages*")) and works(*install):
         return
     update, result = run([*apt, "update"]), run(install)
     if result.returncode:
-        # Without a network `apt-get update` warns and ends with 0: its first warning is the reason worth showing.
+        # Without a network `apt-get update` warns and ends with 0: its first warning is the reason.
         complaints = [x for x in (update.stderr + result.stderr).splitlines() if x.startswith(("W: Failed", "E:"))]
         reason = complaints[0] if complaints else f"apt-get ended with {result.returncode}"
         raise Lacking(
-            f"{why}, and apt could not help ({reason}). When that is mended, run make again or type:\n{line_to_type(packages)}"
+            f"{why}, and apt could not help ({reason}). When that is mended, run make again or type:\n"
+            f"{line_to_type(packages)}"
         )
 
 
@@ -127,7 +131,7 @@ def can_load(library: str) -> bool:
 
 
 def any_pip() -> list[str] | None:
-    """A pip outside .venv that can work on .venv (`pip --python`, since pip 22.3)."""
+    """Return a pip outside .venv that can work on .venv (`pip --python`, since pip 22.3)."""
     for command in ([sys._base_executable, "-m", "pip"], ["pip3"], ["pip"]):
         version = re.match(r"pip (\d+)\.(\d+)", run([*command, "--version"]).stdout)
         if version and (int(version[1]), int(version[2])) >= (22, 3):
@@ -136,12 +140,13 @@ def any_pip() -> list[str] | None:
 
 
 def install_system_packages() -> None:
-    """Everything that is missing in one go: a user without root gets one line to type, not three in a row."""
+    """Install all that is missing in one go: without root, one line to type instead of three."""
     packages, reasons = [], []
     if importlib.util.find_spec("ensurepip") is None and not works(PYTHON, "-m", "pip", "--version") and not any_pip():
         if not sys._base_executable.startswith("/usr/bin/"):
             raise Lacking(
-                f"{sys._base_executable} has neither ensurepip nor pip: choose another, make PYTHON=/path/to/python3.12 setup"
+                f"{sys._base_executable} has neither ensurepip nor pip: choose another, "
+                "make PYTHON=/path/to/python3.12 setup"
             )
         packages.append(f"python{VERSION}-venv")
         reasons.append(f"Python {VERSION} here has no pip")
@@ -150,39 +155,47 @@ def install_system_packages() -> None:
         reasons.append("there is no OpenGL (libEGL) here")
     headers = Path(sysconfig.get_path("include"), "Python.h").is_file()
     if sys.version_info >= (3, 14) and state() != wanted_state() and not (headers and shutil.which("c++")):
-        packages += [
-            "g++",
-            f"python{VERSION}-dev",
-        ]  # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here
+        # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here.
+        packages += ["g++", f"python{VERSION}-dev"]
         reasons.append(f"one package has to be compiled for Python {VERSION}")
     if packages:
         apt_install(packages, " and ".join(reasons))
 
 
-def install_for_ci() -> None:
-    """make is needed; without the others only the tests that use them are skipped, which pytest then says."""
-    if not shutil.which("make"):
-        apt_install(["make"], "there is no make here")
-    lacking = [
-        (package, f"there is no {program} for {tests}")
-        for program, package, tests in FOR_TESTS
-        if not shutil.which(program)
-    ]
-    groups = [lacking] if lacking else []
-    if not any(shutil.which(name) for name in ("chromium", "chromium-browser", "google-chrome")):
-        groups.append([("chromium", "there is no browser for the report test")])
-    for group in groups:
-        try:
-            apt_install([package for package, _ in group], " and ".join(why for _, why in group))
-        except Lacking as error:
-            say(f"going on without: {error}")
+def missing_tools() -> dict[str, str]:
+    """Return the programs that tests start and this machine lacks, with the package of each."""
+    tools = tomllib.loads(TOOLS.read_text(encoding="utf-8"))
+    return {
+        program: package
+        for program, package in tools["packages"].items()
+        if not any(map(shutil.which, (program, *tools["other_names"].get(program, []))))
+    }
 
 
-# --- the virtual environment ------------------------------------------------------------------------------------------
+def install_for_tests() -> None:
+    """Install the programs that tests start; tests whose program is missing are skipped."""
+    missing = missing_tools()
+    packages = sorted(set(missing.values()))
+    # One unknown package (Ubuntu has Chromium as a snap alone) would stop all the others.
+    known = [package for package in packages if works("apt-cache", "show", package)]
+    try:
+        if packages:
+            apt_install(known or packages, f"the tests lack {', '.join(missing)}")
+    except Lacking as lacking:
+        if not known and any(works("apt-cache", "show", package) for package in packages):
+            install_for_tests()  # the package lists came only now
+            return
+        say(f"{lacking}")
+    left = missing_tools()
+    if left:
+        say(f"going on without {', '.join(left)}; the tests say at their end what they left out")
+
+
+# --- the virtual environment -------------------------------------------------------------------
 
 
 def wanted_state() -> str:
-    """Changes when what is installed should: the pins, the project's table, this script, Python, or the checkout's place."""
+    """Return a key of what decides: pins, pyproject.toml, this script, Python, checkout's place."""
     parts = [p.read_bytes() for p in (ROOT / "pyproject.toml", CONSTRAINTS, Path(__file__))]
     return hashlib.sha256(b"\0".join([*parts, VERSION.encode(), os.fsencode(ROOT)])).hexdigest()
 
@@ -192,7 +205,7 @@ def state() -> str:
 
 
 def usable() -> bool:
-    """Whether .venv is no half-made one of ours, runs, and has this Python."""
+    """Return whether .venv is complete, runs, and has this Python."""
     same_python = f"import sys; sys.exit('%d.%d' % sys.version_info[:2] != '{VERSION}')"
     return state() != HALF_MADE and works(PYTHON, "-c", same_python)
 
@@ -208,12 +221,12 @@ def make_environment() -> None:
     VENV.mkdir()
     STATE.write_text(HALF_MADE, encoding="utf-8")
     say(f"making a virtual environment with Python {VERSION} in .venv")
-    # Without pip it can be made even where Debian's python3-venv is missing. A fresh process: this one may be .venv's own Python.
+    # Without pip it can be made even where Debian's python3-venv is missing. A fresh process: this
+    # one may be .venv's own Python.
     result = run([sys._base_executable, "-I", "-m", "venv", "--without-pip", VENV])
     if result.returncode:
-        raise Lacking(
-            f"no virtual environment could be made in .venv: {(result.stderr.strip().splitlines() or ['no message'])[-1]}"
-        )
+        last = (result.stderr.strip().splitlines() or ["no message"])[-1]
+        raise Lacking(f"no virtual environment could be made in .venv: {last}")
 
 
 def get_pip() -> None:
@@ -222,16 +235,17 @@ def get_pip() -> None:
 
 
 def pip(command: list[str | Path], *arguments: str | Path) -> None:
-    """Raises Lacking with one line when pip fails; all that it said, and more, is in LOG."""
+    """Run pip. Errors: Lacking, in one line; LOG has all that pip said, and more."""
     LOG.unlink(missing_ok=True)
     result = run([*command, "--log", LOG, *arguments])
     if result.returncode == 0:
         return
-    # Without a network pip speaks of conflicting versions; only its log tells that it reached nobody.
+    # Without a network pip speaks of conflicting versions; only its log names the network.
     network = NETWORK_TROUBLE.search(LOG.read_text(encoding="utf-8", errors="replace") if LOG.exists() else "")
     if network:
         raise Lacking(
-            f"cannot reach the package index ({network[0]}): check the network, proxy or PIP_INDEX_URL, then run make again"
+            f"cannot reach the package index ({network[0]}): "
+            "check the network, proxy or PIP_INDEX_URL, then run make again"
         )
     lines = result.stderr.splitlines()
     errors = (
@@ -243,11 +257,12 @@ def pip(command: list[str | Path], *arguments: str | Path) -> None:
 def install_packages() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    wanted = [*project["dependencies"], *extras["test"], *extras["bench"], *extras["panel"], *extras["study"]]
+    wanted = [*project["dependencies"], *(line for lines in extras.values() for line in lines)]
     STATE.write_text(HALF_MADE, encoding="utf-8")
     say("installing the pinned packages into .venv (about 1 GB on disk; a few minutes the first time)")
     pip([PYTHON, "-m", "pip"], "install", "--constraint", CONSTRAINTS, *wanted)
-    # Editable: a changed shader or module is used at once. No isolation: the pinned hatchling builds, offline too.
+    # Editable: a changed shader or module is used at once. No isolation: the pinned hatchling
+    # builds, offline too.
     pip([PYTHON, "-m", "pip"], "install", "--no-deps", "--no-build-isolation", "--editable", ROOT)
     whole = STATE.with_suffix(".new")
     whole.write_text(wanted_state(), encoding="utf-8")
@@ -255,7 +270,7 @@ def install_packages() -> None:
 
 
 def check_gl() -> None:
-    """A context is made for real: libEGL may be there without any driver behind it."""
+    """Make a context for real: libEGL may be there without any driver behind it."""
     if works(PYTHON, "-c", GL_PROBE):
         return
     if not works("dpkg", "-s", *MESA):
@@ -264,15 +279,15 @@ def check_gl() -> None:
     if result.returncode:
         last = (result.stderr.strip().splitlines() or [f"ended with status {result.returncode}"])[-1]
         raise Lacking(
-            f"OpenGL 4.3 does not start here though {' '.join(MESA)} are installed ({last}); .venv/bin/hmdwarp doctor says more"
+            f"OpenGL 4.3 does not start here though {' '.join(MESA)} are installed ({last}); "
+            ".venv/bin/hmdwarp doctor says more"
         )
 
 
 def main(options: list[str]) -> None:
     with contextlib.suppress(OSError):  # some network file systems lock no folders
-        fcntl.flock(
-            os.open(ROOT, os.O_RDONLY), fcntl.LOCK_EX
-        )  # two makes at once: the second waits and finds everything done
+        # Two makes at once: the second waits and finds everything done.
+        fcntl.flock(os.open(ROOT, os.O_RDONLY), fcntl.LOCK_EX)
     install_system_packages()
     if not usable():
         make_environment()
@@ -281,8 +296,8 @@ def main(options: list[str]) -> None:
         install_packages()
         say("done")
     check_gl()
-    if "--ci" in options:
-        install_for_ci()
+    if "--tests" in options:
+        install_for_tests()
 
 
 if __name__ == "__main__":

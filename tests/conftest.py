@@ -1,16 +1,21 @@
-"""Fixtures that every test may use.
-
-One GPU context for the session, the development head traces, the order of tests.
-"""
+"""Fixtures that every test may use, the order of tests, and what a run says at its end."""
 
 from __future__ import annotations
 
+import functools
+import os
 import signal
 import sys
 from pathlib import Path
 
+import attrs
+import needs
+import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
 
+# Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
+# Set before any library with OpenMP is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
@@ -23,11 +28,25 @@ def gpu():
         yield made
 
 
+@pytest.fixture(scope="session", autouse=True)
+def scenes_are_built_once():
+    """Build each shipped scene once in a session: nobody writes to a scene, and `room` takes 1.5 s.
+
+    `scenes.get(name).build.__wrapped__()` builds it afresh.
+    """
+    from hmdwarp.scenes import scenes
+
+    found = scenes.get
+    scenes.get = functools.cache(lambda name: attrs.evolve(found(name), build=functools.cache(found(name).build)))
+    yield
+    scenes.get = found
+
+
 @pytest.fixture(autouse=True)
 def no_context_is_left_behind():
-    """A test that leaves an OpenGL context of its own open makes every later one draw there.
+    """Fail the test that leaves an OpenGL context open.
 
-    Black pictures, far from the cause.
+    Every later test would draw there: black pictures, far from the cause.
     """
     before = _current_gpu()
     yield
@@ -41,19 +60,16 @@ def _current_gpu():
 
 @pytest.fixture(scope="session")
 def real_traces() -> Path:
-    """The folder of real recorded head motion used in development.
-
-    It is not part of the project.
-    """
+    """The folder of real recorded head motion used in development; no part of the project."""
     if not DEVELOPMENT_TRACES.is_dir():
         pytest.skip(f"no real head traces at {DEVELOPMENT_TRACES} (they lie beside the development checkout only)")
     return DEVELOPMENT_TRACES
 
 
 def pytest_configure() -> None:
-    """Signals as a terminal has them.
+    """Take signals as under a terminal.
 
-    Under nohup, or in the background of a script, they are ignored, and so would be in every
+    Under nohup, or in the background of a script, they are ignored, and so they would be in every
     program that a test starts and then interrupts.
     """
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
@@ -62,5 +78,15 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Slow tests last, so that a mistake shows early."""
+    """Run slow tests last, so that a mistake shows early."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Name what was left out: before pytest's closing line, or where LEFT_OUT=last after it."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    line = needs.left_out((report.nodeid, report.longrepr[2]) for report in skipped)
+    if line and os.environ.get("LEFT_OUT") == "last":
+        config.add_cleanup(lambda: print(line))
+    elif line:
+        terminalreporter.write_line(line)

@@ -6,15 +6,17 @@ weighs.
 
 from __future__ import annotations
 
+import functools
 from collections import Counter
 
 import attrs
 import moderngl
+import pytest
 from replays import small
 
 from hmdwarp.frames import frame_bytes
 from hmdwarp.gpu.shaders import ShaderLibrary
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import set_up_replay
 
 ALLOCATIONS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "vertex_array")
 WORK = ((moderngl.ComputeShader, "run"), (moderngl.ComputeShader, "run_indirect"), (moderngl.VertexArray, "render"))
@@ -38,12 +40,17 @@ class Costs:
     textures: dict[tuple, int]
 
 
-def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
-    """Of a small run, in its steady state."""
+def costs_of(refreshes: int = 3, **options: object) -> Costs:
+    """Return the costs of a small run in its steady state; the same run is counted once."""
+    return _costs_of(refreshes, tuple(sorted(options.items())))
+
+
+@functools.cache
+def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
     shaders: set[str] = set()
     made, work, textures = Counter(), Counter(), Counter()
-    asked = small(latency_ms=50.0, rate_hz=60.0, **options)
-    with monkeypatch.context() as patch:
+    asked = small(latency_ms=50.0, rate_hz=60.0, **dict(options))
+    with pytest.MonkeyPatch.context() as patch:
         get = ShaderLibrary._get
 
         def recorded(self, paths, defines, make):
@@ -55,18 +62,18 @@ def costs_of(monkeypatch, refreshes: int = 3, **options: object) -> Costs:
             patch.setattr(moderngl.Context, kind, _counted(getattr(moderngl.Context, kind), made, kind, textures))
         for owner, name in WORK:
             patch.setattr(owner, name, _counted(getattr(owner, name), work, f"{owner.__name__}.{name}", None))
-        with build_rig(asked) as rig:
+        with set_up_replay(asked) as setup:
             shown = 0
-            for instant_ns, is_shown in rig.timetable.instants():
+            for number, instant_ns in setup.schedule.numbered():
                 work.clear()
-                rig.loop.draw(instant_ns)
-                shown += is_shown and rig.loop.show(instant_ns) is not None
+                setup.loop.draw(instant_ns)
+                shown += number >= 0 and setup.loop.show(instant_ns) is not None
                 if shown == refreshes:
                     break
             assert shown == refreshes
-            layers = frame_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
+            layers = frame_bytes(setup.plan.needs, setup.pipeline.sizes, setup.plan.layers)
             return Costs(
-                frozenset(shaders), dict(made), dict(work), layers, rig.channel.transit.size_bytes, dict(textures)
+                frozenset(shaders), dict(made), dict(work), layers, setup.channel.transit.size_bytes, dict(textures)
             )
 
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 import importlib
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import pytest
 from display.virtual_screen import VirtualScreen
 
@@ -66,7 +66,7 @@ def test_a_page_runs_from_top_to_bottom(page, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no virtual screen (Debian: xvfb)")
+@needs.programs("Xvfb")
 @pytest.mark.parametrize("command", LIVE)
 def test_the_live_commands_open_a_window(command, tmp_path):
     small = " --frames 3 --size 96x120 --scene planes"  # of an option given twice the last counts

@@ -21,10 +21,11 @@ from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
-from ..run.rig import Rig
+from ..run.combinations import Combination
+from ..run.read_back import coverage, shown_picture
+from ..run.replay_setup import ReplaySetup
 from ..scenes import Scene
 from ..server.targets import TargetPool
-from .cases import Combination
 
 METRES, DEGREES = 0.3, 30.0
 STEPS = 3  # to either side
@@ -67,44 +68,50 @@ class Scripted:
         """Nothing to let go of."""
 
 
-def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Callable[[], None]) -> list[dict[str, Any]]:
-    """The `grid` of bench.json: every warp (unfilled combinations), left eye, on the server and headset of `rig`.
+def grid_rows(
+    setup: ReplaySetup, warps: list[Combination], pool: QualityPool, step: Callable[[], None]
+) -> list[dict[str, Any]]:
+    """The `grid` of bench.json: every warp (unfilled combinations), left eye, on the server and headset of `setup`.
 
-    rig: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
+    setup: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
     """
     moves = [("x", 0.0), *offsets()]
     with ExitStack() as stack:
-        loop = _loop(rig, warps, Scripted(rig.scene, moves), stack)
-        compensators = [rig.compensator(c.plan) for c in warps]
-        targets = TargetPool(rig.gpu, rig.size)
+        loop = _loop(setup, warps, Scripted(setup.scene, moves), stack)
+        compensators = [setup.compensator(c.plan) for c in warps]
+        targets = TargetPool(setup.gpu, setup.size)
         stack.callback(targets.close)
         target = targets.acquire()
         for number in range(len(moves)):
             refresh = loop.show(number + 1)
-            truth = rig.server.draw(refresh.inputs[0].shown, rig.size, target, refresh.shown_ns)
+            assert refresh is not None  # the link has no latency
+            truth = setup.server.draw(refresh.inputs[0].shown, setup.size, target, refresh.shown_ns)
             picture = picture_from_linear(download(truth.colour))
             for combination, compensator in zip(warps, compensators, strict=True):
                 result = compensator.run(loop.inputs(refresh, combination.plan.needs)[0])
-                shown = Compared(picture_from_linear(download(result.shown.texture)), picture, result.view)
-                pool.submit(
-                    (combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3])
-                )
-            rig.gpu.timer.collect()
+                shown = Compared(shown_picture(result), picture, result.view)
+                pool.submit((combination.warp, number), QualityJob(shown, covered=coverage(result)))
+            setup.gpu.timer.collect()
             step()
         pool.wait()
     return [_row(c.warp, move, pool.results[c.warp, number]) for c in warps for number, move in _with_rest(moves)]
 
 
-def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
-    """A loop of its own on the rig's server, whose newest frame was drawn at time 0."""
+def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
+    """A loop of its own on the setup's server, whose newest frame was drawn at time 0."""
     needs = needs_of(c.plan for c in warps)
-    history = History(needs.others.past, needs.others.spacing_ns, rig.server.recycle)
+    history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, 0, history.offer, rig.server.recycle)
+    channel = Channel(LinkOptions(), 0, None, 0, history.offer, setup.server.recycle)
     stack.callback(channel.close)
-    main: Compensator = rig.compensator(rig.plan)
+    main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
-        PoseRequest(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset
+        PoseRequest(source, None, setup.size, setup.options.guard_factor, needs),
+        setup.server,
+        channel,
+        history,
+        main,
+        setup.headset,
     )
     for back in range(needs.others.past, -1, -1):
         loop.draw(-back * max(1, needs.others.spacing_ns))

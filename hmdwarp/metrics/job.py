@@ -71,7 +71,7 @@ class QualityJob:
         for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
-        if self.regions and not Input.COVERAGE | Input.DEPTH in self.inputs:
+        if self.regions and (Input.COVERAGE | Input.DEPTH) not in self.inputs:
             raise InputError("regions of the error need the coverage and the truth's inverse depth: pass both")
 
     @property
@@ -81,7 +81,7 @@ class QualityJob:
         for flag, value in (
             (Input.COVERAGE, self.covered),
             (Input.DEPTH, self.truth_inverse_depth),
-            (Input.RENDERED, self.rendered and self.rendered_size),
+            (Input.RENDERED, None if self.rendered is None else self.rendered_size),
             (Input.PREVIOUS, self.previous),
         ):
             if value is not None:
@@ -109,7 +109,7 @@ class Measurement:
 
     def __init__(self, job: QualityJob, pixels_per_degree: float) -> None:
         self._job, self._pixels_per_degree = job, pixels_per_degree
-        self.now = job.now
+        self.now: Compared = job.now
 
     @functools.cached_property
     def flip(self) -> tuple[float, NDArray[np.float32]]:

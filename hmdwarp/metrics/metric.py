@@ -53,8 +53,8 @@ class Metric:
     short_label: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
     short_digits: int = 3
 
-    # --- where it is shown ---
-    # Columns of a low rank leave a bench's table first where the terminal is narrow; None: never in it.
+    # --- where it is shown --- Columns of a low rank leave a bench's table first where the terminal
+    # is narrow; None: never in it.
     bench_rank: float | None = 0
     tile_note: str = ""  # note under its tile at the top of a report; "": no tile
     chart: str = ""  # heading of its chart over time; "": no chart

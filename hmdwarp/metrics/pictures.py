@@ -1,4 +1,4 @@
-"""Pairs of pictures, (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1: both of one type and size."""
+"""Pairs of pictures of one type and size: (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..errors import InputError
 
 
 def check_pair(shown: NDArray, truth: NDArray) -> None:
-    """Raise InputError unless both are (h, w, 3), of one size and type, uint8 or finite floats in 0..1."""
+    """Raise InputError unless both are (h, w, 3), of one type, uint8 or finite floats in 0..1."""
     if shown.shape != truth.shape or shown.ndim != 3 or shown.shape[2] != 3 or shown.size == 0:
         raise InputError(
             f"cannot compare pictures of shapes {shown.shape} and {truth.shape}: expected two of the same (h, w, 3)"

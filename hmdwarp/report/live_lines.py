@@ -40,7 +40,7 @@ def missed_share(live: Mapping[str, Any]) -> float:
 
 
 def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
-    """Return (what, median ms of all eyes, p95 ms, share of a refresh) of each part of a refresh, then the sum."""
+    """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
     live = summary["live"]
     rows = []
     for name, entry in live["refresh_ms"].items():

@@ -1,4 +1,4 @@
-"""report.html of a live run: as a replay's, without a truth to compare with, and with figures of its own."""
+"""report.html of a live run: as a replay's, without a truth, with figures of its own."""
 
 from __future__ import annotations
 

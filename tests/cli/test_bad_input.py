@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 
+import needs
 import numpy as np
 import pytest
 
@@ -270,12 +271,12 @@ def tiny_disk(tmp_path):
     place = tmp_path / "disk"
     place.mkdir()
     if os.geteuid() != 0 or not shutil.which("mount"):
-        pytest.skip("only root can mount a small disk to fill")
+        pytest.skip(needs.missing("right to mount", needs.AS_ROOT))
     mounted = subprocess.run(
         ["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(place)], check=False, capture_output=True, text=True
     )
     if mounted.returncode:
-        pytest.skip(f"cannot mount a small disk here: {mounted.stderr.strip()}")
+        pytest.skip(needs.missing("right to mount", mounted.stderr.strip()))
     try:
         yield place
     finally:

@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-from display.virtual_screen import VirtualScreen, skip_without_xvfb
+from display.virtual_screen import VirtualScreen, needs_a_screen
 
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.synth import synthesise
@@ -100,8 +100,8 @@ def test_a_signal_ends_it_with_everything_written(tmp_path, number, status):
     assert len(track) < 30 * 90  # the made-up head would have gone on for 30 s
 
 
+@needs_a_screen
 def test_a_window_records_who_moves_in_it(tmp_path):
-    skip_without_xvfb()
     out = tmp_path / "walk.csv"
     with VirtualScreen(tmp_path, (640, 480)) as screen:
         process = program("--source", "desktop", "--scene", "planes", "--out", out, **screen.environment)

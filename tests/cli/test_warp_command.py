@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
 from hmdwarp.image.files import read_frame, read_view
@@ -165,7 +166,7 @@ def zip_bytes(members: dict[str, bytes]) -> bytes:
 
 
 # Each example rewrites the same file, which the function-scoped tmp_path is fine for.
-@settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=300, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(data=st.data())
 def test_damaged_frames_are_read_or_refused(data, tmp_path):
     """Whatever bytes of a frame are changed, cut off or doubled: the arrays, or one error of ours."""
@@ -197,7 +198,7 @@ json_values = st.recursive(
 )
 
 
-@settings(deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=300, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(
     value=json_values
     | st.fixed_dictionaries({"fov": json_values, "position_m": json_values, "orientation_xyzw": json_values})

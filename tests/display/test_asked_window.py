@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 from .desktop_program import ROOT
-from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb, until
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
 
-skip_without_xvfb()
-pytestmark = pytest.mark.slow  # a program of its own: 10 s
+pytestmark = [needs_a_screen, pytest.mark.slow]  # a program of its own: 10 s
 
 SCREEN = (900, 640)
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 
+import needs
 import pytest
 
 from .desktop_program import ROOT, SMALL, Live
-from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb, until
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
 
-skip_without_xvfb()
-pytestmark = pytest.mark.slow  # programs of their own: 15 s
+pytestmark = [needs_a_screen, pytest.mark.slow]  # programs of their own: 15 s
 
 
 @pytest.fixture(scope="module")
@@ -31,9 +30,7 @@ def test_alone(screen, what):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.skipif(
-    not shutil.which("xrandr"), reason="no xrandr here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)"
-)
+@needs.programs("xrandr")
 def test_a_full_screen_that_is_unplugged_becomes_a_window_again(screen, tmp_path):
     def plugged(option: str) -> None:
         # Xvfb takes its output off, and then refuses to shrink to nothing, which xrandr asks for besides.

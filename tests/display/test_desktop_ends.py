@@ -14,10 +14,9 @@ import pytest
 from hmdwarp.poses import load_trace
 
 from .desktop_program import ROOT, SMALL, Live
-from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
 
-skip_without_xvfb()
-pytestmark = pytest.mark.slow  # programs of their own: 15 s
+pytestmark = [needs_a_screen, pytest.mark.slow]  # programs of their own: 15 s
 
 
 @pytest.fixture

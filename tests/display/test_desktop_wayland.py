@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 
+import needs
 import numpy as np
 import pytest
 
 from .desktop_program import ROOT, SMALL
-from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb, until
+from .virtual_screen import PATIENCE_S, VirtualScreen, until
 
-skip_without_xvfb()
-if not shutil.which("weston"):
-    pytest.skip("no weston here (Debian, Ubuntu: sudo apt-get install weston)", allow_module_level=True)
-pytestmark = pytest.mark.slow  # programs of their own: 10 s
+pytestmark = [needs.programs("Xvfb", "xdotool", "weston"), pytest.mark.slow]  # programs of their own: 10 s
 
 NAME = "hmdwarp-test"
 

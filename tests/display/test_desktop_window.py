@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from .desktop_program import SMALL, Live
-from .virtual_screen import VirtualScreen, skip_without_xvfb, until
+from .virtual_screen import VirtualScreen, needs_a_screen, until
 
-skip_without_xvfb()
-pytestmark = pytest.mark.slow  # a program of its own, led by hand: 15 s
+pytestmark = [needs_a_screen, pytest.mark.slow]  # a program of its own, led by hand: 15 s
 
 NOISE = 6  # of 255: what a still picture's mean may differ by between two looks (a title-long age changes a few pixels at edges)
 

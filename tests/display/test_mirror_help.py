@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 
-import pytest
+import needs
 
 from .desktop_program import ROOT
 from .virtual_screen import PATIENCE_S, VirtualScreen
@@ -45,7 +44,7 @@ laid(LIVE, "", "H", "", "H", "")
 """
 
 
-@pytest.mark.skipif(not shutil.which("Xvfb"), reason="no virtual screen here (Debian, Ubuntu: apt-get install xvfb)")
+@needs.programs("Xvfb")
 def test_in_a_study_no_help_lies_over_what_the_headset_shows(tmp_path):
     with VirtualScreen(tmp_path) as screen:
         environment = {**screen.environment, "PYTHONPATH": str(ROOT), "PYGLFW_LIBRARY_VARIANT": "x11"}

@@ -8,8 +8,7 @@ import json
 import pytest
 
 from hmdwarp.errors import InputError, TraceError
-from hmdwarp.run.live import LiveOptions
-from hmdwarp.run.live.run import live
+from hmdwarp.run import LiveOptions, live
 
 ASKED = {"source": "offscreen", "scene": "planes", "size": (48, 60), "rate_hz": 50.0, "latency_ms": 60.0}
 

@@ -235,7 +235,7 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     from hmdwarp.client.plan import needs_of
     from hmdwarp.geometry import Fov, Pose, View
     from hmdwarp.gpu.textures import download
-    from hmdwarp.pipeline.build import Timing, build_pipeline
+    from hmdwarp.pipeline.build import Target, build_pipeline
     from hmdwarp.pipeline.loop import PoseRequest
     from hmdwarp.pipeline.options import PipelineOptions
     from hmdwarp.pipeline.planning import plans_for
@@ -262,7 +262,7 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
 
     def shown(between) -> list[np.ndarray]:
         out = []
-        with build_pipeline(gpu, options, scene, OneEye(), plans, requested, Timing(100.0, 20_000_000)) as made:
+        with build_pipeline(options, scene, Target(gpu, OneEye(), 100.0, 20_000_000), plans, requested) as made:
             for k in range(4):
                 made.loop.draw(k * 10_000_000)
                 between()

@@ -5,22 +5,22 @@ from __future__ import annotations
 import json
 import os
 import queue
-import shutil
 import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
 
+import needs
 import pytest
 
 from hmdwarp.display.desktop import PANEL_REMEDY, installed
 
-from .virtual_screen import PATIENCE_S, VirtualScreen, skip_without_xvfb
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
 
 if not installed():
     pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
-skip_without_xvfb()
+pytestmark = needs_a_screen
 TESTS = Path(__file__).resolve().parents[1]
 
 
@@ -179,9 +179,8 @@ def test_closed_it_gives_the_callbacks_back(led):
     assert [one["wanted"] for one in led.heard("click")] == [None, None]
 
 
+@needs.programs("xrdb")
 def test_a_screen_of_twice_the_density_has_a_panel_of_twice_the_size(screen):
-    if not shutil.which("xrdb"):
-        pytest.skip("no xrdb here (Debian, Ubuntu: sudo apt-get install x11-xserver-utils)")
     environment = screen.environment
     subprocess.run(
         ["xrdb", "-nocpp", "-merge"], input="Xft.dpi: 192\n", text=True, env=environment, check=True, timeout=PATIENCE_S

@@ -6,25 +6,18 @@ Needs Xvfb and xdotool, nothing else: the screen's memory is a file that Xvfb ke
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+import needs
 import numpy as np
-import pytest
 
 PATIENCE_S = 90.0  # against hanging alone
 
 
-def skip_without_xvfb() -> None:
-    """For the top of a module that needs one."""
-    for needed in ("Xvfb", "xdotool"):
-        if not shutil.which(needed):
-            pytest.skip(
-                f"no {needed} here (Debian, Ubuntu: sudo apt-get install {needed.lower()})", allow_module_level=True
-            )
+needs_a_screen = needs.programs("Xvfb", "xdotool")
 
 
 class VirtualScreen:

@@ -41,7 +41,7 @@ def test_round_trip(gpu, kind, size):
     texture.release()
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.sampled_from(KINDS), st.tuples(st.integers(1, 40), st.integers(1, 40)), st.integers(0, 9))
 def test_round_trip_of_any_size(gpu, kind, size, seed):
     texture, image = allocate(gpu.gl, size, kind), picture(seed, size, kind)

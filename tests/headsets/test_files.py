@@ -222,7 +222,7 @@ def test_a_bad_value_is_named(tmp_path, found, put, says):
     assert "\n" not in str(caught.value)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.one_of(st.binary(max_size=200), st.tuples(st.integers(0, len(DK1) - 1), st.text(max_size=6))))
 def test_any_bytes_give_a_headset_or_one_clear_line(tmp_path_factory, change):
     """Random bytes, and the real file with a few characters overwritten anywhere."""

@@ -175,14 +175,14 @@ class AgainstAModel(RuleBasedStateMachine):
 
 
 TestAgainstAModel = AgainstAModel.TestCase
-TestAgainstAModel.settings = settings(max_examples=150, stateful_step_count=40, deadline=None)
+TestAgainstAModel.settings = settings(max_examples=150, stateful_step_count=40)
 
 JITTERS = st.one_of(
     st.just(LinkOptions().delay), st.builds(NormalJitter, st.floats(0, 60)), st.builds(UniformJitter, st.floats(0, 20))
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(
     st.builds(LinkOptions, JITTERS, st.none() | st.just(GilbertElliott(0.1, 0.3)), BANDWIDTHS, st.integers(0, 9)),
     st.integers(20_000_000, 400_000_000),

@@ -36,7 +36,7 @@ def test_share_counts_zeros_only():
     assert hole_share(coverage > 0) == 0.25
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(poses, st.integers(0, 2**32 - 1))
 def test_border_against_rays(shown, seed):
     """The other route: points in the world and four planes. A point within 1e-9 of a plane may fall either way; none does."""
@@ -48,7 +48,7 @@ def test_border_against_rays(shown, seed):
     assert border_share(coverage, 1 / depth_m, shown, rendered, (64, 50)) == pytest.approx(expected, abs=1e-12)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(poses, poses, st.integers(0, 2**32 - 1))
 def test_border_is_part_of_the_holes(shown, rendered, seed):
     rng = np.random.default_rng(seed)

@@ -46,7 +46,7 @@ def test_resampling_twice_is_less_sharp_than_once():
     assert 0.2 < twice < 0.9
 
 
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=10)
 @given(st.integers(1, 10**6), st.floats(0.01, 0.1))
 def test_noise_is_no_sharpness(seed, amount):
     """Added to a blurred picture, it moves the slope by chance alone, which spreads as amount / truth detail / sqrt(values)."""

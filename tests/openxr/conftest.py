@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import needs
 import pytest
 
 from .handover import PIPE, Inner, Reporter
@@ -73,7 +74,7 @@ def _root_for(config: pytest.Config) -> Path:
             config.stash[_root] = lacking
     root = config.stash[_root]
     if isinstance(root, Lacking):
-        pytest.skip(str(root))
+        pytest.skip(needs.missing("OpenXR runtime", str(root)))
     return root
 
 

@@ -12,12 +12,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import hmdwarp.run.live.run as driver
+import hmdwarp.run.live_run as driver
 from hmdwarp.display import Tick
 from hmdwarp.pipeline.loop import Refresh
 from hmdwarp.report import validate_summary
-from hmdwarp.run.live import LiveOptions
-from hmdwarp.run.live.log import LiveResult
+from hmdwarp.run import LiveOptions, LiveResult
 
 SMALL = (96, 120)
 LONG_S = 90.0  # against hanging; a machine under load is slow

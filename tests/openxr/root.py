@@ -89,9 +89,10 @@ def _folder() -> Path:
 
 
 def _pins() -> list[str]:
-    """The pinned packages, without those of the bench (OpenCV alone would be a fifth of the root)."""
+    """Return the pinned packages without those of bench (OpenCV, a fifth of the root) and docs."""
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    left_out = {_name(line) for line in project["optional-dependencies"]["bench"]}
+    extras = project["optional-dependencies"]
+    left_out = {_name(line) for line in [*extras["bench"], *extras["docs"]]}
     lines = (PROJECT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines()
     return [line for line in lines if line and line[0] != "#" and _name(line) not in left_out]
 

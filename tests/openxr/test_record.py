@@ -12,7 +12,7 @@ import pytest
 from hmdwarp.display import Lost
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import load_trace
-from hmdwarp.run.live.recording import RecordOptions, record
+from hmdwarp.run import RecordOptions, record
 
 from .remote_head import RemoteHead
 

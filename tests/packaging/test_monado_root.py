@@ -1,4 +1,4 @@
-"""Where there can be no root for the tests with a real OpenXR runtime: they are skipped, visibly, and nothing is left behind."""
+"""Without a root for the tests with a real OpenXR runtime they are skipped, and nothing stays."""
 
 from __future__ import annotations
 

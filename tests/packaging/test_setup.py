@@ -1,7 +1,8 @@
-"""Set-up on machines that lack things, played with a PATH of stand-ins; the real thing is tried on bare Debian roots by hand."""
+"""Set-up on machines that lack things, played with a PATH of stand-ins."""
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import shutil
 import stat
@@ -89,7 +90,7 @@ def test_a_folder_that_is_no_environment_is_left_alone(clone, tools):
 
 @pytest.mark.parametrize("leftover", ["half-made", "dead"])
 def test_a_broken_environment_is_made_anew(clone, tools, leftover):
-    """Interrupted, or its Python is gone. The index is nowhere, so set-up ends in one line about the network."""
+    """Interrupted, or its Python is gone; without an index, set-up ends in one line saying so."""
     (clone / ".venv" / "bin").mkdir(parents=True)
     (clone / ".venv" / "pyvenv.cfg").write_text("home = nowhere\n", encoding="utf-8")
     if leftover == "half-made":
@@ -119,3 +120,83 @@ def test_make_alone_lists_the_targets(clone):
     assert {"make setup", "make replay", "make test"} <= {
         line.strip().split("  ")[0] for line in done.stdout.splitlines()
     }
+
+
+# --- programs for tests ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def machine(tmp_path, tools, monkeypatch):
+    """Return set-up's module on a machine without tools; tmp_path/calls has the calls of apt-get.
+
+    Its package lists hold what `known` names; `apt-get update` brings the rest of `lists`.
+    """
+    spec = importlib.util.spec_from_file_location("hmdwarp_setup", ROOT / ".ci" / "setup.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    for name in ("env", "grep", "cp", "touch", "chmod", "ln"):
+        (tools / name).symlink_to(shutil.which(name))
+    stand_in(tools / "apt-cache", f'exec grep -qx "$2" {tmp_path}/known')
+    stand_in(tools / "apt-get", f"""
+      echo "$@" >> {tmp_path}/calls
+      for word; do case $word in
+        update) cp {tmp_path}/lists {tmp_path}/known; exit 0;;
+        install) installing=1;;
+        -*|DPkg*) ;;
+        *) [ -z "$installing" ] || grep -qx "$word" {tmp_path}/known || exit 100;;
+      esac; done
+      for word; do case $word in
+        xvfb) ln -sf /bin/true {tools}/Xvfb;;
+        glslang-tools) ln -sf /bin/true {tools}/glslangValidator;;
+      esac; done""")  # fmt: skip
+    monkeypatch.setenv("PATH", str(tools))
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    packages = {"Xvfb": "xvfb", "glslangValidator": "glslang-tools", "chromium": "chromium"}
+    monkeypatch.setattr(module, "TOOLS", tmp_path / "tools.toml")
+    module.TOOLS.write_text(
+        "[packages]\n" + "".join(f'{name} = "{package}"\n' for name, package in packages.items())
+        + '[other_names]\nchromium = ["chrome"]\n', encoding="utf-8"
+    )  # fmt: skip
+    return module
+
+
+@pytest.mark.parametrize("fresh", [True, False])
+def test_tools_are_installed_although_one_is_in_no_package_list(machine, tmp_path, capfd, fresh):
+    """As on Ubuntu, which has no package of Chromium; fresh containers and used machines."""
+    (tmp_path / "lists").write_text("xvfb\nglslang-tools\n", encoding="utf-8")
+    (tmp_path / "known").write_text("" if fresh else "xvfb\nglslang-tools\n", encoding="utf-8")
+    machine.install_for_tests()
+    assert machine.missing_tools() == {"chromium": "chromium"}
+    assert "going on without chromium;" in capfd.readouterr().out.splitlines()[-1]
+
+
+def test_another_name_of_a_tool_will_do(machine, tmp_path, tools):
+    (tmp_path / "known").write_text("xvfb\nglslang-tools\nchromium\n", encoding="utf-8")
+    stand_in(tools / "chrome", "")
+    machine.install_for_tests()
+    assert "chromium" not in (tmp_path / "calls").read_text(encoding="utf-8")
+    assert machine.missing_tools() == {}
+
+
+def test_without_rights_the_line_to_type_is_printed_and_set_up_goes_on(machine, tmp_path, monkeypatch, capfd):
+    (tmp_path / "known").write_text("xvfb\nglslang-tools\nchromium\n", encoding="utf-8")
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    machine.install_for_tests()
+    said = capfd.readouterr().out
+    assert "su -c 'apt-get update && apt-get install -y chromium glslang-tools xvfb'" in said
+    assert not (tmp_path / "calls").exists()
+
+
+def test_nothing_missing_nothing_said(machine, tools, capfd):
+    for name in ("Xvfb", "glslangValidator", "chromium"):
+        stand_in(tools / name, "")
+    machine.install_for_tests()
+    assert capfd.readouterr().out == ""
+
+
+def test_only_the_tests_bring_tools_for_tests(clone):
+    """`make replay` sets up what replaying needs."""
+    for target, wanted in (("replay", False), ("setup", False), ("test", True)):
+        command = ["make", "-n", "--no-print-directory", target]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=clone)
+        assert ("setup --tests" in done.stdout) == wanted, target

@@ -1,4 +1,4 @@
-"""The wheel works from any folder: shaders, recordings, headsets and templates travel in it."""
+"""The wheel works from any folder: shaders, recordings, headsets, templates travel in it."""
 
 from __future__ import annotations
 
@@ -38,7 +38,10 @@ def wheel(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel, tmp_path_factory) -> Path:
-    """The bin folder of a fresh environment with the wheel in it; its dependencies come from the environment of this test."""
+    """Return the bin folder of a fresh environment with the wheel in it.
+
+    The wheel's dependencies come from the environment of this test.
+    """
     place = tmp_path_factory.mktemp("elsewhere")
     venv.create(place / "env", with_pip=False)
     bin_folder = place / "env" / "bin"
@@ -56,7 +59,8 @@ def installed(wheel, tmp_path_factory) -> Path:
     ]
     done = run(*install, cwd=place)
     assert done.returncode == 0, done.stdout + done.stderr
-    # A .pth only appends to sys.path: the packages there are seen, but the .pth of the editable checkout among them is not run.
+    # A .pth only appends to sys.path: the packages there are seen, but the .pth of the editable
+    # checkout among them is not run.
     (site,) = (place / "env" / "lib").glob("python3*/site-packages")
     (site / "outer.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
     return bin_folder
@@ -76,6 +80,11 @@ def test_wheel_holds_all_that_is_not_python(wheel):
     inside |= expected("hmdwarp/study", ".toml", ".csv") | expected("hmdwarp/scenes", ".xz")
     assert any(name.endswith("rift-dk1.toml") for name in inside)
     assert not (missing | (inside - names)), "files that the program reads did not get into the wheel"
+
+
+def test_type_checkers_see_that_the_package_is_typed(wheel):
+    """PEP 561: without this file they take every name for Any."""
+    assert "hmdwarp/py.typed" in zipfile.ZipFile(wheel).namelist()
 
 
 def test_wheel_holds_nothing_else(wheel):
@@ -102,8 +111,9 @@ def test_lists_from_another_folder(installed, tmp_path, kind):
 
 def test_replays_a_shipped_recording_by_its_bare_name(installed, tmp_path):
     done = run(
-        installed / "hmdwarp", "replay", "look-around", "--scene", "room", "--latency", "100", "--warp", "forward", "--fill", "interpolate",
-        "--lens", "radial", "--headset", "rift-dk1", "--size", "64x80", "--start", "1", "--seconds", "0.3", "--out", "result", "--quiet",
+        installed / "hmdwarp", "replay", "look-around", "--scene", "room", "--latency", "100",
+        "--warp", "forward", "--fill", "interpolate", "--lens", "radial", "--headset", "rift-dk1",
+        "--size", "64x80", "--start", "1", "--seconds", "0.3", "--out", "result", "--quiet",
         cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

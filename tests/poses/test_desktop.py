@@ -68,7 +68,7 @@ def poses_at(script, rate_hz: float, wanted_ns: list[int]) -> list:
 
 
 @given(scripts)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_the_frame_rate_has_no_say_in_the_path(script):
     """The same inputs at the same instants.
 
@@ -99,7 +99,7 @@ def test_inputs_noticed_at_the_next_frame_shift_the_path_by_no_more_than_a_frame
 
 
 @given(scripts)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_never_rolls_never_tips_over_and_keeps_its_speed(script):
     samples = poses_at(script, 60, list(range(0, 600 * MS, 9 * MS)))
     jumps = {t for t, what in script if what[0] == "recentre"}

@@ -9,8 +9,9 @@ import string
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp import resources
 from hmdwarp.errors import InputError
@@ -20,9 +21,7 @@ from hmdwarp.poses.formats import formats
 
 from .traces import head, rows
 
-SETTINGS = settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-)
+SETTINGS = settings(max_examples=150, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 TABLE = rows(head(30), "wxyz")
 SMALL_FILES = [
     "\n".join(["timestamp,x,y,z,qw,qx,qy,qz"] + [",".join(r) for r in TABLE]) + "\n",

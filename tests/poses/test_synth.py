@@ -106,7 +106,7 @@ def test_the_stated_peak_is_the_peak_of_the_profile(amplitude):
     assert steepest == pytest.approx(peak_speed(amplitude), rel=3.5e-7)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.sampled_from(sorted(KINDS)), st.integers(0, 10**6), st.floats(0.1, 8), st.floats(1, 200))
 def test_any_seed_length_and_rate_gives_a_smooth_head(kind, seed, seconds, rate):
     track = synthesise(kind, seed, seconds, rate)

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 
+import needs
 import pytest
 
 from hmdwarp.metrics import aggregate
@@ -202,7 +203,7 @@ def test_the_clients_own_depth_is_a_pass_with_one_name():
     assert "client_depth client_depth" not in found
 
 
-def test_notes_of_rows_are_told_once():
+def test_notes_of_rows_stand_once():
     rows = [
         a_row("mesh", notes=["odd", "rare"]),
         *(a_row(warp, notes=["odd"]) for warp in ("none", "forward", "backward")),
@@ -244,7 +245,7 @@ addEventListener("load", () => {
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@needs.programs("chromium")
 @pytest.mark.parametrize("width, dark", [(1280, False), (500, True)])
 def test_whole_quiet_and_alone_in_chromium(text, width, dark, tmp_path):
     policy = re.search(r'<meta http-equiv="Content-Security-Policy"[^>]*>', text)[0]

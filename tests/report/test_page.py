@@ -5,11 +5,11 @@ import html
 import io
 import json
 import re
-import shutil
 import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from PIL import Image
@@ -135,13 +135,13 @@ def test_worst_frames_come_from_what_the_pool_kept():
     truth, shown, rendered = a_scene(0), a_scene(2), a_scene(9)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
     with QualityPool(0, 20.0, worst=1) as pool:
-        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), rendered=rendered))
+        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), rendered_picture=rendered))
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
     assert [name for name, _ in frame.panels] == ["late frame", "warped", "truth", "error (FLIP)"]
     assert all(
-        np.array_equal(picture, given)
-        for (_, picture), given in zip(frame.panels, (rendered, shown, truth), strict=False)
+        np.array_equal(picture, source)
+        for (_, picture), source in zip(frame.panels, (rendered, shown, truth), strict=False)
     )
     assert "0.50 s, right eye" in render(worst=[frame])
 
@@ -157,7 +157,7 @@ def test_without_baseline_worst_frames_notes_or_any_measurement():
         notes=[],
     )
     page = Page(text)
-    assert "★" not in page.text and "Worst frames" not in page.text and "What was noticed" not in page.text
+    assert "★" not in page.text and "Worst frames" not in page.text and "<h2>Notes</h2>" not in text
     assert page.text.count("not measured") == 4 and "–" in page.text
 
 
@@ -166,7 +166,7 @@ def test_the_same_run_gives_the_same_page():
     assert first == second
 
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+CHROMIUM = needs.program("chromium")
 FLAGS = [
     *(
         "--headless",
@@ -228,7 +228,7 @@ def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = Fa
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (Debian package chromium)")
+@needs.programs("chromium")
 class TestInChromium:
     @pytest.mark.parametrize("width, dark", [(1280, False), (1280, True), (500, False)])
     def test_whole_quiet_and_alone(self, width, dark, tmp_path):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
@@ -239,7 +240,7 @@ def test_an_obj_whose_numbers_do_not_fit_is_refused(tmp_path, text):
 
 
 @pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=25, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(data=st.data())
 def test_damaged_and_random_files_load_or_fail_with_one_line(tmp_path, ending, data):
     whole = tmp_path / f"whole.{ending}"

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+import needs
 import pytest
 
 from hmdwarp.errors import InputError
@@ -83,12 +84,12 @@ def small_disk(tmp_path) -> Iterator[Path]:
     place = tmp_path / "disk"
     place.mkdir()
     if os.geteuid() != 0 or not shutil.which("mount"):
-        pytest.skip("a disk of its own can be mounted by root alone")
+        pytest.skip(needs.missing("right to mount", needs.AS_ROOT))
     done = subprocess.run(
         ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], check=False, capture_output=True, text=True
     )
     if done.returncode:
-        pytest.skip(f"no disk can be mounted here ({done.stderr.strip()})")
+        pytest.skip(needs.missing("right to mount", done.stderr.strip()))
     yield place
     subprocess.run(["umount", "-l", str(place)], check=True)
 
@@ -123,7 +124,7 @@ def test_a_folder_that_may_not_be_written(tmp_path):
         os.geteuid() != 0
         or subprocess.run(["mount", "--bind", data, data], check=False, capture_output=True).returncode
     ):
-        pytest.skip("root may write everywhere, and only root can mount a folder read-only")
+        pytest.skip(needs.missing("right to mount", needs.AS_ROOT))
     try:
         subprocess.run(["mount", "-o", "remount,ro,bind", data, data], check=True)
         before = (data / "study.sqlite3").read_bytes()

@@ -8,13 +8,10 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
-from hmdwarp.run.replay import figures, replay
-from hmdwarp.run.rig import build_rig
-from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.run import RunOptions, figures, replay, set_up_replay
+from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
 from hmdwarp.study.store import PERSON, Store
 
@@ -105,7 +102,7 @@ def test_what_is_known_is_not_measured_again_unless_otherwise_or_asked_for(store
     measure_study(store, OPTIONS)
     before = [one.measured for one in store.contents().showings]
     found = measure_study(store, OPTIONS)
-    assert (found.measured, found.known) == (0, 3) and "3 were measured before" in found.told()[0]
+    assert (found.measured, found.known) == (0, 3) and "3 were measured before" in found.describe()[0]
     assert [one.measured for one in store.contents().showings] == before
     smaller = measure_study(store, attrs.evolve(OPTIONS, size=(48, 60)))
     assert smaller.measured == 3 and {one.measured.get("size") for one in store.contents().showings} == {None, "48x60"}
@@ -169,8 +166,8 @@ def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
     options = RunOptions(
         trace=far, scene="planes", size=(32, 40), rate_hz=30, latency_ms=0, against="", as_recorded=True
     )
-    with build_rig(options) as rig:
-        assert (rig.track.position_m == cut.position_m).all() and (rig.track.time_ns == cut.time_ns).all()
-        assert rig.timetable.first_ns == cut.time_ns[0] >= EPOCH_NS
-    with build_rig(attrs.evolve(options, as_recorded=False)) as rig:
-        assert rig.timetable.first_ns == 0 and np.abs(rig.track.position_m[:, 0]).max() < 10
+    with set_up_replay(options) as setup:
+        assert (setup.track.position_m == cut.position_m).all() and (setup.track.time_ns == cut.time_ns).all()
+        assert setup.schedule.first_ns == cut.time_ns[0] >= EPOCH_NS
+    with set_up_replay(attrs.evolve(options, as_recorded=False)) as setup:
+        assert setup.schedule.first_ns == 0 and np.abs(setup.track.position_m[:, 0]).max() < 10

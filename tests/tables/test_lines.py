@@ -96,7 +96,7 @@ VALUES = st.one_of(
 PAIRS = st.lists(st.tuples(KEYS, VALUES), max_size=4, unique_by=lambda pair: pair[0])
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.lists(st.tuples(st.sampled_from(["[", "[["]), KEYS, PAIRS), max_size=5))
 def test_files_whose_lines_are_known(tables):
     """Written line by line here, so each key's line is the count of the lines before it."""
@@ -121,7 +121,7 @@ def test_files_whose_lines_are_known(tables):
     assert {path: finder.line(path) for path in wanted} == wanted
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.text("[]{}=\"'#\n ,.ab\\", max_size=40))
 def test_what_is_no_toml_is_no_reason_to_fall_over(text):
     assert LineFinder(text).line(("a", 0, "b")) >= 1

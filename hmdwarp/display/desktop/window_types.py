@@ -1,11 +1,14 @@
-"""Types of glfw, which is loaded late, for annotations."""
+"""Types of glfw, which is loaded late, for annotations only."""
 
 from __future__ import annotations
 
-import ctypes
+from typing import TYPE_CHECKING
 
-import glfw
+if TYPE_CHECKING:
+    import ctypes
 
-WindowHandle = ctypes._Pointer[glfw._GLFWwindow]
-ScreenHandle = ctypes._Pointer[glfw._GLFWmonitor]
-VideoMode = glfw._GLFWvidmode.GLFWvidmode
+    import glfw
+
+    WindowHandle = ctypes._Pointer[glfw._GLFWwindow]
+    ScreenHandle = ctypes._Pointer[glfw._GLFWmonitor]
+    VideoMode = glfw._GLFWvidmode.GLFWvidmode

@@ -16,8 +16,8 @@ def flip(shown: NDArray, truth: NDArray, pixels_per_degree: float) -> tuple[floa
     """Return the mean LDR-FLIP error, 0..1, and its (h, w) map.
 
     shown, truth: (h, w, 3), as metrics.pictures. pixels_per_degree: of the display that shows the
-    picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would blur
-    fine error away.
+    picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would
+    blur fine error away.
     Errors: InputError if it is not positive, and for pictures that cannot be compared.
     Source: Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images;
     flip-evaluator's implementation, which takes RGB in this order and, with inputsRGB=True,
@@ -48,8 +48,8 @@ METRICS.register(
         tile_note="lower is better, 0 is identical",
         chart="FLIP error",
         description="FLIP error against a picture without latency, 0 is the same",
-        explanation="How visible the difference is when the two pictures alternate, at the headset's pixels per degree; "
-        "0 is identical.",
+        explanation="How visible the difference is when the two pictures alternate, at the headset's pixels per "
+        "degree; 0 is identical.",
         study_title="error (FLIP)",
     )
 )

@@ -14,72 +14,31 @@ from ...auto.levels import QualityLevel
 from ...client.plan import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
+from ...options import declared, options_of
 from ...pipeline.options import AUTO
 from ...pipeline.planning import plans_for
 from ...pipeline.sizes import guarded_size
-from ...run.bench_levels import ladder_from_file
-from ...run.live import LiveOptions
-from ...run.live.given import options_given
-from ...run.live.host import checked_scene, refuse_one_eye
-from ...run.live.options import FLAT
+from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
+from ...run.options import FLAT
 from ...scenes import Scene
 from ...server.draw import MIRRORS
-from ...tables import told
+from ...tables import quoted
 
 # What a value of the file has to be. A number may stand where the command line takes a text that is one.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
 _TEXT_OR_NUMBER = "a number or a text"
-KINDS = {
-    "scene": _TEXT,
-    "latency": _NUMBER,
-    "warp": _TEXT,
-    "budget": _NUMBER,
-    "bench": _TEXT,
-    "fill": _TEXT,
-    "effects": _TEXT,
-    "mirrors": _TEXT,
-    "lens": _TEXT,
-    "headset": _TEXT,
-    "size": _TEXT,
-    "rate": _NUMBER,
-    "guard": _TEXT_OR_NUMBER,
-    "wide": _FLAG,
-    "fused": _FLAG,
-    "view": _TEXT,
-    "full_screen": _FLAG,
-    "vsync": _FLAG,
-    "depth_layer": _FLAG,
-    "jitter": _TEXT,
-    "delay_trace": _TEXT,
-    "loss": _TEXT_OR_NUMBER,
-    "bandwidth": _TEXT_OR_NUMBER,
-    "link_seed": _WHOLE,
-    "codec": _TEXT,
-    "crf": _WHOLE,
-    "bitrate": _NUMBER,
-    "predict": _TEXT,
-    "horizon": _NUMBER,
-    "reconnect": _NUMBER,
-    "hang": _NUMBER,
-    "gc_between": _FLAG,
-}
+_KIND_OF = {float: _NUMBER, int: _WHOLE, bool: _FLAG}
+_OPTIONS = options_of(LiveOptions)
+_SETTINGS = [option for option in _OPTIONS if option.in_study]
+KINDS = {option.name: _TEXT_OR_NUMBER if option.numeric else _KIND_OF.get(option.kind, _TEXT) for option in _SETTINGS}
 # The display is opened once for a session: these are the same for all conditions.
-DISPLAY = ("headset", "size", "rate", "view", "full_screen", "vsync", "depth_layer", "reconnect", "hang", "gc_between")
+DISPLAY = tuple(option.name for option in _SETTINGS if option.study == declared.DISPLAY)
 # Of the picture, not of how it travels or is warped: what the practice takes over from [common].
-PICTURE = ("scene", "effects", "mirrors", "lens", *DISPLAY)
+PICTURE = (*(option.name for option in _SETTINGS if option.study == declared.PICTURE), *DISPLAY)
 _MOST_PIXELS = 16384
-FILES = ("bench", "delay_trace")
-_NOT_SETTINGS = {
-    "seconds": "how long a condition is shown stands in [trial] and [practice]",
-    "frames": "how long a condition is shown stands in [trial] and [practice], in seconds",
-    "record": "the head's trace of every trial is recorded anyway",
-    "out": "what was shown is kept in the study's store",
-    "images_every": "'hmdwarp study measure' makes the pictures afterwards, from the traces",
-    "source": "where it is shown is said to 'hmdwarp study run'",
-    "trace": "whose head it is, is said to 'hmdwarp study run'",
-    "panel": "a study shows no controls",
-    "quiet": "what is told is said to 'hmdwarp study run'",
-}
+FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
+_NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
+_NOT_SETTINGS["quiet"] = "what is told is said to 'hmdwarp study run'"
 
 
 class SettingFault(InputError):
@@ -96,7 +55,7 @@ def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
     Errors: SettingFault for a name that is none, or a value of another kind; InputError for one that cannot be meant.
     """
     given = {name: _value(key, name, value) for key, name, value in _named(settings)}
-    return options_given(**given, panel=False, **more)
+    return LiveOptions.of(given, panel=False, **more)
 
 
 def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> LiveOptions:
@@ -111,13 +70,13 @@ def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> 
     headset = load_headset(options.headset)
     _check_guard(options, headset)
     scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
-    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _rungs(options, headset))
+    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _levels(options, headset))
     refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
     return options
 
 
 def _check_guard(options: LiveOptions, headset: Headset) -> None:
-    width, height = guarded_size(options.guard, headset, options.size or headset.eye_size_px)  # type: ignore[arg-type]
+    width, height = guarded_size(options.guard_factor, headset, options.size or headset.eye_size_px)
     if max(width, height) > _MOST_PIXELS:
         found = f"guard {options.guard:g} makes frames of {width}x{height} pixels"
         raise InputError(f"{found}: wanted at most {_MOST_PIXELS} on each side, as most GPUs have it")
@@ -130,18 +89,18 @@ def _lens(options: LiveOptions, headset: Headset) -> str:
     return "radial" if headset.lens is not None else "none"
 
 
-def _rungs(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
-    """What warp auto chooses from."""
-    if options.warp != AUTO:
+def _levels(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
+    """Return what warp auto chooses from."""
+    if options.bench is None:
         return ()
-    return ladder_from_file(
-        options.bench, attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px), None
-    ).rungs
+    sized = attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px)
+    return levels_from_file(options.bench, sized, None).levels
 
 
 def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
     """The same settings, names with _, and files by their whole path, so that they are found from any working folder. folder: that the
-    file's own names of files count from."""
+    file's own names of files count from.
+    """
     return {name: _placed(folder, name, value) for _, name, value in _named(settings)}
 
 
@@ -191,4 +150,4 @@ def _value(key: str, name: str, value: object) -> object:
         and math.isfinite(value)
     ):
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
-    raise SettingFault(key, f"{key} is {told(value)}: wanted {kind}")
+    raise SettingFault(key, f"{key} is {quoted(value)}: wanted {kind}")

@@ -1,4 +1,4 @@
-"""Head motion as Motion-BIDS: the samples as they were recorded, on a clock that begins with the first one.
+"""Head motion as Motion-BIDS: samples as recorded, on a clock that begins with the first one.
 
 Source: BIDS specification 1.9, "Motion"; Jeung et al. 2024, Motion-BIDS, Sci Data 11, 716.
 """
@@ -27,38 +27,41 @@ CHANNELS = (
     ("head_quat_z", "quat_z", "ORNT", "n/a"),
     ("head_quat_w", "quat_w", "ORNT", "n/a"),
 )
-_UNEVEN = 0.05  # of a median step: what lies nearer than that is the timer's
+_UNEVEN = 0.05  # of a median step: smaller deviations are the timer's
 
 
 @attrs.frozen
 class Rates:
-    """nominal_hz: one over the median step. effective_hz: steps over the time they took. uneven: share of steps that are off the median by
-    more than a twentieth. longest_s: of the steps."""
+    """Sampling rates of a track."""
 
-    nominal_hz: float
-    effective_hz: float
-    uneven: float
-    longest_s: float
+    nominal_hz: float  # one over the median step
+    effective_hz: float  # steps over their duration
+    uneven: float  # share of steps that differ from the median by more than a twentieth
+    longest_s: float  # longest step
 
     @classmethod
     def of(cls, track: PoseTrack) -> Rates:
-        """Of two samples at least."""
+        """Compute the rates of a track of at least two samples."""
         steps = np.diff(track.time_ns)
         median = float(np.median(steps))
         off = np.abs(steps - median) > _UNEVEN * median
         return cls(1e9 / median, len(steps) * 1e9 / track.duration_ns, float(off.mean()), float(steps.max()) * 1e-9)
 
-    def told(self) -> str:
-        """How regular the samples are, in words."""
+    def describe(self) -> str:
+        """Describe how regular the samples are."""
         return (
-            f"Samples are as they came, not resampled: {self.uneven:.1%} of the steps differ by more than {_UNEVEN:.0%} from the median, "
-            f"the longest is {self.longest_s:.4f} s. The channel 'latency' has the instant of each."
+            f"Samples are as recorded, not resampled: {self.uneven:.1%} of the steps differ by more than "
+            f"{_UNEVEN:.0%} from the median, "
+            f"the longest is {self.longest_s:.4f} s. The channel 'latency' holds the instant of each."
         )
 
 
 def motion_text(track: PoseTrack) -> str:
-    """The _motion.tsv: no header, a row for each sample, columns as CHANNELS. Seconds to the microsecond, as the specification writes them;
-    positions and quaternions with every digit."""
+    """Return the _motion.tsv: no header, a row for each sample, columns as CHANNELS.
+
+    Seconds to the microsecond, as the specification writes them; positions and quaternions with
+    every digit.
+    """
     stream = io.StringIO()
     times = (track.time_ns - track.start_ns).tolist()
     for time_ns, position, orientation in zip(
@@ -70,17 +73,19 @@ def motion_text(track: PoseTrack) -> str:
 
 
 def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, Any]) -> dict[str, Any]:
-    """The sidecar. task: TaskName and what else tells of the task. facts: of the session; only versions and the headset are taken."""
+    """Return the sidecar.
+
+    task: TaskName and other fields of the task. facts: of the session; only versions and headset
+    are used.
+    """
     rates = Rates.of(track)
-    display = facts.get("display", {})
+    headset = f" ({facts['headset']})" if facts.get("headset") else ""
     return {
         **task,
         "SamplingFrequency": round(rates.nominal_hz, 6),
         "SamplingFrequencyEffective": round(rates.effective_hz, 6),
-        "SamplingDescription": rates.told(),
-        "TrackingSystemName": "head-mounted display"
-        if not facts.get("headset")
-        else f"head-mounted display ({facts['headset']})",
+        "SamplingDescription": rates.describe(),
+        "TrackingSystemName": f"head-mounted display{headset}",
         "RecordingDuration": round(track.duration_ns * 1e-9, 6),
         "MotionChannelCount": len(CHANNELS),
         "LATENCYChannelCount": 1,
@@ -90,18 +95,18 @@ def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, A
         "MissingValues": "n/a",
         "SubjectArtefactDescription": "n/a",
         **({"ManufacturersModelName": facts["headset"]} if facts.get("headset") else {}),
-        "SoftwareVersions": software(facts.get("hmdwarp", ""), display),
+        "SoftwareVersions": software(facts.get("hmdwarp", ""), facts.get("display", {})),
     }
 
 
 def software(hmdwarp: str, display: Mapping[str, Any]) -> str:
-    """hmdwarp and the runtime, as far as they are known."""
+    """Name the versions of hmdwarp and of the runtime, as far as known."""
     runtime = " ".join(str(display[key]) for key in ("runtime", "runtime_version") if display.get(key))
     return ", ".join(filter(None, (f"hmdwarp {hmdwarp}".strip(), runtime)))
 
 
 def channels_text() -> str:
-    """The _channels.tsv: one row for each column of _motion.tsv, in that order."""
+    """Return the _channels.tsv: one row for each column of _motion.tsv, in that order."""
     rows = ["name\tcomponent\ttype\ttracked_point\tunits\treference_frame"]
     rows += [
         f"{name}\t{component}\t{type_}\thead\t{units}\t{_frame(type_)}" for name, component, type_, units in CHANNELS
@@ -114,10 +119,11 @@ def _frame(type_: str) -> str:
 
 
 def channels_json() -> dict[str, Any]:
-    """What the reference frame is."""
-    told = (
-        "world_from_head in the axes of OpenXR: +x right, +y up, +z backward, metres; the quaternion turns what is given in the head's own "
-        "axes into the world's. The origin is the display's own."
+    """Describe the reference frame."""
+    text = (
+        "world_from_head in the axes of OpenXR: +x right, +y up, +z backward, metres; the quaternion rotates from "
+        "the head's axes "
+        "to the world's. The origin is the display's own."
     )
-    frame = {"SpatialAxes": "RSP", "RotationRule": "right-hand", "Description": told}
-    return {"reference_frame": {"Description": "Axes that the channel is given in", "Levels": {FRAME: frame}}}
+    frame = {"SpatialAxes": "RSP", "RotationRule": "right-hand", "Description": text}
+    return {"reference_frame": {"Description": "Axes of the channel", "Levels": {FRAME: frame}}}

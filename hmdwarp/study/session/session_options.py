@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...run.live.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
+from ...run.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
 from ..console import KINDS as CONSOLES
 from ..store import PERSON, PILOT, SIMULATED
 

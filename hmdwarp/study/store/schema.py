@@ -1,4 +1,4 @@
-"""The tables, and how the file is opened."""
+"""Tables of the database, and how its file is opened."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from pathlib import Path
 from urllib.parse import quote
 
 from ...errors import InputError, MachineError
-from .faults import RECOVER, told, transaction
-from .folders import FILE, sync
+from .faults import RECOVER, transaction, translated
+from .folders import DATABASE, sync
 
 SCHEMA = 1
-APPLICATION_ID = 0x686D6477  # "hmdw": so that a database of something else is known
-BUSY_S = 5.0  # somebody's reader may hold it for a moment, at a checkpoint
+APPLICATION_ID = 0x686D6477  # "hmdw": recognises databases of other programs
+BUSY_S = 5.0  # a reader may hold it for a moment, at a checkpoint
 
-# No row keeps a date, a sub or a name of somebody who withdrew: `withdrawn` has the code alone. cleaned: whether the bytes are gone too.
-# AUTOINCREMENT: a number that was used never comes back, so that an id in an old export can never mean somebody else's row.
+# No row keeps a date, a random word or a name of a participant who withdrew: `withdrawn` has only
+# the code. cleaned: whether the bytes are gone too. AUTOINCREMENT: ids are never reused, so that an
+# id in an old export cannot mean another participant's row.
 TABLES = """
 CREATE TABLE study (name TEXT NOT NULL, made_by TEXT NOT NULL) STRICT;
 CREATE TABLE plan (id INTEGER PRIMARY KEY, text TEXT NOT NULL, meaning TEXT NOT NULL, UNIQUE (text, meaning)) STRICT;
@@ -89,14 +90,15 @@ CREATE TABLE withdrawn (code TEXT NOT NULL PRIMARY KEY COLLATE NOCASE, cleaned I
 
 
 def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
-    """The store of a folder, for the one who has its lock; made where there is none, checked from end to end where there is.
+    """Open the database of a folder whose lock is held; create it, or check it from end to end.
 
-    WAL and synchronous=FULL: a commit is one append and one fsync, and readers see the state before it meanwhile.
-    study, made_by: of a new one. Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or something
-    else; MachineError for a disk that cannot hold one.
+    WAL and synchronous=FULL: a commit is one append and one fsync, while readers see the state
+    before it. study, made_by: of a new database.
+    Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or of
+    another kind; MachineError for a disk that cannot hold one.
     """
-    path = folder / FILE
-    with told(path):
+    path = folder / DATABASE
+    with translated(path):
         db = _connect(path, "mode=rwc")
         try:
             new = _is_empty(db)
@@ -118,14 +120,15 @@ def _set_up(db: sqlite3.Connection, path: Path) -> None:
     mode = db.execute("PRAGMA journal_mode = WAL").fetchone()[0]
     if mode != "wal":
         raise MachineError(
-            f"{path}: no write-ahead log can be held there ({mode}): keep the study on a disk of this machine (--store)"
+            f"{path}: the disk cannot hold a write-ahead log ({mode}): keep the study on a disk of this machine "
+            "(--store)"
         )
     for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
         db.execute(f"PRAGMA {setting}")
 
 
 def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
-    """All tables or none."""
+    """Create all tables or none."""
     with transaction(db, path):
         for statement in TABLES.split(";\n"):
             db.execute(statement)
@@ -136,11 +139,14 @@ def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
 
 
 def open_to_read(folder: Path) -> sqlite3.Connection | None:
-    """The store of a folder as it is now, a writer beside it or not; None where none was made yet. Errors: as open_to_write."""
-    path = folder / FILE
+    """Open the database for reading, beside a writer too; None where there is none yet.
+
+    Errors: as open_to_write.
+    """
+    path = folder / DATABASE
     if not path.is_file():
         return None
-    with told(path):
+    with translated(path):
         try:
             return _reader(path, "mode=ro")
         except sqlite3.OperationalError as error:
@@ -148,9 +154,9 @@ def open_to_read(folder: Path) -> sqlite3.Connection | None:
                 return _reader(path, _frozen(path))
             if not error.sqlite_errorname.startswith("SQLITE_READONLY"):
                 raise
-        return _reader(
-            path, "mode=rw"
-        )  # a program that died while it made the file left a journal: who reads must roll it back
+        # A program that died while it created the file left a journal: the reader must roll it
+        # back.
+        return _reader(path, "mode=rw")
 
 
 def _reader(path: Path, how: str) -> sqlite3.Connection | None:
@@ -168,7 +174,7 @@ def _reader(path: Path, how: str) -> sqlite3.Connection | None:
 
 
 def _is_empty(db: sqlite3.Connection) -> bool:
-    """A program that died while it made one leaves an empty database."""
+    """Return whether a program died while it created the database."""
     return db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
 
 
@@ -177,11 +183,15 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 
 
 def _frozen(path: Path) -> str:
-    """How to read where nothing may be written: without the files that readers share. What is still in the WAL would be missed."""
+    """Return how to read where nothing may be written: without the files that readers share.
+
+    Data that are still in the WAL would be missed.
+    """
     beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
     if any(one.is_file() and one.stat().st_size for one in beside):
         raise MachineError(
-            f"{path.parent}: its last session was cut off, and nothing may be written there: copy the folder, read the copy"
+            f"{path.parent}: its last session was cut off, and the folder is not writable: copy the folder and "
+            "read the copy"
         )
     return "immutable=1"
 
@@ -189,8 +199,8 @@ def _frozen(path: Path) -> str:
 def _check_schema(db: sqlite3.Connection, path: Path) -> None:
     application, version = (db.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version"))
     if application != APPLICATION_ID:
-        raise InputError(f"{path}: a database, but not of a study of hmdwarp: choose another folder (--store)")
+        raise InputError(f"{path}: a database, but not of an hmdwarp study: choose another folder (--store)")
     if version > SCHEMA:
         raise InputError(
-            f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): bring hmdwarp up to date"
+            f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): update hmdwarp"
         )

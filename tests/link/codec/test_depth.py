@@ -46,7 +46,7 @@ def check(inverse: np.ndarray, step: float = STEP) -> None:
     assert (np.abs(got[rest].astype(np.float64) - inverse[rest]) <= step / 2).all()
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(ANYTHING)
 def test_each_pixel_by_itself(inverse):
     """Random neighbours are nothing but edges.
@@ -56,7 +56,7 @@ def test_each_pixel_by_itself(inverse):
     check(inverse, STEP * 2 if inverse.max(initial=0) > 65534 * STEP else STEP)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.integers(2, 70), st.integers(2, 50))
 def test_random_edges_between_surfaces(seed, edges, width, height):
     """Half-planes cut through slanted planes, sky and holes, at any angle."""
@@ -150,7 +150,7 @@ def test_damage_is_noticed():
         DepthDecoder((31, 20)).decode(data)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.binary(max_size=80))
 def test_any_bytes_are_decoded_or_called_undecodable(data):
     with contextlib.suppress(Undecodable):

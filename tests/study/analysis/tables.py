@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hmdwarp.study.analysis import Measure, Rating, Ratings
-from hmdwarp.study.design.read import READY
+from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo
+from hmdwarp.study.design import SHIPPED
 from hmdwarp.study.scales import load_scale
 
-PUBLISHED = READY / "thesis_ratings.csv"
-GRADE = Measure.of(load_scale("grade"))
+PUBLISHED = SHIPPED / "thesis_ratings.csv"
+GRADE = ScaleInfo.of(load_scale("grade"))
 
 
 def ratings_of(
-    values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: Measure = GRADE
+    values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: ScaleInfo = GRADE
 ) -> Ratings:
     """values: by condition, a rating of each participant (called a, b, c, ..)."""
     rows = [

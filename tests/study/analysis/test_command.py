@@ -12,12 +12,11 @@ from html.parser import HTMLParser
 
 import attrs
 import pytest
+from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
-from hmdwarp.study.analysis import from_csv
-from hmdwarp.study.analysis.whole import analyse
-from hmdwarp.study.analysis.write import write_analysis
-from hmdwarp.study.extra import needed
+from hmdwarp.study.analysis import analyse, from_csv, write_analysis
+from hmdwarp.study.extra import import_extra
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 
@@ -49,7 +48,7 @@ def test_it_prints_what_it_found_in_80_columns(done):
     said = " ".join(run.stdout.split())
     assert "9 of 11 rated 'forward + interpolate, 400 ms' better than 'none, 400 ms', 2 worse" in said
     assert "(95 % +0.70 to +1.86). After Holm over 3 comparisons p = .0098" in said
-    assert "seed 142" in said and said.endswith("report: out/report.html")
+    assert "drawn with seed 0" in said and said.endswith("report: out/report.html")
 
 
 def test_it_writes_the_page_the_numbers_and_the_tables(done):
@@ -91,8 +90,8 @@ def test_the_page_holds_everything_and_asks_the_network_for_nothing(done):
     for text in (
         "In 5 of 9 rows of run 2",
         "does not follow",
-        "nobody rated 600 ms",
-        "+1.00 .. +2.02",
+        "nothing was rated at 600 ms",
+        "+1.00 .. +2.05",
         "participant 9: none, 400 ms",
     ):
         assert text in " ".join(page.text.split())
@@ -121,7 +120,7 @@ def test_a_page_of_hardly_anything_can_be_made(tmp_path):
 
 
 def test_the_order_has_its_chart_where_it_is_known(tmp_path):
-    ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), measures={"grade": GRADE})
+    ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), scale_info={"grade": GRADE})
     text = Page(write_analysis(tmp_path / "out", analyse(ratings), "").read_text()).text
     assert "The place of a trial: F(1, " in text and "Ratings less the person" in text
 
@@ -129,18 +128,18 @@ def test_the_order_has_its_chart_where_it_is_known(tmp_path):
 WRONG = [
     (("none.csv",), "there is no such file"),
     (("thezis",), "thesis"),
-    (("quick",), "there is no data of 'quick' yet"),
+    (("quick",), "there are no data of 'quick' yet"),
     ((PUBLISHED, "--family", "a:b"), "no part has both 'a' and 'b'"),
     ((PUBLISHED, "--column", "grade"), "wanted ROLE=NAME"),
     ((PUBLISHED, "--scale", "acr"), "thesis_ratings.csv:46: rating 6"),
-    ((PUBLISHED, "--pilot", "--simulated"), "never count together"),
+    ((PUBLISHED, "--pilot", "--simulated"), "never mixed"),
     ((PUBLISHED, "--claims", "none.toml"), "none.toml: No such file"),
 ]
 
 
 @pytest.mark.parametrize(("arguments", "told"), WRONG, ids=lambda value: value if isinstance(value, str) else "")
 def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
-    run = command(*arguments, "--out", "out", folder=tmp_path)
+    run = hmdwarp("study", "analyse", *arguments, "--out", "out", folder=tmp_path)
     assert run.returncode == 2 and run.stderr.count("\n") == 1 and told in run.stderr, run.stderr
     assert not (tmp_path / "out").exists()
 
@@ -149,4 +148,4 @@ def test_a_missing_package_is_told_with_what_brings_it():
     with pytest.raises(
         MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"
     ):
-        needed("statsmodels_that_is_not_there", "statsmodels")
+        import_extra("statsmodels_that_is_not_there", "statsmodels")

@@ -11,11 +11,8 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis import Given, from_csv
-from hmdwarp.study.analysis.from_store import from_contents
-from hmdwarp.study.analysis.whole import analyse
-from hmdwarp.study.design import Ask, Show, steps_of
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.analysis import SourceOptions, analyse, from_contents, from_csv
+from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.store import PERSON, PILOT, SIMULATED, Store
@@ -143,7 +140,7 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
         "not of people" in note for note in programs.notes
     )
     with pytest.raises(
-        InputError, match="no session of a pilot to analyse: it holds sessions of people: leave --pilot away"
+        InputError, match="no session of a pilot to analyse: it holds sessions of people: leave out --pilot"
     ):
         from_contents(contents, design, PILOT)
 
@@ -151,7 +148,7 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
 def test_programs_are_taken_only_where_they_are_asked_for(contents, design, tmp_path):
     """Nobody reads numbers made up by a program for those of people: analysis and export refuse in the same words."""
     programs = attrs.evolve(contents, sessions=tuple(attrs.evolve(one, origin=SIMULATED) for one in contents.sessions))
-    told = "no session of a person to {}: it holds simulated ones: say --simulated"
+    told = "no session of a person to {}: it holds simulated ones: use --simulated"
     with pytest.raises(InputError, match=told.format("analyse")):
         from_contents(programs, design)
     with pytest.raises(InputError, match=told.format("export")):
@@ -179,7 +176,7 @@ def test_one_person_is_one_person(contents, design):
     data = analyse(from_contents(alone, design))
     page = render_study_report(data, "")
     assert not re.search(r"\b1 (people|participants|sessions|ratings|conditions|pairs)\b", page + json.dumps(data))
-    assert "1 participant" in page and "The only one who rated the hidden reference" in page
+    assert "1 participant" in page and "The only participant who rated the hidden reference" in page
     assert all(row["low"] is row["high"] is row["level"] is None for row in data["questionnaires"])
 
 
@@ -238,7 +235,7 @@ def test_the_exported_table_says_the_same(contents, design, tmp_path):
     direct = analyse(from_contents(contents, design))
     export(contents, design, tmp_path / "out", ExportOptions(parquet=False))
     (table,) = (tmp_path / "out").rglob("ratings.csv")
-    again = analyse(from_csv(table, Given()), asked=["late:warped"])
+    again = analyse(from_csv(table, SourceOptions()), families=["late:warped"])
     for part, other in zip(direct["scales"][0]["parts"], again["scales"][0]["parts"], strict=True):
         assert part["friedman"] == other["friedman"] and part["reference"] == other["reference"]
         ours = {row["condition"]: row["ratings"] for row in part["conditions"]}

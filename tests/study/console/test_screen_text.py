@@ -61,7 +61,7 @@ STATE = st.builds(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(STATE, st.integers(1, 130), st.sampled_from(["keys", "answer", "remark", "help", "stop"]), TEXTS, TEXTS)
 def test_whatever_is_in_it_no_part_moves_the_cursor(state, width, mode, typed, note):
     """A control character would; a line end would push what is below it down."""

@@ -7,8 +7,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.study.design import BOTH, WILLIAMS, Breaks, Comparison, Design, rows_for, steps_of
-from hmdwarp.study.design.read import design_from_text, load_design, ready_names
+from hmdwarp.study.design import (
+    BOTH,
+    WILLIAMS,
+    Breaks,
+    Comparison,
+    Design,
+    design_from_text,
+    load_design,
+    rows_for,
+    steps_of,
+    study_names,
+)
 
 from .plans import WHOLE, line_of
 
@@ -84,7 +94,7 @@ def test_the_practice_takes_over_how_it_looks_and_not_how_late_it_is():
     }
 
 
-@pytest.mark.parametrize("name", ready_names())
+@pytest.mark.parametrize("name", study_names())
 def test_the_shipped_ones_are_sound(name):
     design = load_design(name)
     assert design.name == name
@@ -141,7 +151,7 @@ def test_what_windows_writes_is_read(tmp_path):
 BROKEN = [
     # found, put, what is said, the line: of `put`, or of the text given
     ("schema = 1", "schema = 2", "schema is 2: wanted 1", None),
-    ("schema = 1\n", "", "the key schema is missing; thesis.toml ('hmdwarp study plan thesis' tells where it lies) has them all", 1),
+    ("schema = 1\n", "", "the key schema is missing; thesis.toml ('hmdwarp study plan thesis' prints its path) has them all", 1),
     ('name = "whole"', 'name = "a whole"', "name is 'a whole': wanted a name of letters, digits", None),
     ('name = "whole"', 'name = "../whole"', "name is '../whole': wanted a name", None),
     ("title = ", "titel = ", "the key title is missing: is titel meant to be title?", None),
@@ -159,7 +169,7 @@ BROKEN = [
     ('scales = ["grade", "acr"]', 'scales = ["grade", "grade"]', "trial.scales has 'grade' twice", None),
     ('scales = ["grade", "acr"]', "scales = []", "trial.scales is empty: wanted one scale at least", None),
     ('scales = ["grade", "acr"]', 'scales = ["ssq"]', "trial.scales has 'ssq', a questionnaire of 16 items", None),
-    ('scales = ["grade", "acr"]', 'scales = ["grade", "fms"]', "trial.scales has 'fms', which [sickness] asks as well", None),
+    ('scales = ["grade", "acr"]', 'scales = ["grade", "fms"]', "trial.scales has 'fms', which is also that of [sickness]", None),
     ('scales = ["grade", "acr"]', 'scales = ["misc"]', "trial.scales has no rating (misc): wanted one scale of kind rating", None),
     ('scales = ["grade", "acr"]', 'scales = ["none.toml"]', "none.toml: No such file or directory", None),
     ("every = 6", "every = -1", "breaks.every is -1: wanted a whole number of at least 0", None),
@@ -272,7 +282,7 @@ def is_read_or_refused(text: str) -> None:
         assert str(error).startswith("study.toml:") and "\n" not in str(error)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.integers(0, len(WHOLE) - 1), st.text(max_size=6))
 def test_a_few_characters_overwritten_anywhere(at, put):
     is_read_or_refused(WHOLE[:at] + put + WHOLE[at + len(put) :])
@@ -284,7 +294,7 @@ OTHERS = ['""', '"x"', '"a\\nb"', '"auto"', "true", "[]", "[[]]", '["x"]', "{}",
 VALUES = st.sampled_from(NUMBERS + OTHERS)
 
 
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250)
 @given(st.integers(0, len(LINES) - 1), VALUES)
 def test_any_value_of_any_kind_for_any_key(number, value):
     key, equals, _ = LINES[number].partition(" = ")
@@ -292,13 +302,13 @@ def test_any_value_of_any_kind_for_any_key(number, value):
     is_read_or_refused("\n".join(lines))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.sampled_from(LINES), max_size=60))
 def test_lines_in_any_order(lines):
     is_read_or_refused("\n".join(lines))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.sets(st.integers(0, len(LINES) - 1).filter(lambda number: not LINES[number].startswith("scene")), max_size=4))
 def test_lines_left_out(gone):
     """But for the scene: the usual one takes a second to load."""

@@ -11,7 +11,7 @@ import pytest
 
 from hmdwarp.cli import live as live_command
 from hmdwarp.errors import InputError
-from hmdwarp.run.live import LiveOptions
+from hmdwarp.run import LiveOptions
 from hmdwarp.study.design.settings import (
     _NOT_SETTINGS,
     DISPLAY,

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.study.export import ExportOptions, export
-from hmdwarp.study.export.text import field_text
+from hmdwarp.study.export import ExportOptions, export, field_text
 
 
 def bytes_of(folder):

@@ -215,7 +215,7 @@ def test_the_line_is_right(tmp_path, found, put, line):
         load_text(tmp_path, broken)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.one_of(st.binary(max_size=200), st.tuples(st.integers(0, len(SSQ) - 1), st.text(max_size=6))))
 def test_any_bytes_give_a_scale_or_one_clear_line(tmp_path_factory, change):
     """Random bytes, and a real file with a few characters overwritten anywhere."""

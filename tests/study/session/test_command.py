@@ -108,7 +108,7 @@ def test_a_session_answered_at_the_console_line_by_line(tmp_path):
         (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),
         (("--resume", "--new-session"), 2, "leave one of the two out"),
         (("--console", "chair", "--pilot"), 2, "--console"),
-        (("--resume",), 2, "no data of a study there"),
+        (("--resume",), 2, "holds no data of a study"),
         (("--source", "openxr"), 3, "or take a window: --source desktop"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study import actual, scales
-from hmdwarp.study.design.read import load_design
+from hmdwarp.study.design import load_design
 from hmdwarp.study.session import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
@@ -182,7 +182,7 @@ def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkey
 
 def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
     """The recording meets it first; the same words, whatever does."""
-    from hmdwarp.run.live.lines import Lines
+    from hmdwarp.run.lines import Lines
 
     path, put = study(tmp_path), Lines._put
 

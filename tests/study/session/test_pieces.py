@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.study.actual import NOTHING, NUMBERS, actual_of
-from hmdwarp.study.session import SessionOptions, angles_deg, first_picture_wait_s
+from hmdwarp.study.session import SessionOptions, first_picture_wait_s, head_angles_deg
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study

@@ -7,8 +7,7 @@ import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from hmdwarp.study.design import Ask, Design, Show, Step, steps_of
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.design import Ask, Design, Show, Step, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, Session, Showing, Store
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -181,6 +181,4 @@ class StoreByModel(RuleBasedStateMachine):
 
 
 TestStoreByModel = StoreByModel.TestCase
-TestStoreByModel.settings = settings(
-    max_examples=40, stateful_step_count=30, deadline=None, suppress_health_check=list(HealthCheck)
-)
+TestStoreByModel.settings = settings(max_examples=40, stateful_step_count=30, suppress_health_check=list(HealthCheck))

@@ -110,7 +110,7 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
     session = begun(store)
     store.answer(session, asks(session)[0], 3, 2.0, "participant")
     with pytest.raises(sqlite3.IntegrityError, match="UNIQUE"):
-        store._opened.db.execute(
+        store._connection.db.execute(
             """INSERT INTO answer (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc)
               SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc FROM answer"""
         )
@@ -223,12 +223,12 @@ def test_one_who_comes_again_keeps_the_sub(store):
 
 def test_simulated_ones_are_kept_from_people(store, tmp_path):
     whole(store, "P01")
-    with pytest.raises(HmdwarpError, match="must not get among them"):
+    with pytest.raises(HmdwarpError, match="must not be mixed with them"):
         begun(store, "S01", origin=SIMULATED)
     with Store(tmp_path / "other", create=True) as other:
         whole(other, "S01", origin=SIMULATED)
         assert len(other.contents().sessions) == 1
-        with pytest.raises(HmdwarpError, match="must not get among them"):
+        with pytest.raises(HmdwarpError, match="must not be mixed with them"):
             begun(other, "P01")
         begun(other, "T01", origin=PILOT)
 
@@ -256,9 +256,9 @@ def test_reading_asks_as_few_questions_of_many_sessions_as_of_one(store):
         for k in range(sessions):
             whole(store, f"P{sessions}-{k}")
         asked: list[str] = []
-        store._opened.db.set_trace_callback(asked.append)
+        store._connection.db.set_trace_callback(asked.append)
         store.contents()
-        store._opened.db.set_trace_callback(None)
+        store._connection.db.set_trace_callback(None)
         counts.append(len(asked))
     assert counts[0] == counts[1] < 12
 
@@ -286,7 +286,7 @@ def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert store_folder(design(path="some/late.toml"), None).as_posix() == "some/late-data"
     assert store_folder(design(path="some/late.toml"), tmp_path / "x") == tmp_path / "x"
-    from hmdwarp.study.design.read import load_design
+    from hmdwarp.study.design import load_design
 
     assert store_folder(load_design("quick"), None).as_posix() == "quick-data"
 

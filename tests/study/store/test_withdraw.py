@@ -59,7 +59,7 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
                 "the test looks for what is there"
             )
         erased = withdraw(store, "P2")
-        assert "1 session, " in erased.words() and "5 head traces" in erased.words()
+        assert "1 session, " in erased.describe() and "5 head traces" in erased.describe()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
             assert subs[2].encode() not in data and not [mark for mark in told_of(2) if mark in data], when
@@ -81,15 +81,15 @@ def test_the_tombstone_is_the_code_alone(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         filled(store, range(1))
         withdraw(store, "p0")
-        assert store._opened.db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
+        assert store._connection.db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
         for table in ("participant", "session", "answer", "showing", "event", "plan"):
-            assert store._opened.db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
+            assert store._connection.db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
         for again in (lambda: withdraw(store, "P0"), lambda: holdings(store, "P0")):
             with pytest.raises(InputError, match="has withdrawn already"):
                 again()
-        with pytest.raises(InputError, match="a code is not used again"):
+        with pytest.raises(InputError, match="codes are not reused"):
             begun(store, "P0")
-        with pytest.raises(InputError, match="nothing to go on with"):
+        with pytest.raises(InputError, match="nothing to resume"):
             store.resume("P0")
         with pytest.raises(InputError, match="P9 is not known here"):
             withdraw(store, "P9")
@@ -140,16 +140,16 @@ def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         with Store(tmp_path / "data") as reader:
-            reader._opened.db.execute("BEGIN")
-            reader._opened.db.execute("SELECT count(*) FROM answer").fetchone()
+            reader._connection.db.execute("BEGIN")
+            reader._connection.db.execute("SELECT count(*) FROM answer").fetchone()
             with pytest.raises(MachineError, match="another program reads"):
                 withdraw(store, "P0")
             assert [one.code for one in store.contents().sessions] == ["P1"], "nobody reads them any more in any case"
-            reader._opened.db.execute("ROLLBACK")
+            reader._connection.db.execute("ROLLBACK")
     said: list[str] = []
     with Store(tmp_path / "data", say=said.append) as store:
         assert withdraw(store, "P0") is None
-        assert "had been cut off" in said[0]
+        assert "was interrupted" in said[0]
         assert subs[0].encode() not in everything(tmp_path / "data")
 
 

@@ -1,0 +1,49 @@
+"""Every script in examples/ runs as it is and writes what its header promises."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+SCRIPTS = sorted(EXAMPLES.glob("*.py"))
+
+
+def header(script: Path) -> tuple[str, list[str]]:
+    """Return what the script says it shows, and the names of what it writes."""
+    shows, writes = script.read_text(encoding="utf-8").splitlines()[:2]
+    assert shows.startswith("# Shows: ") and shows.endswith("."), shows
+    assert writes.startswith("# Writes: "), writes
+    names = re.sub(r"\(.*?\)", "", writes.removeprefix("# Writes: "))
+    return shows, [name.strip() for name in names.split(",")]
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_it_runs_and_writes_what_it_promises(script, tmp_path):
+    """In a process of its own, from another folder; files have content and folders hold files."""
+    _, promised = header(script)
+    out = tmp_path / "out"
+    command = [sys.executable, "-W", "error", str(script), str(out)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    for name in promised:
+        path = out / name
+        assert path.stat().st_size > 0 if path.is_file() else list(path.iterdir()), name
+    assert {path.name for path in out.iterdir()} == {name.partition("/")[0] for name in promised}
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_it_is_short_and_needs_no_private_name(script):
+    text = script.read_text(encoding="utf-8")
+    assert text.count("\n") <= 45
+    assert f'"out/{script.stem}"' in text, "where it writes when run by hand"
+    assert not re.findall(r"^\s*(?:from|import) hmdwarp\S*\._|import _", text, re.MULTILINE)
+
+
+def test_there_are_eight_at_least():
+    assert len(SCRIPTS) >= 8

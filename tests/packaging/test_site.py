@@ -1,0 +1,51 @@
+"""The documentation builds as a site without a warning and without a network."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import hmdwarp
+
+ROOT = Path(__file__).resolve().parents[2]
+NOWHERE = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory) -> Path:
+    """Return the folder of the site, built by the line that `make site` runs."""
+    out = tmp_path_factory.mktemp("site")
+    lines = subprocess.run(["make", "-n", "-C", ROOT, "site"], capture_output=True, text=True, check=True).stdout
+    (line,) = [line for line in lines.splitlines() if "mkdocs" in line]
+    words = shlex.split(line)
+    arguments = words[words.index("-m") :]
+    assert "--strict" in arguments, "warnings are errors"
+    env = {**os.environ, **NOWHERE, "NO_MKDOCS_2_WARNING": "1"}
+    command = [sys.executable, *arguments, "--site-dir", str(out)]
+    done = subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    return out
+
+
+def test_every_public_name_is_in_the_reference(site):
+    text = (site / "reference" / "hmdwarp.html").read_text(encoding="utf-8")
+    missing = [name for name in hmdwarp.__all__ if f">{name}<" not in text]
+    assert not missing
+
+
+def test_fields_stand_with_their_class(site):
+    """Inherited ones too: RunOptions has those of the pipeline."""
+    text = (site / "reference" / "hmdwarp.html").read_text(encoding="utf-8")
+    assert "<code>latency_ms: float = 200.0</code>" in text and "<code>trace: str</code>" in text
+
+
+def test_all_pages_are_there(site):
+    pages = {page.stem for page in (ROOT / "docs").glob("*.md")} | {"index", "examples", "recordings", "CHANGELOG"}
+    assert pages <= {page.stem for page in site.glob("*.html")}
+    for script in (ROOT / "examples").glob("*.py"):
+        assert f'id="{script.stem}"' in (site / "examples.html").read_text(encoding="utf-8")
