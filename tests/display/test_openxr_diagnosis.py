@@ -1,4 +1,6 @@
-"""Everything that can keep a headset from showing anything has words of its own and something to do about it."""
+"""Everything that can keep a headset from showing anything has words of its own and something to do
+about it.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +63,10 @@ def test_one_graphics_extension_is_enough_and_the_clock_is_wanted():
 
 
 def test_manifest_follows_the_loader(tmp_path):
-    """XR_RUNTIME_JSON first, even if it is wrong; then the user's folder, the one for this processor before the general one."""
+    """XR_RUNTIME_JSON first, even if it is wrong.
+
+    Then the user's folder, the one for this processor before the general one.
+    """
     home = {"HOME": str(tmp_path), "XDG_CONFIG_DIRS": str(tmp_path / "none")}
     folder = tmp_path / ".config" / "openxr" / "1"
     folder.mkdir(parents=True)
