@@ -70,8 +70,8 @@ def test_all_256_levels_arrive_as_they_are(gpu, presenter, hardware):
     """float16 moves a level by less than 0.07 of one.
 
     That is 2^-11 of the light, times the curve's slope: 255 * 2^-11 / 2.4 at most, and 10 * 2^-11
-    in the straight part. Both encoders stay within 0.4 of it (the hardware's own limit is 0.6 with the
-    rounding).
+    in the straight part. Both encoders stay within 0.4 of it (the hardware's own limit, with the
+    rounding, is 0.6).
     """
     levels = np.arange(256, dtype=np.uint8).reshape(16, 16)
     image = np.ones((16, 16, 4))

@@ -55,8 +55,9 @@ AXES = (
     "trackpad_y",
 )
 BUTTONS = (
-    "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click",
-    "b_touch", "trigger_click", "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch", "pad_0", "pad_1", "pad_2",
+    "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click", "b_touch",
+    "trigger_click", "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch",
+    "pad_0", "pad_1", "pad_2",
 )  # fmt: skip
 
 
