@@ -2,11 +2,11 @@ from .as_json import design_as_json as design_as_json
 from .definitions import BLIND as BLIND
 from .definitions import BOTH as BOTH
 from .definitions import FIXED as FIXED
-from .definitions import NOBODY as NOBODY
 from .definitions import ONLY_PART as ONLY_PART
 from .definitions import ORDERS as ORDERS
 from .definitions import PARTICIPANT as PARTICIPANT
 from .definitions import RANDOM as RANDOM
+from .definitions import UNBLINDED as UNBLINDED
 from .definitions import WILLIAMS as WILLIAMS
 from .definitions import Breaks as Breaks
 from .definitions import Comparison as Comparison

@@ -9,7 +9,7 @@ import attrs
 from ..scales import Scale
 
 ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
-BLIND = (BOTH, PARTICIPANT, NOBODY) = ("both", "participant", "nobody")
+BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
 ONLY_PART = "main"  # name of the part in a study without [[part]]
 
 

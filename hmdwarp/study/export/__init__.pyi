@@ -1,9 +1,9 @@
 from .columns import COLUMNS as COLUMNS
 from .columns import FLAG as FLAG
+from .columns import INTEGER as INTEGER
 from .columns import LONG_COLUMNS as LONG_COLUMNS
 from .columns import MISSING as MISSING
 from .columns import NUMBER as NUMBER
-from .columns import WHOLE as WHOLE
 from .columns import Column as Column
 from .columns import columns_for as columns_for
 from .formats import csv_text as csv_text

@@ -14,7 +14,7 @@ from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
 from ..store import ORIGINS, STATUSES
 
-TEXT, NUMBER, WHOLE, FLAG = "text", "number", "whole", "flag"
+TEXT, NUMBER, INTEGER, FLAG = "text", "number", "whole", "flag"
 MISSING = "n/a"
 CANNOT_SAY, NOT_ASKED, NOT_ALL = "cannot say", "not asked", "answers missing"
 PHASES = ("before", "practice", "trial", "after")
@@ -25,7 +25,7 @@ class Column:
     """One column of a table."""
 
     name: str
-    type: str  # TEXT, NUMBER, WHOLE or FLAG
+    type: str  # TEXT, NUMBER, INTEGER or FLAG
     description: str
     units: str = ""  # as BIDS writes them, "" for none
     levels: Mapping[str, str] = attrs.field(factory=dict, hash=False)  # descriptions of the values
@@ -34,7 +34,7 @@ class Column:
 _WHO = (
     Column("study", TEXT, "Name of the study"),
     Column("participant", TEXT, "Random word for the participant, which does not identify the person"),
-    Column("session", WHOLE, "Which session of the participant, from 1 on"),
+    Column("session", INTEGER, "Which session of the participant, from 1 on"),
     Column("part", TEXT, "Part of the study"),
     Column("origin", TEXT, "Who answered", levels=dict(zip(ORIGINS, (
         "a participant", "a pilot, who tried the study out", "a program"), strict=True))),
@@ -42,11 +42,11 @@ _WHO = (
         "it was running", "it may be resumed", "complete",
         "ended by the participant or the experimenter, without a reason", "ended by the stop rule for sickness",
     ), strict=True))),
-    Column("order", WHOLE, "Which of the part's orders of conditions, from 0 on"),
+    Column("order", INTEGER, "Which of the part's orders of conditions, from 0 on"),
 )  # fmt: skip
 _WHAT = (
-    Column("trial", WHOLE, "Place of the trial in the session, from 1 on; 0 is the practice"),
-    Column("repeat", WHOLE, "Which time the condition was shown in this session, from 1 on"),
+    Column("trial", INTEGER, "Place of the trial in the session, from 1 on; 0 is the practice"),
+    Column("repeat", INTEGER, "Which time the condition was shown in this session, from 1 on"),
     Column("condition", TEXT, "Name of the condition"),
     Column("reference", FLAG, "Whether it is the hidden reference"),
     Column("previous", TEXT, "Condition of the trial before, n/a for the first"),
@@ -73,8 +73,8 @@ _SHOWN = (
         **{f"session {status}": "the session ended before the answer" for status in STATUSES if status != "complete"},
     }),
     Column("seconds_to_answer", NUMBER, "From the question to the confirmed answer", "s"),
-    Column("revision", WHOLE, "More than 1 where the question was repeated; the last one counts"),
-    Column("presentation", WHOLE, "Showing that the answer is about; more than 1 where the trial was repeated"),
+    Column("revision", INTEGER, "More than 1 where the question was repeated; the last one counts"),
+    Column("presentation", INTEGER, "Showing that the answer is about; more than 1 where the trial was repeated"),
     Column("answered_by", TEXT, "Who entered the answer"),
 )  # fmt: skip
 _PHASE = (
@@ -123,7 +123,7 @@ def _actual(name: str) -> Column:
         stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
     )
     return Column(
-        f"actual_{name}", WHOLE if name in ("pictures", "missed") else NUMBER, f"As it was shown: {text}{how}", unit
+        f"actual_{name}", INTEGER if name in ("pictures", "missed") else NUMBER, f"As it was shown: {text}{how}", unit
     )
 
 
@@ -131,8 +131,8 @@ ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *TEXTS))
 MEASURED_COLUMNS = (
     *(Column(f"measured_{metric.name}", NUMBER, f"Afterwards, mean of the measured pictures: {metric.description}", metric.unit)
       for metric in metrics_in_order()),
-    Column("measured_refreshes", WHOLE, "How many refreshes were measured afterwards, both eyes of each"),
-    Column("measured_every", WHOLE, "Every n-th refresh was measured; do not compare figures of different n"),
+    Column("measured_refreshes", INTEGER, "How many refreshes were measured afterwards, both eyes of each"),
+    Column("measured_every", INTEGER, "Every n-th refresh was measured; do not compare figures of different n"),
     Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; do not compare different sizes"),
 )  # fmt: skip
 _SETTING_COLUMNS = tuple(
@@ -151,7 +151,7 @@ def _column_of(name: str) -> Column:
     """Return the column of that name, by default a setting of a study."""
     if name in _BY_NAME:
         return _BY_NAME[name]
-    kind = {"a number": NUMBER, "a whole number": WHOLE, "true or false": FLAG}.get(KINDS.get(name, ""), TEXT)
+    kind = {"a number": NUMBER, "a whole number": INTEGER, "true or false": FLAG}.get(KINDS.get(name, ""), TEXT)
     return Column(name, kind, f"Setting of the condition: --{name.replace('_', '-')} of hmdwarp live")
 
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from ...version import __version__
 from ..extra import import_extra
-from .columns import FLAG, MISSING, NUMBER, WHOLE, Column
+from .columns import FLAG, INTEGER, MISSING, NUMBER, Column
 
 
 def field_text(value: Any) -> str:
@@ -64,7 +64,7 @@ def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequen
     Errors: MachineError where pyarrow is missing; OSError.
     """
     pa, parquet = import_extra("pyarrow", "pyarrow"), import_extra("pyarrow.parquet", "pyarrow")
-    types = {NUMBER: pa.float64(), WHOLE: pa.int64(), FLAG: pa.bool_()}
+    types = {NUMBER: pa.float64(), INTEGER: pa.int64(), FLAG: pa.bool_()}
     fields = [pa.field(c.name, types.get(c.type, pa.string()), metadata=_metadata(c)) for c in columns]
     schema = pa.schema(fields, metadata={"title": title, "made_by": f"hmdwarp {__version__}", "missing": "null"})
     arrays = [
@@ -87,4 +87,4 @@ def _typed(column: Column, value: Any) -> Any:
         return None
     if column.type == NUMBER:
         return float(value)
-    return value if column.type in (WHOLE, FLAG) else str(value)
+    return value if column.type in (INTEGER, FLAG) else str(value)

@@ -7,7 +7,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from hmdwarp.study.export import FLAG, MISSING, NUMBER, WHOLE, Column
+from hmdwarp.study.export import FLAG, INTEGER, MISSING, NUMBER, Column
 
 _READ = {"true": True, "false": False}
 
@@ -24,4 +24,4 @@ def _value(type_: str, text: str) -> Any:
         return None
     if type_ == FLAG:
         return _READ[text]
-    return {NUMBER: float, WHOLE: int}.get(type_, str)(text)
+    return {NUMBER: float, INTEGER: int}.get(type_, str)(text)

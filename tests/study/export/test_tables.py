@@ -15,9 +15,9 @@ from hmdwarp.study.design import design_from_text
 from hmdwarp.study.export import (
     COLUMNS,
     FLAG,
+    INTEGER,
     LONG_COLUMNS,
     NUMBER,
-    WHOLE,
     ExportOptions,
     columns_for,
     csv_text,
@@ -33,7 +33,7 @@ from .reading import read_table
 
 VALUES = {
     NUMBER: st.floats(allow_nan=False, allow_infinity=False),
-    WHOLE: st.integers(-(2**53), 2**53),
+    INTEGER: st.integers(-(2**53), 2**53),
     FLAG: st.booleans(),
 }
 TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1).filter(
