@@ -36,9 +36,9 @@ from .settings import DISPLAY as DISPLAY
 from .settings import FILES as FILES
 from .settings import KINDS as KINDS
 from .settings import SettingFault as SettingFault
-from .settings import at as at
 from .settings import check_settings as check_settings
 from .settings import live_options as live_options
+from .settings import resolve_paths as resolve_paths
 from .steps import Ask as Ask
 from .steps import Pause as Pause
 from .steps import Read as Read

@@ -10,12 +10,6 @@ from scipy import stats
 
 from hmdwarp.study.statistics import friedman, holm, kendalls_w
 
-<<<<<<< HEAD:tests/study/statistics/test_multiple.py
-=======
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
-pytestmark = pytest.mark.usefixtures("quick_corrections")
-
->>>>>>> door:tests/study/statistics/test_several.py
 
 def by_conover(table: np.ndarray) -> float:
     """chi2 with ties, Conover 1999, eq. 5.8.5, from the ranks."""
