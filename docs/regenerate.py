@@ -171,9 +171,8 @@ def effects_picture(folder: Path) -> None:
 def effects(folder: Path) -> None:
     """Measure each effect's scene with and without its pass."""
     from hmdwarp.scenes import scenes
-    from hmdwarp.scenes.effects import effect_names
 
-    calling = [(source.name, effect_names(source.effects)) for source in scenes if source.effects]
+    calling = [(source.name, list(source.effects)) for source in scenes if source.effects]
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
+from ..client.effects import effects
 from ..client.plan import build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
 from ..pipeline.build import refreshes_of
@@ -13,7 +14,6 @@ from ..run.combinations import Case, Combination
 from ..run.options import RunOptions
 from ..run.schedule import schedule_of
 from ..scenes import Scene
-from ..scenes.effects import asked_effects
 from .options import BenchOptions
 
 
@@ -35,11 +35,9 @@ def fills_of(options: BenchOptions) -> list[str]:
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
     """Errors: as build_plan."""
-    pairs, effects = (
-        itertools.product(warps_of(options), fills_of(options)),
-        asked_effects(options.effects, scene.effects),
-    )
-    return [Combination(w, f, build_plan(effects, w, f, options.lens, client_geometry=True)) for w, f in pairs]
+    pairs = itertools.product(warps_of(options), fills_of(options))
+    selected = effects.selected(options.effects, effects.of(scene))
+    return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:

@@ -81,11 +81,8 @@ def _lenses() -> list[dict[str, str]]:
 
 def _scenes() -> list[dict[str, str]]:
     from ..scenes import scenes
-    from ..scenes.effects import effect_names
 
-    return [
-        {"name": s.name, "summary": s.summary, "effects": ", ".join(effect_names(s.effects)) or "none"} for s in scenes
-    ]
+    return [{"name": s.name, "summary": s.summary, "effects": ", ".join(s.effects) or "none"} for s in scenes]
 
 
 def _headsets() -> list[dict[str, str]]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..geometry import View
-from ..scenes.effects import SceneEffect
 from .layers import Layer, layers
 
 if TYPE_CHECKING:
@@ -80,8 +79,6 @@ class Frame:
 
     eyes: tuple[EyeImage, ...]
     drawn_ns: int
-    # What the scene called for.
-    effects: SceneEffect = SceneEffect.NONE
     # The world_from_head that the frame was drawn for, and its origin; None where only the views
     # are known.
     head: PoseSample | None = None

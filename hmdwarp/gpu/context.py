@@ -80,6 +80,10 @@ class Gpu:
         """Whether the CPU draws the pictures (llvmpipe, softpipe, SwiftShader)."""
         return is_software(self.gl)
 
+    def barrier(self) -> None:
+        """Make what shaders have stored visible to everything that runs from now on."""
+        self.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
     @contextmanager
     def current(self) -> Iterator[Gpu]:
         """Direct GL calls of this thread here inside the block, and back after it."""

@@ -23,7 +23,6 @@ from ..frames import EyeImage
 from ..geometry import View, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
-from ..scenes.effects import SceneEffect
 
 NO_DEPTH = -1.0
 
@@ -72,7 +71,7 @@ def warp_image(
 
 def _plan(warp: str, fill: str) -> Plan:
     try:
-        return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False, brings=PICTURE)
+        return build_plan((), warp, fill, "none", client_geometry=False, brings=PICTURE)
     except PlanError as error:
         able = [f"warps {', '.join(entry.name for entry in warps if set(entry.reads) <= set(PICTURE))}"]
         able.append(

@@ -21,7 +21,6 @@ from .metric import Metric as Metric
 from .metric import metrics_in_order as metrics_in_order
 from .mismatch import Mismatch as Mismatch
 from .mismatch import SharedSurface as SharedSurface
-from .pictures import check_pair as check_pair
 from .pictures import error_image as error_image
 from .pool import QualityPool as QualityPool
 from .pool import worker_count as worker_count

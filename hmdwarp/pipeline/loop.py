@@ -114,7 +114,7 @@ class Loop:
         timer = self._server.gpu.timer
         with timer.stage("render"):
             frame = self._server.draw_frame(self._eyes.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
-        self._channel.send(Frame(frame.eyes, frame.drawn_ns, frame.effects, head, timer.lap()), now_ns)
+        self._channel.send(Frame(frame.eyes, frame.drawn_ns, head, timer.lap()), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head at `shown_ns`; return None before the first.

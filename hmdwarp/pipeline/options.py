@@ -88,7 +88,7 @@ class PipelineOptions(Declared):
         f"Fill: {names_in('client/fills')}, or several with +. [default: interpolate; auto's own]",
         default=None,
     )
-    # As scenes.effects.asked_effects reads it.
+    # As client.effects.EffectRegistry.selected reads it.
     effects: str = option(
         "auto",
         f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids.",

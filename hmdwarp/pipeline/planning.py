@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ..auto.levels import QualityLevel
+from ..client.effects import effects
 from ..client.plan import Plan, build_plan
 from ..errors import InputError
 from ..headsets import Headset
 from ..scenes import Scene
-from ..scenes.effects import SceneEffect, asked_effects, effect_names
 from .options import PipelineOptions
 
 
@@ -38,18 +38,18 @@ def build_plan_for(
         raise InputError(
             f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
         )
-    calls_for = scene.effects if scene is not None else SceneEffect.NONE
-    effects = asked_effects(options.effects, calls_for)
+    called_for = effects.of(scene) if scene is not None else ()
+    selected = effects.selected(options.effects, called_for)
     return build_plan(
-        effects,
+        selected,
         options.warp,
         options.fill,
         options.lens,
         client_geometry=True,
         fused=options.fused,
         scanout=options.scanout_ms > 0 and options.follow_scanout,
-        forced=effect_names(effects & ~calls_for),
-        forbidden=effect_names(calls_for & ~effects),
+        forced={*selected} - {*called_for},
+        forbidden={*called_for} - {*selected},
         distorts=distorts,
         takes_depth=takes_depth,
     )
@@ -57,4 +57,4 @@ def build_plan_for(
 
 def plan_against(warp: str) -> Plan:
     """Return the plan of a warp that another is compared with: without fill, effects and lens."""
-    return build_plan(SceneEffect.NONE, warp, "none", "none", client_geometry=True)
+    return build_plan((), warp, "none", "none", client_geometry=True)

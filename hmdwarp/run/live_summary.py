@@ -11,7 +11,6 @@ import numpy as np
 from ..display import Display
 from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
-from ..scenes.effects import effect_names
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions
 from .rows import STAGE_COLUMNS
@@ -51,7 +50,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         options=options,
         trace=Path(named).stem if named else display.name,
         scene=host.scene.name,
-        effects=effect_names(plan.effects),
+        effects=list(plan.effects),
         headset=headset,
         size=size,
         rate_hz=display.rate_hz,

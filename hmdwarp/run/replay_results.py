@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ..link import medians
 from ..metrics import Kept, QualityPool, aggregate
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
-from ..scenes.effects import effect_names
 from .log import ReplayLog
 from .replay_setup import ReplaySetup
 from .rows import Row
@@ -42,7 +41,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         options=setup.options,
         trace=setup.track.name or setup.trace.path.stem,
         scene=setup.scene.name,
-        effects=effect_names(setup.plan.effects),
+        effects=list(setup.plan.effects),
         headset=setup.headset.name,
         size=setup.size,
         rate_hz=setup.schedule.rate_hz,

@@ -108,7 +108,7 @@ class Server:
         for part in self._parts_for(needs):
             shared |= part.of_frame(guarded, drawings[0])
         eyes = [self._draw(view, grown, drawing) for view, drawing in zip(guarded, drawings, strict=True)]
-        return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns, self.scene.effects)
+        return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; they show a later frame from now on."""

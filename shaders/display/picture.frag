@@ -1,5 +1,7 @@
-// What goes to the screen: the picture, scaled bilinearly into its place, and over it a notice on a dark ground.
-// In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
+// The picture on the screen, scaled bilinearly into its place, and over it a notice on a dark
+// ground.
+// In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where
+// GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
 // Source: IEC 61966-2-1:1999, with the constants of its amendment 1.
 uniform sampler2D picture;
 uniform ivec2 picture_size;
@@ -7,7 +9,8 @@ uniform ivec4 place; // x, y, width, height in pixels of the framebuffer
 // Defines instead of uniforms: llvmpipe runs both sides of a condition.
 #if NOTICED
 uniform sampler2D ink; // 1 where a letter is
-uniform mat3 uv_from_pixel; // (x, y, 1) in pixels of the place to the uv of the notice, homogeneous; positive before the eye
+// (x, y, 1) in pixels of the place to the uv of the notice, homogeneous; positive before the eye
+uniform mat3 uv_from_pixel;
 #endif
 
 out vec4 colour;
@@ -15,7 +18,8 @@ out vec4 colour;
 const float GROUND = 0.8; // how much of the light the ground takes away
 const vec3 GROUND_LIGHT = vec3(0.01);
 
-// By isnan alone: Mesa makes a min and a max of `light > 0 ? min(light, 1) : 0`, and those make 1 of NaN.
+// By isnan alone: Mesa makes a min and a max of `light > 0 ? min(light, 1) : 0`, and those make 1
+// of NaN.
 vec3 light_at(ivec2 texel) {
     vec4 light = texelFetch(picture, clamp(texel, ivec2(0), picture_size - 1), 0);
     return light.a > 0.0 ? mix(clamp(light.rgb, 0.0, 1.0), vec3(0.0), isnan(light.rgb)) : vec3(0.0);

@@ -17,7 +17,7 @@ from hmdwarp.geometry import View
 
 
 def given_of(first: View, last: View | None) -> PassInputs:
-    return PassInputs(None, first, shown_last=last)  # type: ignore[arg-type]  # the late picture plays no part here
+    return PassInputs(None, first, shown_last=last)  # type: ignore[arg-type]  # the rendered picture plays no part here
 
 
 @given(poses(), poses(), FOVS)

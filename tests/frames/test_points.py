@@ -23,7 +23,7 @@ from hmdwarp.pipeline.build import Timing, build_pipeline
 from hmdwarp.pipeline.loop import PoseRequest
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.poses import Origin, PoseSample
-from hmdwarp.scenes import SceneEffect, load_scene
+from hmdwarp.scenes import load_scene
 from hmdwarp.server.parts import Part, parts
 
 COUNT, STEP_NS, SIZE = 40, 10_000_000, (64, 48)
@@ -141,7 +141,7 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
     options = PipelineOptions(
         scene="planes", latency_ms=20, warp="points", fill="none", lens="none", size=SIZE, coding=Coding(codec)
     )
-    plan = build_plan(SceneEffect.NONE, "points", "none", "none", client_geometry=True)
+    plan = build_plan((), "points", "none", "none", client_geometry=True)
     assert plan.layers == ("rendered.points",)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")
@@ -170,7 +170,7 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
 
 @pytest.mark.usefixtures("registered")
 def test_frames_without_points_have_none(gpu):
-    plan = build_plan(SceneEffect.NONE, "forward", "none", "none", client_geometry=True)
+    plan = build_plan((), "forward", "none", "none", client_geometry=True)
     options = PipelineOptions(scene="planes", warp="forward", fill="none", lens="none", size=SIZE)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")

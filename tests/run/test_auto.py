@@ -16,6 +16,7 @@ from hmdwarp.auto.adaptive import AdaptiveCompensator
 from hmdwarp.auto.governor import Governor
 from hmdwarp.auto.levels import QualityLevel
 from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.effects import effects
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.variants import every_warp
@@ -308,7 +309,7 @@ def test_a_replay_compiles_every_level_at_the_start(tmp_path):
         compiled = setup.gpu.shaders.compiled
         for level in levels:
             one = setup.compensator(
-                build_plan(setup.scene.effects, level.warp, level.fill, "none", client_geometry=True)
+                build_plan(effects.of(setup.scene), level.warp, level.fill, "none", client_geometry=True)
             )
             one.close()
         assert setup.gpu.shaders.compiled == compiled

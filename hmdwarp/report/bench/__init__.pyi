@@ -1,7 +1,5 @@
-from .bars import Traffic as Traffic
 from .bars import region_parts as region_parts
 from .bars import regions_chart as regions_chart
-from .bars import row_name as row_name
 from .bars import traffic as traffic
 from .bars import traffic_chart as traffic_chart
 from .charts import pareto_chart as pareto_chart
@@ -25,7 +23,6 @@ from .rows import Column as Column
 from .rows import cases as cases
 from .rows import column as column
 from .rows import common as common
-from .rows import measure_label as measure_label
 from .tables import DECISION as DECISION
 from .tables import bench_table as bench_table
 from .tables import choice_terms as choice_terms

@@ -45,18 +45,18 @@ class TrialHandler(StepHandler):
     the middle of a run; a recorded head starts anew that long before. The time of the trial counts
     from its first picture, on the display's clock.
 
-    panel: lies over the black, since panel_ns. wait_s: see first_picture_wait_s.
+    panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
     ahead = True
     phase = "showing"
 
-    def __init__(
-        self, context: SessionContext, step: Show, panel: Label, panel_ns: int, log: LiveLog, wait_s: float
-    ) -> None:
+    step: Show
+
+    def __init__(self, context: SessionContext, step: Show, panel_ns: int, log: LiveLog, wait_s: float) -> None:
         super().__init__(context, step)
-        self._show, self._panel, self._panel_ns, self._log, self._wait_s = step, panel, panel_ns, log, wait_s
+        self._panel_ns, self._log, self._wait_s = panel_ns, log, wait_s
         self._arrived = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
@@ -71,11 +71,11 @@ class TrialHandler(StepHandler):
 
     def finished(self) -> bool:
         """Return whether the trial's seconds are over."""
-        return self._first_ns is not None and self.seen_s >= self._show.seconds
+        return self._first_ns is not None and self.seen_s >= self.step.seconds
 
     def label(self) -> Label:
         """Return the panel with the number, and nothing over pictures."""
-        return "" if self.pictures else self._panel
+        return "" if self.pictures else number_panel(self.step, self.context.steps)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -117,10 +117,10 @@ class TrialHandler(StepHandler):
         status = self._log.status
         return {
             "phase": self.phase,
-            "left_s": self._show.seconds - self.seen_s,
+            "left_s": self.step.seconds - self.seen_s,
             "rate_hz": status.rate_hz,
             "missed": status.missed,
-            "condition": self._show.condition.name if self.context.tells_condition else "",
+            "condition": self.step.condition.name if self.context.tells_condition else "",
         }
 
 
@@ -158,8 +158,7 @@ class TrialRunner:
                 stack.callback(log.leave)
                 recorder.begin(context.display.about, context.display.rate_hz)
                 log.begin(context.display, stage)
-                panel = number_panel(step, context.steps)
-                handler = TrialHandler(context, step, panel, panel_ns, log, self.wait_s)
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s)
                 log.status.heading = context.title(step)
                 Driver(context.display, stage, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt

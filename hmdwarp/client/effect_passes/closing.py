@@ -1,4 +1,4 @@
-"""Closes every hole of a picture from what is around it, in place: what has no depth to go by, but must not be black."""
+"""Closes every hole of a picture from its surroundings, for pictures without depth."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
-from ...gpu.textures import COLOUR, allocate
+from ...gpu.textures import COLOUR, allocate, release_all, tiles
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -20,30 +20,29 @@ class Closing:
         self._down, self._up = (gpu.shaders.compute("effects/reflect_close.comp", PASS=k) for k in range(2))
         sizes = [size]
         while max(sizes[-1]) > 1:
-            sizes.append(tuple((n + 1) // 2 for n in sizes[-1]))
+            sizes.append(tiles(sizes[-1], 2))
         self._levels = [allocate(gpu.gl, each, COLOUR, linear=True) for each in sizes[1:]]
 
     def run(self, picture: moderngl.Texture) -> None:
-        """rgba16f, coverage in alpha; one without anything covered stays empty."""
+        """Close the holes of an rgba16f picture with coverage in alpha, in place.
+
+        A picture without anything covered stays empty.
+        """
         levels = [picture, *self._levels]
         for finer, level in zip(levels[:-1], levels[1:], strict=True):
             finer.bind_to_image(0, read=True, write=False)
             level.bind_to_image(1, read=False, write=True)
             self._down.uniforms.set(finer=0, level=1, level_size=level.size)
             self._down.run(*level.size)
-            self._barrier()
+            self._gpu.barrier()
         for level, coarser in reversed(list(zip(levels[:-1], levels[1:], strict=True))):
             level.bind_to_image(0, read=True, write=True)
             coarser.use(0)
             pixel = (0.5 / coarser.size[0], 0.5 / coarser.size[1])
             self._up.uniforms.set(level=0, coarser=0, coarser_pixel=pixel, level_size=level.size)
             self._up.run(*level.size)
-            self._barrier()
-
-    def _barrier(self) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._gpu.barrier()
 
     def close(self) -> None:
         """Free the levels."""
-        for level in self._levels:
-            level.release()
+        release_all(*self._levels)

@@ -1,4 +1,4 @@
-"""Keeps late pictures, and forgets of them what newer ones disprove."""
+"""Keeps rendered pictures, and forgets of them what newer ones disprove."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import attrs
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate
-from ..warps._composite import DEPTH_FLOOR
+from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, tiles
+from ..warp_kinds import DEPTH_FLOOR
 
 if TYPE_CHECKING:
     from ...frames import EyeImage
@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 
 BYTES_PER_PIXEL = 13  # of a kept picture
 
-# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest shows in 4 x 4 pixels around it; and by
-# how much darker or brighter than all of them, absolute in linear light and as a share of the brightest. Textures seen from elsewhere
-# differ by less, as their detail is filtered by distance.
+# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest
+# shows in 4 x 4 pixels around it; and by how much darker or brighter than all of them, absolute in
+# linear light and as a share of the brightest. Textures seen from elsewhere differ by less, as
+# their detail is filtered by distance.
 TOLERANCE = 0.05
 COLOUR_MARGIN = (0.08, 0.25)
 _IDS = 1  # texture unit
@@ -28,29 +29,29 @@ _COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  
 
 @attrs.frozen(eq=False)
 class Slot:
-    """Room for a picture: colour rgba16f, inverse depth r32f, and seeds, the nearest of each 2 x 2 of the latter."""
+    """Room for one picture."""
 
-    colour: moderngl.Texture
-    inverse_depth: moderngl.Texture
-    seeds: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f
+    inverse_depth: moderngl.Texture  # r32f
+    seeds: moderngl.Texture  # r32f: the nearest of each 2 x 2 pixels.
 
     @classmethod
     def of(cls, gpu: Gpu, size: tuple[int, int]) -> Slot:
-        """An empty one."""
+        """Return an empty slot for pictures of that size."""
         return cls(allocate(gpu.gl, size, COLOUR, linear=True), allocate(gpu.gl, size, SCALAR), seeds_for(gpu, size))
 
     def release(self) -> None:
-        for texture in (self.colour, self.inverse_depth, self.seeds):
-            texture.release()
+        """Free the textures."""
+        release_all(self.colour, self.inverse_depth, self.seeds)
 
 
 def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
-    """The texture for the seeds of a picture of that size."""
-    return allocate(gpu.gl, (-(-size[0] // 2), -(-size[1] // 2)), SCALAR)
+    """Return the texture for the seeds of a picture of that size."""
+    return allocate(gpu.gl, tiles(size, 2), SCALAR)
 
 
 class Keeper:
-    """Programs and buffers for late pictures of one size."""
+    """Programs and buffers for rendered pictures of one size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._gpu, self._size = gpu, size
@@ -58,7 +59,7 @@ class Keeper:
             gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget")
         )
         self._seed = gpu.shaders.compute("fills/memory_seeds.comp")
-        cells = (-(-size[0] // 2), -(-size[1] // 2))
+        cells = tiles(size, 2)
         self._depths = allocate(gpu.gl, cells, (2, "f4"))
         self._lowest, self._highest = (allocate(gpu.gl, cells, COLOUR) for _ in range(2))
         self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), NUMBER), allocate(gpu.gl, (1, 1), COLOUR)
@@ -83,20 +84,23 @@ class Keeper:
         self.seed(slot.inverse_depth, slot.seeds)
 
     def seed(self, inverse_depth: moderngl.Texture, seeds: moderngl.Texture) -> None:
-        """The nearest of each 2 x 2 pixels."""
+        """Write the nearest of each 2 x 2 pixels."""
         inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         seeds.bind_to_image(_FIRST, read=False, write=True)
         self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
 
-    def look_at(self, rendered: EyeImage) -> None:
-        """The picture that forget() goes by."""
+    def compare_with(self, rendered: EyeImage) -> None:
+        """Take `rendered` as the picture that forget() compares with."""
         self._bind_rendered(rendered)
         units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH}
         self._bind_bounds(read=False)
         self._run(self._bounds, self._depths.size, rendered_size=self._size, **units, **self._bound_units())
 
     def forget(self, slot: Slot, kept: View, rendered: View) -> None:
-        """What the picture of look_at(), seen from `late`, disproves of that seen from `kept`."""
+        """Forget what the picture of compare_with(), seen from `rendered`, disproves of `slot`.
+
+        kept: the view of the picture in the slot.
+        """
         there = WarpMap.between(kept, self._size, rendered, self._size)
         self._bind_slot(slot, read=True)
         self._bind_bounds(read=True)
@@ -122,11 +126,10 @@ class Keeper:
         return {"depths": _FIRST, "lowest": _SECOND, "highest": _THIRD}
 
     def _run(self, program, size: tuple[int, int], **uniforms: object) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._gpu.barrier()
         program.uniforms.set(**uniforms)
         program.run(*size)
 
     def close(self) -> None:
         """Free the textures."""
-        for texture in (self._depths, self._lowest, self._highest, self._no_ids, self._no_velocity):
-            texture.release()
+        release_all(self._depths, self._lowest, self._highest, self._no_ids, self._no_velocity)

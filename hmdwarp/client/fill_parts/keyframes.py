@@ -1,4 +1,4 @@
-"""Which late pictures are worth remembering, which make room for them, and which are looked into: decided from views alone, on the CPU."""
+"""Which rendered pictures are kept, dropped and used: decided from views alone, on the CPU."""
 
 from __future__ import annotations
 
@@ -12,23 +12,26 @@ from ...geometry import View
 
 Mask = NDArray[np.bool_]
 SAMPLES = 12  # directions on each axis of a view
-REACH_M = 0.3  # an eye so far away may have seen other sides of things
-NOVELTY = 0.12  # share of a view that no kept one covers, from which it is kept
-INSIDE = 0.15  # what a direction inside the newest picture counts: only what is hidden there is missing
-AGAIN = 0.3  # what a direction counts that another picture covers already: it may have been hidden there
+REACH_M = 0.3  # an eye farther away may have seen other sides of things
+NOVELTY = 0.12  # least share of a view that no kept picture covers, for it to be kept
+INSIDE = 0.15  # weight of a direction inside the newest picture: only hidden places are missing
+AGAIN = 0.3  # weight of a direction that another picture covers: it may be hidden there
 
 
 @attrs.frozen(eq=False)
 class Keyframe:
-    """slot: which of the memory's textures holds it."""
+    """A kept picture."""
 
-    slot: int
+    slot: int  # Number of the memory's slot that holds it.
     view: View
     drawn_ns: int
 
 
 def directions(view: View) -> NDArray[np.float64]:
-    """(n, 3) in the world: an even grid over the view's tangents. None lies on its border: the least motion would lose a whole row."""
+    """Return (n, 3) world directions: an even grid over the view's tangents.
+
+    None lies on its border: the least motion would lose a whole row.
+    """
     left, right, down, up = view.fov.tangents
     share = (np.arange(SAMPLES) + 0.5) / SAMPLES
     x, y = np.meshgrid(left + share * (right - left), down + share * (up - down))
@@ -37,7 +40,7 @@ def directions(view: View) -> NDArray[np.float64]:
 
 
 def sees(view: View, towards: NDArray[np.float64]) -> Mask:
-    """(n,) which of the directions lie in the view's field of view."""
+    """Return (n,) which of the directions lie in the view's field of view."""
     x, y, z = (towards @ view.pose.rotation_matrix).T
     left, right, down, up = view.fov.tangents
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -46,12 +49,12 @@ def sees(view: View, towards: NDArray[np.float64]) -> Mask:
 
 
 def distance_m(a: View, b: View) -> float:
-    """Between the eyes."""
+    """Return the distance between the eyes."""
     return float(np.linalg.norm(a.pose.position_m - b.pose.position_m))
 
 
 def covered(view: View, by: Sequence[Keyframe]) -> Mask:
-    """(n,) which of the view's directions another one covers from near by."""
+    """Return (n,) which of the view's directions a keyframe from near by covers."""
     towards = directions(view)
     found = np.zeros(len(towards), bool)
     for one in by:
@@ -61,18 +64,21 @@ def covered(view: View, by: Sequence[Keyframe]) -> Mask:
 
 
 def overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
-    """Those that look in some of the view's directions."""
+    """Return the keyframes that look in some of the view's directions."""
     towards = directions(view)
     return [one for one in kept if sees(one.view, towards).any()]
 
 
 def is_new(view: View, kept: Sequence[Keyframe]) -> bool:
-    """Whether the view shows enough that none of the kept pictures does."""
+    """Return whether the view shows enough that none of the kept pictures does."""
     return float(1 - covered(view, kept).mean()) >= NOVELTY
 
 
 def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
-    """The one whose loss costs least: the others, and the newest, cover most of it; of equals the oldest."""
+    """Return the keyframe whose loss costs least; of equals the oldest.
+
+    The others, and the newest picture, cover most of it.
+    """
     beside = Keyframe(-1, newest, 0)
     return max(
         kept, key=lambda one: (covered(one.view, [beside, *(k for k in kept if k is not one)]).mean(), -one.drawn_ns)
@@ -80,7 +86,10 @@ def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
 
 
 def most_useful(kept: Sequence[Keyframe], shown: View, rendered: View, most: int) -> list[Keyframe]:
-    """Up to `most` that together see most of what the late view does not show, the newest first; what lies inside it counts a little."""
+    """Return up to `most` keyframes that together see most of what `rendered` does not show.
+
+    The newest come first. What lies inside `rendered` counts a little: it may be hidden there.
+    """
     towards = directions(shown)
     worth = np.where(sees(rendered, towards), INSIDE, 1.0)
     seen = {one.slot: sees(one.view, towards) * np.exp(-distance_m(shown, one.view) / REACH_M / 3) for one in kept}

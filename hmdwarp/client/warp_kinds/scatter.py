@@ -1,4 +1,4 @@
-"""What the scatter warps share: where drawn pixels land, and the keys that decide between those that land in one place."""
+"""The kind of warps in which rendered pixels move, and the keys that decide which one stays."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import moderngl
 
 from ...errors import InputError
 from ...geometry import WarpMap
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
-LATE_COLOUR, LATE_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
-_UNITS = {"rendered_colour": LATE_COLOUR, "rendered_inverse_depth": LATE_DEPTH, "shown_colour": SHOWN_COLOUR}
-LONGEST_SIDE = 2**14  # an order has 15 bits for a row and 15 for a column, one of each to spare
+RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
+_UNITS = {"rendered_colour": RENDERED_COLOUR, "rendered_inverse_depth": RENDERED_DEPTH, "shown_colour": SHOWN_COLOUR}
+LONGEST_SIDE = 2**14  # a rank has 15 bits for a row and 15 for a column, one of each to spare
 
 
 class ScatterWarp(Warp):
-    """A warp in which drawn pixels move by their own depth."""
+    """A warp in which rendered pixels move by their own depth."""
 
     kind = "scatter"
     reads = ("rendered.colour", "rendered.inverse_depth")
 
     def forward_map(self, inputs: PassInputs) -> WarpMap:
-        """From rendered to shown pixels."""
+        """Return the map from rendered to shown pixels."""
         return WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.shown, self.shown_size)
 
     @cached_property
@@ -38,18 +38,18 @@ class ScatterWarp(Warp):
         return {**self._size_uniforms, **_UNITS}
 
     def bind(self, inputs: PassInputs, into: Canvas) -> None:
-        """The late picture and the result, as images for compute shaders."""
-        inputs.rendered.colour.bind_to_image(LATE_COLOUR, read=True, write=False)
-        inputs.rendered.inverse_depth.bind_to_image(LATE_DEPTH, read=True, write=False)
+        """Bind the rendered picture and the result as images for compute shaders."""
+        inputs.rendered.colour.bind_to_image(RENDERED_COLOUR, read=True, write=False)
+        inputs.rendered.inverse_depth.bind_to_image(RENDERED_DEPTH, read=True, write=False)
         into.bind_for_writing(SHOWN_COLOUR)
 
     def set(self, program: Compute, **more: object) -> None:
-        """The sizes, the image units, and whatever else of `more` the program knows."""
+        """Set the sizes, the image units, and those of `more` that the program declares."""
         program.uniforms.settle(self._constants)
         program.uniforms.set_declared(**more)
 
     def empty_keys(self, words: int = 1) -> moderngl.Buffer:
-        """A key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
+        """Return a key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
 
         Errors: InputError for a picture beyond the GPU's room.
         """
@@ -60,42 +60,47 @@ class ScatterWarp(Warp):
 
 
 class OrderedScatter(ScatterWarp):
-    """A scatter in which the drawn pixel that is last in some order stays; the shader `warps/NAME.comp` has the order.
+    """A scatter in which the rendered pixel that is last in some order stays.
 
-    In any order of execution: each drawn pixel offers its place in the order, the largest stays. The pass that copies the colours
-    empties the keys again.
+    The shader `warps/NAME.comp` computes the order. Execution may run in any order: each rendered
+    pixel offers its rank, the largest stays. The pass that copies the colours empties the keys
+    again.
     """
 
     def prepare(self) -> None:
         if max(self.rendered_size) > LONGEST_SIDE:
             wide, high = self.rendered_size
             raise InputError(
-                f"a late picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
+                f"a rendered picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
             )
         path, defines = f"warps/{self.name}.comp", self.defines()
         self._scatter, self._resolve = (self.gpu.shaders.compute(path, PASS=k, **defines) for k in range(2))
         self._keys = self.empty_keys()
 
     def defines(self) -> dict[str, object]:
-        """What else the shader is compiled with."""
+        """Return further defines of the shader."""
         return {}
 
     @abstractmethod
     def order(self, inputs: PassInputs) -> dict[str, object]:
-        """The uniforms that the order needs."""
+        """Return the uniforms that the order needs."""
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         forward, order = self.forward_map(inputs), self.order(inputs)
         self.bind(inputs, into)
         self._keys.bind_to_storage_buffer(0)
         for program, size in ((self._scatter, self.rendered_size), (self._resolve, self.shown_size)):
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.gpu.barrier()
             self.set(program, H=forward.H, e=forward.e, **order)
             program.run(*size)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Each drawn pixel's depth; the shown keys raised (read, written), read and emptied; a colour read and one written for each."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
+        colour read and one written for each.
+        """
         return rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def close(self) -> None:
@@ -103,7 +108,7 @@ class OrderedScatter(ScatterWarp):
 
 
 def check_room(gpu: Gpu, name: str, size: tuple[int, int], bytes_per_pixel: int, header: int = 0) -> None:
-    """Errors: InputError if so many bytes for each shown pixel are more than a shader can reach in one buffer."""
+    """Raise InputError if one shader buffer has no room for so many bytes per shown pixel."""
     pixels = (gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] - header) // (4 * bytes_per_pixel) * 4
     if size[0] * size[1] > pixels:
         wanted = f"a shown picture of {size[0]}x{size[1]}: '{name}' keeps {bytes_per_pixel} bytes a pixel"

@@ -1,4 +1,7 @@
-"""Which parts of a picture have holes: found while it is copied, so that what follows runs there alone, dispatched by the GPU itself."""
+"""The parts of a picture that have holes.
+
+They are listed while it is copied, so that further passes, dispatched by the GPU, run there alone.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +23,9 @@ _WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH, _FILLED_TOO = range(5)  # image 
 
 
 class HolePieces:
-    """The list of pieces with holes of one picture after the other; the buffers are its own.
+    """The list of pieces with holes of the newest picture; owns its buffers.
 
-    with_depth: the inverse depth is copied too. twice: the colour is copied to a second texture as well.
+    with_depth: copies the inverse depth too. twice: copies the colour to a second texture as well.
     """
 
     def __init__(
@@ -34,19 +37,23 @@ class HolePieces:
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
         if self.count * PIECE[0] > 64 * most:
             raise InputError(
-                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a smaller one"
+                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a "
+                "smaller one"
             )
         self.list = gpu.gl.buffer(reserve=len(_HEADER) + 4 * self.count)
         self._stamps = gpu.gl.buffer(bytes(8 * self.count))
 
     def find(self, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
-        """Copy the picture and list its pieces with holes; returns the stamp that its pieces with covered pixels now have."""
+        """Copy the picture and list its pieces with holes.
+
+        Return the stamp that its pieces with covered pixels now have.
+        """
         self._stamp = self._stamp % (2**32 - 1) + 1
         self.list.write(_HEADER)
         uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
         _bind(picture.colour.texture, into.colour.texture, _WARPED)
         if self._program.uniforms.declares("warped_depth") and picture.inverse_depth is not None:
-            _bind(picture.inverse_depth, into.inverse_depth, _WARPED_DEPTH)
+            _bind(picture.inverse_depth, into.depth, _WARPED_DEPTH)
             uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
         if too is not None:
             too.bind_to_image(_FILLED_TOO, read=False, write=True)
@@ -55,18 +62,15 @@ class HolePieces:
         self._stamps.bind_to_storage_buffer(1)
         self._program.uniforms.set(**uniforms)
         self._program.run(*self._size)
-        self._barrier()
+        self._gpu.barrier()
         return self._stamp
 
     def run(self, program: Compute) -> None:
-        """A program that includes lib/hole_columns.glsl, over the listed pieces."""
+        """Run a program that includes lib/hole_columns.glsl over the listed pieces."""
         self.list.bind_to_storage_buffer(0)
         self._stamps.bind_to_storage_buffer(1)
         program.program.run_indirect(self.list)
-        self._barrier()
-
-    def _barrier(self) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._gpu.barrier()
 
     def close(self) -> None:
         """Free the buffers."""

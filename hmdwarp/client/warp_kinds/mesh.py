@@ -1,7 +1,11 @@
-"""What the mesh warps share: the late picture as a list of cells, made on the GPU, and drawn with a depth test."""
+"""The kind of warps that draw the rendered picture as a mesh.
+
+Its cells are listed on the GPU and drawn with a depth test.
+"""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import moderngl
@@ -10,9 +14,9 @@ import numpy as np
 from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
 from ...gpu.scopes import drawing_into
-from ...gpu.textures import COLOUR, Canvas, allocate
-from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
-from ._gather import bind_rendered_colour
+from ...gpu.textures import COLOUR, Canvas, allocate, release_all
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, Warp
+from .gather import bind_rendered_colour
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,23 +24,24 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
 
-VERTEX_BLOCKS, BINDINGS = 2, 10  # what the drawing reads in its vertex shaders, and all that is bound
-MOST_SIDE = 2**14 - 2  # cells are named by 14 bits a side, and there is one more than pixels
-QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
+VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound
+MOST_SIDE = 2**14 - 2  # a cell's index has 14 bits a side, and there is one more than pixels
+QUADS = 2**14  # in one draw: a corner's index has 16 bits
 GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
 BLOCK_BYTES, CALL_BYTES = 24, 20
 CHUNK = 8  # as in shaders/warps/mesh_draws.glsl
 
 
 class MeshWarp(Warp):
-    """A warp that draws the late picture as cells between pixel centres: whole ones as two triangles, cut ones in quarters.
+    """A warp that draws cells between pixel centres.
 
-    steepest_deg: the angle from facing at which a plane is still taken for one surface from one pixel to the next.
+    Whole cells are two triangles, cut ones are drawn in quarters. Settings have `steepest_deg`: the
+    angle from facing up to which a plane counts as one surface from one pixel to the next.
     """
 
     kind = "scatter"
     reads = ("rendered.colour", "rendered.inverse_depth")
-    adaptive: ClassVar[bool]
+    adaptive: ClassVar[bool]  # Whether cells merge where that moves little.
 
     def prepare(self) -> None:
         _check_machine(self.name, self.gpu.gl.info)
@@ -51,7 +56,7 @@ class MeshWarp(Warp):
 
     @property
     def merging(self) -> dict[str, Any]:
-        """Tolerance in shown pixels and coarsest cell, for the shaders that merge."""
+        """Uniforms of the shaders that merge: tolerance in shown pixels and coarsest cell."""
         return {}
 
     def _compile(self) -> None:
@@ -80,7 +85,8 @@ class MeshWarp(Warp):
         groups = self._groups[0] * self._groups[1]
         self._calls = -(-cells // QUADS), 1 if self.adaptive else -(-4 * cells // QUADS)
         chunks = -(-cells // CHUNK)
-        # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them; their triangles, chunks and masks.
+        # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them;
+        # their triangles, chunks and masks.
         sizes = [
             groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES,
             8 * groups,
@@ -107,8 +113,11 @@ class MeshWarp(Warp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Each drawn pixel's depth to make cells and again to draw them, its colour once; the shown colour and depth cleared and written,
-        the depth read for its test."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        Each rendered pixel's depth to make cells and again to draw them, its colour once; the shown
+        colour and depth cleared and written, the depth read for its test.
+        """
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
@@ -144,7 +153,7 @@ class MeshWarp(Warp):
             (self._order, (1, 1)),
             (self._list, blocks),
         ):
-            self._run(program, named, lambda program=program, size=size: program.run(*size))
+            self._run(program, named, partial(program.run, *size))
         if self.adaptive:
             self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
             self._run(self._order_triangles, named, lambda: self._order_triangles.run(1))
@@ -153,7 +162,7 @@ class MeshWarp(Warp):
     def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
         program.uniforms.set_declared(**named)
         dispatch()
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
         gl = self.gpu.gl
@@ -173,7 +182,7 @@ class MeshWarp(Warp):
         }
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
-            gl.depth_func = ">"  # what is written is larger where it is nearer
+            gl.depth_func = ">"  # the depth written is larger where it is nearer
             for draw, array, calls, count in zip(
                 (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
             ):
@@ -185,15 +194,15 @@ class MeshWarp(Warp):
         return steepest(rendered, self.rendered_size, self.settings.steepest_deg)
 
     def close(self) -> None:
-        for thing in (*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth):
-            thing.release()
+        release_all(*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth)
 
 
 def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
-    """By what part of itself the inverse depth of a plane seen `angle_deg` from facing changes from one pixel to the next, on each axis.
+    """Return the most by which a plane's inverse depth changes from pixel to pixel, on each axis.
 
-    A plane's inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture it grows by tan(angle) of
-    itself for each 1 of tangent.
+    It is a share of the inverse depth itself, for a plane seen `angle_deg` from facing. A plane's
+    inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture
+    it grows by tan(angle) of itself for each 1 of tangent.
     """
     left, right, down, up = rendered.fov.tangents
     slope = float(np.tan(np.deg2rad(angle_deg)))
@@ -201,19 +210,25 @@ def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[f
 
 
 def reach(forward: WarpMap, shown_size: tuple[int, int]) -> float:
-    """The most shown pixels by which a point moves for 1/m more, at equal depths in both views: its place P moves along e - P e_z."""
+    """Return the most shown pixels by which a point moves for 1/m more.
+
+    At equal depths in both views its place P moves along e - P e_z.
+    """
     wide, high = shown_size
     corners = np.array([[0, 0], [wide, 0], [0, high], [wide, high]])
     return float(np.linalg.norm(forward.e[:2] - corners * forward.e[2], axis=1).max())
 
 
 def overlap(tolerance: float) -> float:
-    """Late pixels by which large cells reach over their neighbours: both may be off by the tolerance, and the rasteriser by 1/256."""
+    """Return the rendered pixels by which large cells overlap their neighbours.
+
+    Both may be off by the tolerance, and the rasteriser by 1/256.
+    """
     return min(2 * tolerance + 1 / 32, 0.5)
 
 
 def _check_machine(name: str, info: dict[str, Any]) -> None:
-    """Errors: MachineError where vertex shaders cannot read buffers: GL 4.3 alone does not promise it."""
+    """Raise MachineError where vertex shaders cannot read buffers; GL 4.3 does not promise it."""
     blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
     if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
         found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
@@ -222,10 +237,10 @@ def _check_machine(name: str, info: dict[str, Any]) -> None:
 
 def _check_side(name: str, size: tuple[int, int]) -> None:
     if max(size) > MOST_SIDE:
-        raise InputError(f"a late picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
+        raise InputError(f"a rendered picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
 
 
 def _check_room(name: str, limit_bytes: int, wanted_bytes: int, size: tuple[int, int]) -> None:
     if wanted_bytes > limit_bytes:
-        wanted = f"a late picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
+        wanted = f"a rendered picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
         raise InputError(f"{wanted}, this GPU has room for {limit_bytes}")

@@ -1,4 +1,7 @@
-"""Moves the late picture's moving pixels to the instant they are shown at, in the view the picture was drawn for."""
+"""Moves the rendered picture's moving pixels on to the instant at which they are shown.
+
+The view stays the one the picture was rendered for.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,9 @@ import numpy as np
 from ...errors import InputError, MachineError
 from ...geometry import Pose, RigidState, View, WarpMap
 from ...gpu.scopes import drawing_into
-from ...gpu.textures import COLOUR, SCALAR, allocate
-from ..warps._mesh import steepest
-from ._base import LatePass
+from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
+from ..effects import RenderedPass
+from ..warp_kinds import steepest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -23,68 +26,68 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
 
-# What deforms swings: limbs and cloth come and go about once in SWING_S. How far a swing has gone after a latency L is best told from its
-# speed for sin(w L) / w seconds; the parabola L (1 - 2 L / SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms,
-# 0.24 at 400, 0.16 at 800, and nothing from half a swing on, where the speed says nothing. Held at 0.25 s instead, 800 ms lost by it.
+# What deforms swings: limbs and cloth come and go about once in SWING_S. After a latency L a swing
+# has gone about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
+# SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms, 0.24 at 400, 0.16 at
+# 800, and nothing from half a swing on, where the speed predicts nothing. Held at 0.25 s instead,
+# the result at 800 ms was worse.
 SWING_S = 2.0
 REACH_S = SWING_S / 8  # the longest
 REACH_M = 0.3
-STEEPEST_DEG = 85.0  # from facing: planes seen more edge on than this come apart, as in the mesh warps
+STEEPEST_DEG = 85.0  # from facing: steeper planes come apart, as in the mesh warps
 NEAREST_M = 0.02
 MOST_BODIES = 4096
-MOST_SIDE = 2**16 - 1  # pixels are listed by 16 bits a side
-QUADS = 2**14  # in one draw: their corners are numbered by 16 bits
+MOST_SIDE = 2**16 - 1  # a pixel's index has 16 bits a side
+QUADS = 2**14  # in one draw: a corner's index has 16 bits
 ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
-SPLIT_UNITS = {
-    "still_colour": 4,
-    "still_inverse_depth": 5,
-}  # images; those that are read have the units of their textures
+# Image units; images that are read have the units of their textures.
+SPLIT_UNITS = {"still_colour": 4, "still_inverse_depth": 5}
 STILL = 1e-9  # pixels: what rounding leaves of a body that rests, far below any motion
 RIGID, SOFT = "rigid_motion", "soft_motion"
 
 
 def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) -> WarpMap:
-    """From late pixels of a body to where it is seen `age_ns` later from the same view: as if the eye had moved the other way.
+    """Return the map from rendered pixels of a body to where the same view sees it `age_ns` later.
 
-    Everything relative to the eye, in float64. Source: McMillan and Bishop 1995, eq. 8-10.
+    It is the map of an eye that moves the other way. Everything is relative to the eye, in float64.
+    Source: McMillan and Bishop 1995, eq. 8-10.
     """
-    drawn, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
-    return WarpMap.between(View(after @ drawn.inverse(), view.fov), size, View(Pose(), view.fov), size)
+    rendered, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
+    return WarpMap.between(View(after @ rendered.inverse(), view.fov), size, View(Pose(), view.fov), size)
 
 
 def swing_seconds(age_ns: int) -> float:
-    """For how long what deforms goes on with its velocity; see SWING_S."""
+    """Return for how long deforming things continue with their velocity; see SWING_S."""
     age = age_ns * 1e-9
     return age * max(0.0, 1 - 2 * abs(age) / SWING_S)
 
 
 def rests(moved: WarpMap) -> bool:
-    """Whether a map leaves every pixel where it is."""
+    """Return whether a map leaves every pixel where it is."""
     return bool(np.abs(moved.H - np.eye(3)).max() <= STILL and np.abs(moved.e).max() <= STILL)
 
 
 @attrs.frozen(eq=False)
 class _Moved:
-    """One late picture after its motion."""
+    """One rendered picture after its motion."""
 
     colour: moderngl.Texture
     inverse_depth: moderngl.Texture
     framebuffer: moderngl.Framebuffer
 
     def close(self) -> None:
-        for thing in (self.framebuffer, self.colour, self.inverse_depth):
-            thing.release()
+        release_all(self.framebuffer, self.colour, self.inverse_depth)
 
 
-class MotionPass(LatePass):
-    """Bodies go where their pose and speed take them, what deforms goes on as it was for swing_seconds() and REACH_M at most.
+class MotionPass(RenderedPass):
+    """Moves bodies by their pose and speed, and deforming things by their velocity.
 
-    Every moving pixel is drawn as the square it covers, with a depth test against all else; it leaves a hole. Both at once, because
-    what one of them moves the other's velocities and ids no longer fit.
+    Velocities apply for swing_seconds() and REACH_M at most. Every moving pixel is drawn as the
+    square it covers, with a depth test against all else; it leaves a hole. Both kinds move at once:
+    the velocities and ids of one no longer fit after the other has moved.
     """
 
     name = "motion"
-    order = 10
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.ids", "rendered.velocity")
 
     @classmethod
@@ -97,7 +100,10 @@ class MotionPass(LatePass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Colour and depth read and written once, ids or velocities read; what moves is little beside that."""
+        """Return the bytes that one eye's picture must at least read and write in memory.
+
+        Colour and depth read and written once, ids or velocities read; moving pixels add little.
+        """
         return rendered_pixels * (2 * (8 + 4) + 2)
 
     def prepare(self) -> None:
@@ -108,7 +114,8 @@ class MotionPass(LatePass):
         self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
         self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
-        # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in the shaders.
+        # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in
+        # the shaders.
         sizes = (
             4 * MAP_FLOATS * MOST_BODIES,
             4 * self._words,
@@ -135,7 +142,10 @@ class MotionPass(LatePass):
         return attrs.evolve(inputs, rendered=rendered, others=tuple(others))
 
     def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
-        """The image as it is `age_ns` later; itself where nothing has moved by then. ids and velocities are used up: they no longer fit."""
+        """Return the image as it is `age_ns` later; itself where nothing has moved by then.
+
+        The result has no ids and velocities: they no longer fit.
+        """
         ids = image.get("ids") if RIGID in self.parts else None
         maps = [body_map(state, age_ns, image.view, image.size) for state in ids.bodies] if ids is not None else []
         if len(maps) > MOST_BODIES:
@@ -154,7 +164,7 @@ class MotionPass(LatePass):
         return moved.having(ids=None, velocity=None)
 
     def _named(self, image: EyeImage, maps: Sequence[WarpMap], age_ns: int) -> dict[str, Any]:
-        """Uniforms by name, for whichever program has them."""
+        """Return the uniforms of all programs by name."""
         return {
             "rendered_size": self.rendered_size,
             "steepest": steepest(image.view, self.rendered_size, STEEPEST_DEG),
@@ -188,32 +198,33 @@ class MotionPass(LatePass):
     def _run(self, program: Compute, named: dict[str, Any], size: tuple[int, int]) -> None:
         program.uniforms.set_declared(**named)
         program.run(*size)
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def _draw_moving(self, named: dict[str, Any], into: _Moved) -> None:
         gl = self.gpu.gl
         self._draw.uniforms.set_declared(**named)
-        wanted, nothing = into.framebuffer.color_mask, ((False,) * 4,) * 2
-        into.framebuffer.color_mask = nothing
+        mask = into.framebuffer.color_mask
+        into.framebuffer.color_mask = ((False,) * 4,) * 2  # type: ignore[assignment]  # one mask for each attachment
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             into.framebuffer.clear(depth=1.0)
-        into.framebuffer.color_mask = (
-            wanted  # outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew
-        )
+        # Outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew.
+        into.framebuffer.color_mask = mask
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             gl.depth_func = "<"
             self._array.render_indirect(self._buffers[3], moderngl.TRIANGLES, count=self._draws)
-        gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def close(self) -> None:
         for moved in self._moved:
             moved.close()
-        for thing in (self._array, self._corners, self._depth, *self._buffers):
-            thing.release()
+        release_all(self._array, self._corners, self._depth, *self._buffers)
 
 
 def _table(maps: Sequence[WarpMap]) -> np.ndarray:
-    """(n, 4, 4) float32: the columns of H, then e; the first column's fourth number is 1 for a body that moves."""
+    """Return (n, 4, 4) float32: the columns of H, then e.
+
+    The first column's fourth number is 1 for a body that moves.
+    """
     table = np.zeros((len(maps), 4, 4), np.float32)
     for row, one in zip(table, maps, strict=True):
         row[:3, :3], row[3, :3], row[0, 3] = one.H.T, one.e, not rests(one)
@@ -221,13 +232,14 @@ def _table(maps: Sequence[WarpMap]) -> np.ndarray:
 
 
 def _check(gpu: Gpu, size: tuple[int, int]) -> None:
-    """Errors: MachineError where vertex shaders cannot read buffers; InputError for a picture too large to list."""
+    """Raise MachineError if vertex shaders cannot read buffers, InputError for a large picture."""
     blocks = gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"]
     if blocks < 2:
         raise MachineError(
-            f"vertex shaders of this GPU read {blocks} buffers: moving things wants 2; use --effects no-{RIGID},no-{SOFT}"
+            f"vertex shaders of this GPU read {blocks} buffers: moving things needs 2; use --effects "
+            f"no-{RIGID},no-{SOFT}"
         )
     if max(size) > MOST_SIDE:
         raise InputError(
-            f"a late picture of {size[0]}x{size[1]}: moving things takes at most {MOST_SIDE} pixels a side"
+            f"a rendered picture of {size[0]}x{size[1]}: moving things takes at most {MOST_SIDE} pixels a side"
         )

@@ -1,10 +1,10 @@
-"""What the warps through one homography share: a single bilinear look per pixel."""
+"""The kind of warps through one homography: a single bilinear sample per pixel."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ._gather import GatherWarp
+from .gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
