@@ -126,7 +126,8 @@ def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
     folder = tmp_path / "studies"
     folder.mkdir()
     (folder / "consent.txt").write_text("Read me.\n", encoding="utf-8")
-    scale = 'title = "Mine"\nkind = "rating"\nsource = "mine"\n[answer]\nleast = 0\nmost = 1\nstep = 1\nlow_is_good = true\n'
+    scale = 'title = "Mine"\nkind = "rating"\nsource = "mine"\n'
+    scale += "[answer]\nleast = 0\nmost = 1\nstep = 1\nlow_is_good = true\n"
     scale += '[answer.anchors]\n0 = "a"\n1 = "b"\n[[item]]\nkey = "mine"\ntext = "Well?"\n'
     (folder / "mine.toml").write_text(scale, encoding="utf-8")
     (folder / "delays.csv").write_text("delay_ms\n20\n30\n", encoding="utf-8")

@@ -102,7 +102,10 @@ subprocess.run(["mount", "--bind", folder, folder], check=True)
 subprocess.run(["mount", "-o", "remount,bind,ro", folder], check=True)
 out = []
 for act in (
-    lambda s: len(s.contents().answers), lambda s: begun(s, "P02").code, lambda s: s.resume("P01").code, lambda s: s.withdraw("P01")
+    lambda s: len(s.contents().answers),
+    lambda s: begun(s, "P02").code,
+    lambda s: s.resume("P01").code,
+    lambda s: s.withdraw("P01"),
 ):
     try:
         with Store(Path(folder) / "data", create=True) as store: out.append(act(store))
@@ -253,7 +256,8 @@ def test_two_programs_at_once(tmp_path):
     code = """
 store = Store(Path(sys.argv[1]), create=True)
 begun(store)
-helper = subprocess.Popen(["sleep", "120"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+null = subprocess.DEVNULL
+helper = subprocess.Popen(["sleep", "120"], stdin=null, stdout=null, stderr=null)
 print(helper.pid, flush=True)
 sys.stdin.read()
 """
@@ -268,7 +272,8 @@ sys.stdin.read()
         ):
             with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError) as error:
                 act(store)
-            wanted = rf"a session of this study is running already \(since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+\)"
+            since = rf"since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+"
+            wanted = rf"a session of this study is running already \({since}\)"
             assert re.search(wanted, str(error.value))
         with Store(tmp_path / "data") as store:
             assert store.contents().sessions[0].status == "running"
