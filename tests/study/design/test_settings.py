@@ -12,7 +12,7 @@ import pytest
 from hmdwarp.cli import live as live_command
 from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions
-from hmdwarp.study.design.settings import (
+from hmdwarp.study.design.condition_settings import (
     _NOT_SETTINGS,
     DISPLAY,
     KINDS,

@@ -318,7 +318,7 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
 
 
 def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.05)
+    monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.05)
     with Store(tmp_path / "data", create=True) as store:
         session = begun(store)
         other = sqlite3.connect(tmp_path / "data" / DATABASE, isolation_level=None)

@@ -143,7 +143,7 @@ def test_traces_are_overwritten_before_they_go(tmp_path):
 
 
 def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.1)
+    monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.1)
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         with Store(tmp_path / "data") as reader:
