@@ -107,6 +107,7 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
     try:
         gpu.timer.collect()
         result = compensator.run(PassInputs(rendered, shown))
+        assert result.shown is not None and result.warped is not None, "only a fused plan lacks them"
         picture = download(result.shown.texture).astype(np.float32)
         warped = download(result.warped.texture)[..., 3]
         times = dict(gpu.timer.collect())

@@ -14,10 +14,10 @@ from .library.hole_share import hole_share as hole_share
 from .library.psnr_db import PSNR_CAP_DB as PSNR_CAP_DB
 from .library.psnr_db import psnr_db as psnr_db
 from .library.ssim import ssim as ssim
-from .metric import METRICS as METRICS
 from .metric import PRIMARY as PRIMARY
 from .metric import Input as Input
 from .metric import Metric as Metric
+from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
 from .mismatch import Mismatch as Mismatch
 from .mismatch import SharedSurface as SharedSurface

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from ..errors import HmdwarpError
-from .metric import METRICS, PRIMARY
+from .metric import PRIMARY, metrics
 
 Thing = TypeVar("Thing", bound=Any)
 Costs = tuple[float | None, float | None]
@@ -20,7 +20,7 @@ def error_and_time(row: Mapping[str, Any], measure: str = PRIMARY) -> Costs:
     where nothing was measured. measure: name of a metric.
     """
     error = row["quality"][measure]["mean"]
-    if error is not None and METRICS.get(measure).higher_is_better:
+    if error is not None and metrics.get(measure).higher_is_better:
         error = -error
     return error, row["time_ms"]["total"]["median"]
 

@@ -87,7 +87,7 @@ class Metric:
         return f"% of {self.percent_of}" if self.percent_of else self.unit
 
 
-METRICS: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library")
+metrics: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library", "metrics")
 # Decides which pictures are the worst and, unless another one is chosen, which method is the best.
 PRIMARY = "flip"
 
@@ -95,4 +95,4 @@ PRIMARY = "flip"
 @functools.cache
 def metrics_in_order() -> tuple[Metric, ...]:
     """Return all metrics in the order of files, tables and pages."""
-    return tuple(sorted(METRICS, key=lambda metric: metric.order))
+    return tuple(sorted(metrics, key=lambda metric: metric.order))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..metrics import METRICS, Figure
+from ..metrics import Figure, metrics
 from .tables import TIME_FIGURES, Summary
 
 _MS = Figure("", "", "ms", 2)
@@ -74,5 +74,5 @@ def _per_eye(summary: Summary) -> str:
 
 
 def _holes(summary: Summary) -> str:
-    entry, text = summary["quality"]["hole_share"], METRICS.get("hole_share").figure.text
+    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
     return "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics import METRICS, STAGES, Figure, metrics_in_order
+from ..metrics import STAGES, Figure, metrics, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -51,7 +51,7 @@ def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -
     if first is None or second is None:
         return Row(figure, cells, None)
     first_is_larger = first > second
-    return Row(figure, cells, 0 if first_is_larger == METRICS.get(figure.name).higher_is_better else 1)
+    return Row(figure, cells, 0 if first_is_larger == metrics.get(figure.name).higher_is_better else 1)
 
 
 def column_names(summary: Summary, baseline: Summary | None) -> list[str]:

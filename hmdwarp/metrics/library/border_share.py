@@ -9,7 +9,7 @@ from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
-from ..metric import METRICS, Input, Metric
+from ..metric import Input, Metric, metrics
 
 
 def border_share(
@@ -49,7 +49,7 @@ def border_share(
     return float(outside / holes.size)
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="border_share",
         order=50,

@@ -9,7 +9,7 @@ from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
-from ..metric import METRICS, Input, Metric
+from ..metric import Input, Metric, metrics
 
 
 def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: View) -> float | None:
@@ -51,7 +51,7 @@ def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: 
     return float(total / count) if count else None
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="flicker",
         order=60,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..metric import METRICS, Metric
+from ..metric import Metric, metrics
 from ..pictures import check_pair
 
 
@@ -38,7 +38,7 @@ def flip(shown: NDArray, truth: NDArray, pixels_per_degree: float) -> tuple[floa
     return float(error.mean(dtype=np.float64)), error
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="flip",
         order=30,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metric import METRICS, Metric
+from ..metric import Metric, metrics
 from ..pictures import check_pair
 
 PSNR_CAP_DB = 100.0  # JSON has no infinity; one grey level in one byte of a 640x400 picture would be 107 dB
@@ -34,7 +34,7 @@ def db_of(mean_square: float) -> float:
     return min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="psnr_db",
         order=10,

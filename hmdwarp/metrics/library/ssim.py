@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metric import METRICS, Metric
+from ..metric import Metric, metrics
 from ..pictures import check_pair
 
 SSIM_SIGMA = 1.5
@@ -45,7 +45,7 @@ def ssim(shown: NDArray, truth: NDArray) -> float:
     return float(similarity.mean())
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="ssim",
         order=20,

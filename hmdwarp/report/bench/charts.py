@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...metrics import METRICS, PRIMARY, error_and_time, pareto
+from ...metrics import PRIMARY, error_and_time, metrics, pareto
 from ..files import write_bytes
 from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text
 from .labels import groups_of, leaders, place_labels
@@ -130,7 +130,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
     time = np.array([_total(row) for row in rows])
     error = np.array([row["quality"][measure]["mean"] for row in rows])
     _scale(axes.xaxis, time, logarithmic=True)
-    _scale(axes.yaxis, error, logarithmic=not METRICS.get(measure).higher_is_better and error.min() > 0)
+    _scale(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better and error.min() > 0)
     best = {id(row) for row in pareto(rows, lambda row: error_and_time(row, measure))}
     is_best = np.array([id(row) in best for row in rows])
     line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
@@ -145,7 +145,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
-    better = "better ↖" if METRICS.get(measure).higher_is_better else "better ↙"
+    better = "better ↖" if metrics.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
 
@@ -178,7 +178,7 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
     """Draw the staircase that bounds these methods; return it as (m, 2) in data coordinates."""
     order = np.argsort(time, kind="stable")
     time, error = time[order], error[order]
-    worst = axes.get_ylim()[0 if METRICS.get(measure).higher_is_better else 1]
+    worst = axes.get_ylim()[0 if metrics.get(measure).higher_is_better else 1]
     x = np.concatenate([[time[0]], time, [axes.get_xlim()[1]]])
     y = np.concatenate([[worst], error, error[-1:]])
     axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)

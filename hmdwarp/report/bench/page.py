@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ...metrics import METRICS, REGIONS, Figure, metrics_in_order
+from ...metrics import REGIONS, Figure, metrics, metrics_in_order
 from ..parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, Tile, environment
 from ..style import css_variables, markers_of
 from ..words import counted, listed, plain
@@ -135,7 +135,7 @@ def _choice(choice: Mapping[str, Any] | None) -> dict[str, Any] | None:
 
 
 def _figures(entry: Mapping[str, Any]) -> str:
-    flip, psnr = (METRICS.get(name).short_figure.text(entry.get(name)) for name in ("flip", "psnr_db"))
+    flip, psnr = (metrics.get(name).short_figure.text(entry.get(name)) for name in ("flip", "psnr_db"))
     return f"FLIP {flip}, PSNR {psnr} dB"
 
 
@@ -242,7 +242,7 @@ def _regions_table(case: Case) -> PageTable:
 
 def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
     figures = [
-        *(METRICS.get(name).short_figure for name in ("psnr_db", "flip")),
+        *(metrics.get(name).short_figure for name in ("psnr_db", "flip")),
         Figure("sharpness", "sharpness", "", 2),
     ]
     forms = ("fused", "separate")

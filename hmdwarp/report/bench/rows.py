@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError
-from ...metrics import METRICS, PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics_in_order, pareto
+from ...metrics import PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics, metrics_in_order, pareto
 
 Row = Mapping[str, Any]
 
@@ -141,6 +141,6 @@ def column(name: str) -> Column:
 
 def measure_label(measure: str) -> str:
     """Return the name of a metric with its unit and the direction in which it is better."""
-    metric = METRICS.get(measure)
+    metric = metrics.get(measure)
     figure, better = metric.short_figure, "higher" if metric.higher_is_better else "lower"
     return f"{figure.label}{f' in {figure.unit}' if figure.unit else ''}, {better} is better"
