@@ -1,6 +1,5 @@
 """The benchmark: error against time of every method on the same late frames.
 
-
 Names are in __init__.pyi; each loads its module at first use.
 """
 

@@ -1,4 +1,4 @@
-"""Which cases a bench runs, and which combinations in each."""
+"""The cases of a bench and the combinations in each."""
 
 from __future__ import annotations
 
@@ -18,30 +18,39 @@ from .options import BenchOptions
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
-    """All of them, a recording's latencies one after the other."""
+    """Return all cases, a recording's latencies one after the other."""
     product = itertools.product(options.sizes, options.scenes, options.recordings, options.latencies_ms)
     return [Case(scene, recording, latency, size) for size, scene, recording, latency in product]
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """The warps asked for, or all with their variants, in the shortest text that means them, each once. Errors: as parse_warp."""
+    """Return the warps of the options, or all with their variants, as shortest text, each once.
+
+    Errors: as parse_warp.
+    """
     return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
 
 
 def fills_of(options: BenchOptions) -> list[str]:
-    """The fills and chains asked for, in the shortest text that means them, each once. Errors: as parse_fills."""
+    """Return the fills and chains of the options as their shortest text, each once.
+
+    Errors: as parse_fills.
+    """
     return list(dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills))
 
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
-    """Errors: as build_plan."""
+    """Return each warp with each fill. Errors: as build_plan."""
     pairs = itertools.product(warps_of(options), fills_of(options))
     selected = effects.selected(options.effects, effects.of(scene))
     return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
-    """A run of one case. Its first refresh is the same whatever the latency, so that all latencies see the same head."""
+    """Return the options of a run of one case.
+
+    Its first refresh does not depend on the latency, so that all latencies have the same head.
+    """
     known: dict[str, Any] = {
         "trace": case.recording,
         "scene": case.scene,
@@ -65,7 +74,10 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
 
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
-    """Where all latencies can start, after checking that each has a frame to show in this recording. Errors: as schedule_of."""
+    """Return the start that suits all latencies; check that each has a frame to show.
+
+    Errors: as schedule_of.
+    """
     for latency in options.latencies_ms:
         schedule_of(track, run_options(options, Case("", "", latency, options.sizes[0])), rate_hz)
     return max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)
