@@ -106,7 +106,7 @@ def main() -> None:
             elif line == "close":
                 panel.close()
                 heard.panel = None
-            tell(done=line, grab=grab_of(gl.screen, size), column=panel._column)
+            tell(done=line, grab=grab_of(gl.screen, size), column=panel._layout.column)
     panel.close()
     glfw.terminate()
 

@@ -239,9 +239,9 @@ def test_it_lies_over_the_picture_as_its_alpha_says(gpu, screen, panel):
     over[:, SIZE[0] - w :] = np.frombuffer(panel._renderer.picture.read(), np.uint8).reshape(h, w, 4) / 255.0
     wanted = over + (1 - over[..., 3:]) * before
     assert np.abs(found - wanted).max() <= 1.01 / 255  # one rounding
-    assert np.array_equal(found[: SIZE[1] - panel._height], before[: SIZE[1] - panel._height])
+    assert np.array_equal(found[: SIZE[1] - panel._layout.height], before[: SIZE[1] - panel._layout.height])
     assert np.array_equal(found[:, : SIZE[0] - w], before[:, : SIZE[0] - w])
-    assert w == 330 and 400 < panel._height < SIZE[1]
+    assert w == 330 and 400 < panel._layout.height < SIZE[1]
 
 
 def test_the_next_pass_does_not_notice_it(gpu, panel):
@@ -526,7 +526,9 @@ def test_a_refused_value_is_shown_as_it_is_again(panel, hand):
 def test_buttons_ask_for_what_the_display_does(panel, hand):
     told = status()
     settle(panel, told)
-    asked = [click(panel, hand, told, x, panel._height - 10 - 24 * row - 10) for row in (2, 1, 0) for x in (80, 240)]
+    asked = [
+        click(panel, hand, told, x, panel._layout.height - 10 - 24 * row - 10) for row in (2, 1, 0) for x in (80, 240)
+    ]
     assert asked == [[Command(name)] for name in widgets.ACTIONS]
 
 
