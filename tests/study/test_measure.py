@@ -156,7 +156,7 @@ def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):
     )
     with pytest.raises(InputError, match="cannot be repeated"):
         run_options(showing, store.contents().sessions[0], store.traces, OPTIONS)
-    with pytest.raises(InputError, match="chosen"):
+    with pytest.raises(InputError, match="neither warp .auto. nor a video"):
         figures(RunOptions(trace="walk", warp="auto", budget_ms=5.0))
 
 

@@ -253,7 +253,7 @@ BROKEN = [
         "condition 'warped-200': seconds is no setting of a condition: how long",
         "seconds = 3\nguard",
     ),
-    ('warp = "mesh"', "link-seed = 1\nlink_seed = 1", "link_seed is comes twice, with - and with _", "link_seed"),
+    ('warp = "mesh"', "link-seed = 1\nlink_seed = 1", "link_seed comes twice, with - and with _", "link_seed"),
     ("guard = 1.2", "guard = 1000", "condition 'warped-200': guard 1000", None),
     ("guard = 1.2", 'guard = "auto"', "condition 'warped-200': guard auto looks at the whole trace first", None),
     (

@@ -122,7 +122,7 @@ def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
         ({"delay_trace": "absent.csv"}, "absent.csv: the delay trace cannot be read"),
         ({"latency": 5, "jitter": "uniform:20"}, "jitter uniform:20 around a latency of 5 ms"),
         ({"lens": "radial", "headset": "flat-90"}, "has no lens"),
-        ({"headset": "absent.toml"}, "headset file absent.toml is not there"),
+        ({"headset": "absent.toml"}, "headset file absent.toml does not exist"),
         ({"warp": "multi", "view": "flat"}, "the flat view has one eye"),
         ({"predict": "guess"}, "unknown predictor 'guess'"),
         ({"mirrors": "glass"}, "mirrors 'glass': wanted geometry or screen"),
